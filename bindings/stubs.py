@@ -1,0 +1,36 @@
+"""Writes the type stubs of rbdyn._core (python/rbdyn/_core.pyi) from the installed module: ./run stubs"""
+
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+STUBS = Path(__file__).resolve().parents[1] / "python" / "rbdyn" / "_core.pyi"
+
+
+def generated() -> str:
+    """The stubs of the installed rbdyn._core, without what depends on the machine or on numpy's release."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "pybind11_stubgen", "--exit-code", "--output-dir", folder, "rbdyn._core"]
+        # a hash seed, so that nothing can depend on the order of a set
+        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": "0"})
+        if done.returncode:
+            raise RuntimeError(f"pybind11-stubgen cannot describe rbdyn._core:\n{done.stdout}{done.stderr}")
+        (written,) = Path(folder).rglob("_core*.pyi")
+        text = written.read_text()
+    # one spelling for what pybind11 and numpy spell differently from release to release
+    for pattern, one in (
+        (r"\bnumpy\.(float|int|uint|complex)_\b", r"numpy.\g<1>64"),
+        (r"\bnumpy\.bool_\b", "numpy.bool"),
+        (r" at 0x[0-9a-fA-F]+", ""),
+        (r"[ \t]+$", ""),
+    ):
+        text = re.sub(pattern, one, text, flags=re.MULTILINE)
+    return text.strip() + "\n"
+
+
+if __name__ == "__main__":
+    STUBS.write_text(generated())
+    print(f"wrote {STUBS}")

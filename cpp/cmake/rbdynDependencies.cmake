@@ -1,0 +1,61 @@
+# Finds what rbdyn stands on; the build and an installed rbdyn both read this file.
+# Targets: Eigen3::Eigen, Boost::headers and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing.
+#
+# SUNDIALS is looked for by file, not by its own package file: Debian's asks for OpenMP, MPI and PETSc, none of which CVODE
+# needs. The static archive is preferred, so that what links it needs no SUNDIALS where it runs. To point at another copy,
+# put its folder in CMAKE_PREFIX_PATH.
+set(rbdyn_missing "")
+
+find_package(Eigen3 QUIET CONFIG)
+if(NOT TARGET Eigen3::Eigen OR Eigen3_VERSION VERSION_LESS 3.4)
+  set(rbdyn_missing "rbdyn needs Eigen 3.4 or later: apt install libeigen3-dev")
+endif()
+
+find_package(Boost 1.74 QUIET)
+if(NOT TARGET Boost::headers)
+  set(rbdyn_missing "rbdyn needs the headers of Boost 1.74 or later: apt install libboost-dev")
+endif()
+
+if(RBDYN_SUNDIALS AND NOT TARGET rbdyn::sundials)
+  find_path(RBDYN_SUNDIALS_INCLUDE cvode/cvode.h)
+  find_library(RBDYN_SUNDIALS_CVODE NAMES libsundials_cvode.a sundials_cvode sundials_cvode_static)
+  mark_as_advanced(RBDYN_SUNDIALS_INCLUDE RBDYN_SUNDIALS_CVODE)
+  set(rbdyn_sundials_version 0)
+  set(rbdyn_sundials_mpi 0)
+  if(RBDYN_SUNDIALS_INCLUDE AND RBDYN_SUNDIALS_CVODE)
+    file(STRINGS "${RBDYN_SUNDIALS_INCLUDE}/sundials/sundials_config.h" rbdyn_lines REGEX "define SUNDIALS_(VERSION|MPI_ENABLED) ")
+    if(rbdyn_lines MATCHES "SUNDIALS_VERSION \"([0-9.]+)")
+      set(rbdyn_sundials_version "${CMAKE_MATCH_1}")
+    endif()
+    if(rbdyn_lines MATCHES "SUNDIALS_MPI_ENABLED 1")
+      set(rbdyn_sundials_mpi 1)
+    endif()
+  endif()
+  set(rbdyn_sundials_parts "${RBDYN_SUNDIALS_CVODE}")
+  if(rbdyn_sundials_version VERSION_LESS 6.4)
+    set(rbdyn_missing "rbdyn needs SUNDIALS CVODE 6.4 or later: apt install libsundials-dev")
+  elseif(NOT rbdyn_sundials_version VERSION_LESS 7)
+    # from 7 on contexts and vectors live in a library of their own, and an MPI build shows mpi.h in its headers
+    get_filename_component(rbdyn_folder "${RBDYN_SUNDIALS_CVODE}" DIRECTORY)
+    find_library(RBDYN_SUNDIALS_CORE NAMES libsundials_core.a sundials_core sundials_core_static HINTS "${rbdyn_folder}")
+    mark_as_advanced(RBDYN_SUNDIALS_CORE)
+    list(APPEND rbdyn_sundials_parts "${RBDYN_SUNDIALS_CORE}")
+    if(NOT RBDYN_SUNDIALS_CORE)
+      set(rbdyn_missing "rbdyn found SUNDIALS ${rbdyn_sundials_version} without its sundials_core library: apt install libsundials-dev")
+    elseif(rbdyn_sundials_mpi)
+      find_package(MPI QUIET COMPONENTS CXX)
+      list(APPEND rbdyn_sundials_parts MPI::MPI_CXX)
+      if(NOT TARGET MPI::MPI_CXX)
+        set(rbdyn_missing "rbdyn found SUNDIALS ${rbdyn_sundials_version} built with MPI and needs its headers: apt install mpi-default-dev")
+      endif()
+    endif()
+  endif()
+  if(NOT rbdyn_missing)
+    add_library(rbdyn::sundials INTERFACE IMPORTED)
+    if(UNIX)
+      list(APPEND rbdyn_sundials_parts m)
+    endif()
+    set_target_properties(rbdyn::sundials PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${RBDYN_SUNDIALS_INCLUDE}"
+                                                     INTERFACE_LINK_LIBRARIES "${rbdyn_sundials_parts}")
+  endif()
+endif()

@@ -1,0 +1,5 @@
+"""Which rbdyn is this?"""
+
+import rbdyn
+
+print(f"rbdyn {rbdyn.__version__}")

@@ -1,0 +1,5 @@
+// Which rbdyn is this?
+#include <iostream>
+#include <rbdyn/rbdyn.hpp>
+
+int main() { std::cout << "rbdyn " << rbdyn::version << '\n'; }
