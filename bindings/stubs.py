@@ -12,15 +12,24 @@ STUBS = Path(__file__).resolve().parents[1] / "python" / "rbdyn" / "_core.pyi"
 
 def generated() -> str:
     """The stubs of the installed rbdyn._core, without what depends on the machine or on numpy's release."""
+    import rbdyn._core as module
+
+    # a default that is a member of an enum is written as such; one that is any other object as `...`
+    enums = [name for name, value in vars(module).items() if hasattr(value, "__members__")]
+    options = [f"--enum-class-locations={name}:rbdyn._core" for name in sorted(enums)]
+    options += [r"--ignore-invalid-expressions=<rbdyn\.[\w.]+ object at 0x[0-9a-f]+>", "--exit-code"]
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "pybind11_stubgen", "--exit-code", "--output-dir", folder, "rbdyn._core"]
+        command = [sys.executable, "-m", "pybind11_stubgen", *options, "--output-dir", folder, "rbdyn._core"]
         # a hash seed, so that nothing can depend on the order of a set
         done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": "0"})
         if done.returncode:
-            raise RuntimeError(f"pybind11-stubgen cannot describe rbdyn._core:\n{done.stdout}{done.stderr}")
+            raise RuntimeError(
+                "pybind11-stubgen cannot describe rbdyn._core; bind a type before what uses it, "
+                f"and name a default it cannot read with py::arg_v:\n{done.stdout}{done.stderr}"
+            )
         (written,) = Path(folder).rglob("_core*.pyi")
         text = written.read_text()
-    # one spelling for what pybind11 and numpy spell differently from release to release
+    # one spelling for what numpy's releases spell differently
     for pattern, one in (
         (r"\bnumpy\.(float|int|uint|complex)_\b", r"numpy.\g<1>64"),
         (r"\bnumpy\.bool_\b", "numpy.bool"),
@@ -32,5 +41,8 @@ def generated() -> str:
 
 
 if __name__ == "__main__":
-    STUBS.write_text(generated())
+    try:
+        STUBS.write_text(generated())
+    except RuntimeError as error:
+        sys.exit(str(error))
     print(f"wrote {STUBS}")
