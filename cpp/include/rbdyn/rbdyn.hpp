@@ -1,6 +1,10 @@
-// Everything in rbdyn.
+// Everything of rbdyn in one include.
 #pragma once
 
+#include "rbdyn/simulate.hpp"
+
 namespace rbdyn {
+
 inline constexpr const char* version = "0.1.0";
-}
+
+}  // namespace rbdyn

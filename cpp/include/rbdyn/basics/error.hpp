@@ -1,0 +1,38 @@
+// What goes wrong, said once: every message names the object, the number, the rule and the fix.
+#pragma once
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace rbdyn {
+
+/// Base of every error of this library.
+struct Error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A value that breaks a rule of the interface. Also a ValueError in Python.
+struct InvalidInput : Error {
+    using Error::Error;
+};
+
+/// A double as text that reads back as the same double, short where that is possible.
+inline std::string text(double value) {
+    for (int digits = 6; digits <= 17; ++digits) {
+        std::ostringstream out;
+        out.precision(digits);
+        out << value;
+        if (digits == 17 || !std::isfinite(value) || std::stod(out.str()) == value) return out.str();
+    }
+    return {};
+}
+
+/// Throws InvalidInput("<object>: <what> is <value>; <rule>") unless the condition holds.
+inline void require(bool condition, const std::string& object, const std::string& what, double value,
+                    const std::string& rule) {
+    if (!condition) throw InvalidInput(object + ": " + what + " is " + text(value) + "; " + rule);
+}
+
+}  // namespace rbdyn

@@ -1,0 +1,61 @@
+// What every engine offers: steps of smooth motion as polynomial pieces, and series of the guards on them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rbdyn/engine/piece.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/model/equations.hpp"
+
+namespace rbdyn {
+
+/// The work an engine has done.
+struct Work {
+    std::int64_t steps = 0;
+    std::int64_t rejected = 0;
+    std::int64_t right_hand_sides = 0;  // for Taylor series: orders computed
+    std::int64_t jacobians = 0;
+    std::int64_t guard_evaluations = 0;
+};
+
+enum class StepStatus {
+    ok,
+    not_finite,  // the right-hand side is not finite at the start of the step
+    stalled      // the step became too small to advance time
+};
+
+/// A method of integration. One engine serves one run; modes come and go through start().
+class Engine {
+public:
+    virtual ~Engine() = default;
+
+    virtual std::string name() const = 0;
+
+    /// Begins smooth motion at time t and state x. The equations outlive the engine's use of them.
+    virtual void start(const Equations& equations, std::span<const double> parameters, Instant t,
+                       std::span<const double> x) = 0;
+
+    /// One step, not past `limit`; its result is piece(). The next step goes on from its end.
+    virtual StepStatus step(double limit) = 0;
+
+    const Piece& piece() const { return piece_; }
+
+    /// The state at tau on the current piece, as exactly as the engine knows it.
+    virtual void state(double tau, std::span<double> x) const { piece_.state(tau, x); }
+
+    /// Coefficients 0 .. guard_order() of a guard on the current piece, in the piece's unit of time, unsigned.
+    virtual const double* guard(int index) = 0;
+    virtual int guard_order() const = 0;
+
+    const Work& work() const { return work_; }
+
+protected:
+    Piece piece_;
+    Work work_;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,39 @@
+// One smooth piece of motion: polynomials in time, whatever engine made them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/instant.hpp"
+
+namespace rbdyn {
+
+/// sum_k c[k] tau^k, k = 0 .. order.
+inline double polynomial(const double* c, int order, double tau) {
+    double sum = c[order];
+    for (int k = order - 1; k >= 0; --k) sum = sum * tau + c[k];
+    return sum;
+}
+
+/// State variables on [start, start + length * unit]: x_i = sum_k c[i][k] tau^k with tau = (t - start) / unit.
+struct Piece {
+    Instant start;
+    double unit = 1.0;    // s
+    double length = 0.0;  // in units
+    int variables = 0, order = 0;
+    const double* coefficients = nullptr;  // variables rows of order + 1
+
+    const double* variable(int i) const { return coefficients + static_cast<std::ptrdiff_t>(i) * (order + 1); }
+    double tau(double t) const { return (t - start) / unit; }
+    Instant at(double tau_) const { return start + tau_ * unit; }
+    double duration() const { return length * unit; }
+
+    void state(double tau_, std::span<double> x) const {
+        for (int i = 0; i < variables; ++i) x[static_cast<std::size_t>(i)] = polynomial(variable(i), order, tau_);
+    }
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,247 @@
+// The one driver of hybrid motion: steps an engine through smooth modes, isolates events on its pieces, asks the
+// model what comes next.
+//
+// Contract: an event fires at t* in (t0, t1]; nothing fires at the start. A guard at zero where a mode begins (just
+// handled, or starting there) is disarmed: its known root is divided out with its multiplicity, and the side it
+// leaves to is the sign of its first coefficient that is not zero. Guards of mode or stop role are valid while not
+// negative. Events closer than rounding are simultaneous: all are handled together, watched functions first, then by
+// kind and subject. The number of events is bounded.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/series/roots.hpp"
+
+namespace rbdyn {
+
+/// What of a run is kept.
+struct Keep {
+    enum class What { all, end, times } what = What::all;
+    std::vector<double> times = {};  // increasing
+};
+
+class Driver {
+public:
+    /// Called now and then with the time reached; false stops the run.
+    using Monitor = std::function<bool(double)>;
+
+    Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {})
+        : model_(model), engine_(engine), max_steps_(max_steps), keep_(std::move(keep)), monitor_(std::move(monitor)) {}
+
+    Record run(double start, std::vector<double> x, double until) {
+        Record record;
+        record.start = start;
+        record.variables = model_.variables();
+        Instant t{start, 0.0};
+        record.end = t;
+        Mode mode = model_.begin(start, x);
+        enter(record, mode, t, x);
+        bool fresh = true;
+        int crowded = 0;
+        while (until - t > 0.0) {
+            if (mode.still) {
+                rest(record, t, x, until);
+                t = {until, 0.0};
+                break;
+            }
+            if (engine_.work().steps >= max_steps_) return finish(record, t, Status::step_limit);
+            if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
+                return finish(record, t, Status::stopped_by_user);
+            const StepStatus step = engine_.step(until);
+            if (step != StepStatus::ok) return finish(record, t, Status::not_finite);
+            const Piece& piece = engine_.piece();
+            const bool is_last = !(until - piece.at(piece.length) > 0.0);
+            const double cut = examine(record, mode, fresh, is_last);
+            if (cut < 0.0) {
+                store(record, piece, piece.length, fresh);
+                t = piece.at(piece.length);
+                fresh = false;
+                continue;
+            }
+            // a true end of this piece at the event, exact in the engine's own terms
+            const Instant at = cut < piece.length ? piece.at(cut) : piece.at(piece.length);
+            store(record, piece, cut, fresh);
+            engine_.state(cut, x);
+            crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
+            t = at;
+            if (stops_) {
+                for (int index : fired_) note(record, mode.equations->guards[static_cast<std::size_t>(index)], t);
+                return finish(record, t, Status::stopped_by_event);
+            }
+            std::vector<Happening> happenings;
+            mode = model_.next(mode, fired_, t.hi, x, happenings);
+            std::stable_sort(happenings.begin(), happenings.end(), [](const Happening& a, const Happening& b) {
+                return std::pair(a.kind, a.subject) < std::pair(b.kind, b.subject);
+            });
+            for (const Happening& h : happenings)
+                record.events.push_back({t.hi, h.kind, h.subject, h.name, h.direction, 0.0, t});
+            if (crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_)
+                return finish(record, t, Status::inconsistent);
+            enter(record, mode, t, x);
+            fresh = true;
+        }
+        return finish(record, t, Status::reached_end);
+    }
+
+private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    // events of one instant: more than this and no smooth motion exists
+    static constexpr int max_crowded = 100;
+
+    Record& finish(Record& record, Instant t, Status status) {
+        record.end = t;
+        record.status = status;
+        record.work = engine_.work();
+        return record;
+    }
+
+    void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x) {
+        record.modes.push_back(mode);
+        sides_.assign(mode.equations->guards.size(), 0);
+        if (!mode.still) engine_.start(*mode.equations, mode.parameters, t, x);
+    }
+
+    void store(Record& record, const Piece& piece, double length, bool fresh) const {
+        const int mode = static_cast<int>(record.modes.size()) - 1;
+        if (keep_.what == Keep::What::times) {
+            const double lo = piece.start.hi, hi = piece.at(length).hi;
+            const auto wanted = std::lower_bound(keep_.times.begin(), keep_.times.end(), lo);
+            // the piece that holds a wanted time, and the last one so far
+            if (record.entries().size() > kept_) record.drop_last();
+            record.append(piece, length, mode, fresh);
+            if (wanted != keep_.times.end() && *wanted <= hi) kept_ = record.entries().size();
+            return;
+        }
+        record.append(piece, length, mode, fresh);
+        if (keep_.what == Keep::What::end) record.keep_last();
+    }
+
+    /// Nothing moves any more: one piece to the end.
+    void rest(Record& record, Instant t, std::span<const double> x, double until) const {
+        Piece piece{t, until - t, 1.0, record.variables, 0, x.data()};
+        store(record, piece, 1.0, true);
+    }
+
+    void note(Record& record, const Guard& guard, Instant t) const {
+        record.events.push_back({t.hi, guard.kind, guard.subject, guard.name, guard.direction, 0.0, t});
+    }
+
+    /// Looks for events on the engine's piece. Records watched ones; returns tau of the first change of mode or stop,
+    /// with its guards in fired_, or a negative number.
+    double examine(Record& record, const Mode& mode, bool fresh, bool is_last) {
+        const std::vector<Guard>& guards = mode.equations->guards;
+        fired_.clear();
+        stops_ = false;
+        if (guards.empty()) return -1.0;
+        const Piece& piece = engine_.piece();
+        found_.clear();
+        for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
+        double first = 2.0;
+        for (const Found& f : found_)
+            if (guards[f.guard].role != GuardRole::record) first = std::min(first, f.place);
+        const double together = first + 1e-13 + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
+        std::stable_sort(found_.begin(), found_.end(),
+                         [](const Found& a, const Found& b) { return a.place < b.place; });
+        for (const Found& f : found_) {
+            const Guard& guard = guards[f.guard];
+            if (guard.role == GuardRole::record) {
+                if (f.place > first) continue;
+                sides_[f.guard] = -sides_[f.guard];
+                const Direction direction = f.rising ? Direction::rising : Direction::falling;
+                if (guard.direction != Direction::either && guard.direction != direction) continue;
+                const Instant at = piece.at(f.place * piece.length);
+                record.events.push_back({at.hi, guard.kind, guard.subject, guard.name, direction, 0.0, at});
+            } else if (f.place <= together &&
+                       std::find(fired_.begin(), fired_.end(), static_cast<int>(f.guard)) == fired_.end()) {
+                fired_.push_back(static_cast<int>(f.guard));
+                stops_ = stops_ || guard.role == GuardRole::stop;
+            }
+        }
+        return first <= 1.0 ? first * piece.length : -1.0;
+    }
+
+    /// Where guard g changes its sign on the piece, as places in [0, 1].
+    void seek(const Mode& mode, const std::vector<Guard>& guards, std::size_t g, bool fresh, bool is_last) {
+        const Guard& guard = guards[g];
+        const double* c = engine_.guard(static_cast<int>(g));
+        const double sign =
+            guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
+        int degree = std::min(engine_.guard_order(), series::max_degree);
+        // the guard on the unit interval
+        series::Coefficients q;
+        double power = sign, size = 0.0;
+        for (int k = 0; k <= degree; ++k) {
+            q[static_cast<std::size_t>(k)] = c[k] * power;
+            power *= engine_.piece().length;
+            if (k > 0) size = std::max(size, std::abs(q[static_cast<std::size_t>(k)]));
+        }
+        int& side = sides_[g];
+        const double* p = q.data();
+        const double q0 = q[0];
+        // at zero within rounding where a mode begins, or across it where two pieces meet
+        const bool at_zero = fresh ? std::abs(q0) <= 1e-12 * size || q0 == 0.0
+                                   : (q0 > 0.0 ? 1 : -1) != side && std::abs(q0) <= 1e-10 * size;
+        int leaves = q0 > 0.0 ? 1 : -1;
+        if (at_zero) {
+            int m = 1;
+            while (m <= degree && !(std::abs(q[static_cast<std::size_t>(m)]) > 1e-13 * size)) ++m;
+            if (m > degree || size == 0.0) return;  // stays at zero
+            p += m;
+            degree -= m;
+            leaves = p[0] > 0.0 ? 1 : -1;
+        }
+        const bool is_watch = guard.role == GuardRole::record;
+        if (fresh) side = is_watch ? leaves : 1;
+        if (leaves != side) {
+            found_.push_back({0.0, g, leaves > 0});
+            if (!is_watch) return;
+        }
+        roots_.clear();
+        finder_.find(p, degree, roots_);
+        if (is_last && roots_.empty()) at_the_end(p, degree);
+        for (double place : roots_) {
+            leaves = -leaves;
+            found_.push_back({place, g, leaves > 0});
+            if (!is_watch) break;
+        }
+    }
+
+    /// A root at the very end of the run that rounding put just beyond it.
+    void at_the_end(const double* p, int degree) {
+        double value = 0.0, sum = 0.0, slope = 0.0;
+        for (int k = degree; k >= 0; --k) {
+            value += p[k];
+            sum += std::abs(p[k]);
+            slope += k * p[k];
+        }
+        if (std::abs(value) <= 4.0 * epsilon * sum && value * slope < 0.0) roots_.push_back(1.0);
+    }
+
+    struct Found {
+        double place;
+        std::size_t guard;
+        bool rising;
+    };
+
+    const HybridModel& model_;
+    Engine& engine_;
+    std::int64_t max_steps_;
+    Keep keep_;
+    Monitor monitor_;
+    std::vector<int> sides_;
+    std::vector<int> fired_;
+    std::vector<Found> found_;
+    std::vector<double> roots_;
+    series::RootFinder finder_;
+    bool stops_ = false;
+    mutable std::size_t kept_ = 0;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,88 @@
+// What a run leaves behind: pieces of motion with their modes, events, and the work done.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/event.hpp"
+#include "rbdyn/model/hybrid.hpp"
+
+namespace rbdyn {
+
+/// Which side of a jump a value is asked for.
+enum class Side { before, after };
+
+class Record {
+public:
+    struct Entry {
+        Instant start;
+        double unit, length;  // s; in units
+        int order;
+        int mode;
+        std::size_t offset;
+        bool after_event;  // begins where a mode began
+    };
+
+    double start = 0.0;
+    Instant end;
+    Status status = Status::reached_end;
+    std::vector<Mode> modes;
+    std::vector<Event> events;
+    Work work;
+    int variables = 0;
+
+    const std::vector<Entry>& entries() const { return entries_; }
+    bool empty() const { return entries_.empty(); }
+
+    Piece piece(std::size_t index) const {
+        const Entry& e = entries_[index];
+        return {e.start, e.unit, e.length, variables, e.order, coefficients_.data() + e.offset};
+    }
+    const Mode& mode(std::size_t index) const { return modes[static_cast<std::size_t>(entries_[index].mode)]; }
+
+    void append(const Piece& piece, double length, int mode, bool after_event) {
+        const std::size_t offset = coefficients_.size();
+        coefficients_.insert(coefficients_.end(), piece.coefficients,
+                             piece.coefficients + static_cast<std::ptrdiff_t>(variables) * (piece.order + 1));
+        entries_.push_back({piece.start, piece.unit, length, piece.order, mode, offset, after_event});
+    }
+    /// Forgets all pieces but the last.
+    void keep_last() {
+        if (entries_.size() < 2) return;
+        Entry last = entries_.back();
+        const auto count = static_cast<std::size_t>(variables * (last.order + 1));
+        std::vector<double> kept(coefficients_.begin() + static_cast<std::ptrdiff_t>(last.offset),
+                                 coefficients_.begin() + static_cast<std::ptrdiff_t>(last.offset + count));
+        coefficients_ = std::move(kept);
+        last.offset = 0;
+        entries_.assign(1, last);
+    }
+    void drop_last() {
+        coefficients_.resize(entries_.back().offset);
+        entries_.pop_back();
+    }
+
+    /// The piece that holds time t; where two meet, the later one (after) or the earlier one (before).
+    std::size_t find(double t, Side side) const {
+        const auto later = [&](double time, const Entry& e) {
+            const double d = time - e.start;
+            return side == Side::after ? d < 0.0 : d <= 0.0;
+        };
+        auto it = std::upper_bound(entries_.begin(), entries_.end(), t, later);
+        return it == entries_.begin() ? 0 : static_cast<std::size_t>(it - entries_.begin()) - 1;
+    }
+
+    /// tau of time t on a piece, not outside it.
+    static double tau(const Piece& piece, double t) { return std::clamp(piece.tau(t), 0.0, piece.length); }
+
+    std::size_t memory() const { return coefficients_.size() * sizeof(double) + entries_.size() * sizeof(Entry); }
+
+private:
+    std::vector<Entry> entries_;
+    std::vector<double> coefficients_;
+};
+
+}  // namespace rbdyn

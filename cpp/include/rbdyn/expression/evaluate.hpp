@@ -1,0 +1,130 @@
+// Runs a program in plain numbers: values in any floating type, and the exact Jacobian in doubles.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "rbdyn/expression/program.hpp"
+
+namespace rbdyn {
+
+/// Evaluates a program at a point, in numbers of type T. Keeps its slots, so that a call allocates nothing.
+template <class T>
+class Evaluator {
+public:
+    explicit Evaluator(const Program& program) : program_(&program), slots_(static_cast<std::size_t>(program.slots())) {
+        set_parameters(std::vector<T>(static_cast<std::size_t>(program.parameters()), T(0)));
+    }
+
+    void set_parameters(std::span<const T> parameters) { program_->set_parameters(parameters, scalars_); }
+
+    void operator()(T t, std::span<const T> x) {
+        using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt;
+        T* s = slots_.data();
+        const T* w = scalars_.data();
+        for (std::size_t i = 0; i < x.size(); ++i) s[i] = x[i];
+        s[program_->time_slot()] = t;
+        for (const Instruction& i : program_->instructions()) {
+            switch (i.code) {
+                case Code::combine: {
+                    T sum = i.weight >= 0 ? w[i.weight] : T(0);
+                    const Term* term = program_->terms(i);
+                    for (int k = 0; k < i.terms; ++k) sum += w[term[k].weight] * s[term[k].slot];
+                    const ProductTerm* product = program_->products(i);
+                    for (int k = 0; k < i.products; ++k)
+                        sum += w[product[k].weight] * (s[product[k].a] * s[product[k].b]);
+                    s[i.out] = sum;
+                    break;
+                }
+                case Code::divide: s[i.out] = s[i.a] / s[i.b]; break;
+                case Code::square_root: s[i.out] = sqrt(s[i.a]); break;
+                case Code::norm: s[i.out] = sqrt(s[i.a] * s[i.a] + s[i.b] * s[i.b] + s[i.c] * s[i.c]); break;
+                case Code::sine_cosine:
+                    s[i.out] = sin(s[i.a]);
+                    s[i.out2] = cos(s[i.a]);
+                    break;
+                case Code::exponential: s[i.out] = exp(s[i.a]); break;
+                case Code::logarithm: s[i.out] = log(s[i.a]); break;
+                case Code::power: s[i.out] = pow(s[i.a], T(i.value)); break;
+            }
+        }
+    }
+
+    T output(int index) const { return slots_[static_cast<std::size_t>(program_->output(index))]; }
+    T switch_value(int index) const { return slots_[static_cast<std::size_t>(program_->switch_output(index))]; }
+
+protected:
+    const Program* program_;
+    std::vector<T> slots_;
+    std::vector<T> scalars_;
+};
+
+/// Derivatives of the outputs with respect to the state, by forward propagation of all directions at once.
+class JacobianEvaluator : public Evaluator<double> {
+public:
+    explicit JacobianEvaluator(const Program& program)
+        : Evaluator<double>(program),
+          n_(program.inputs()),
+          tangents_(static_cast<std::size_t>(program.slots() * program.inputs()), 0.0) {
+        for (int i = 0; i < n_; ++i) at(i)[i] = 1.0;
+    }
+
+    /// Values and derivatives at (t, x).
+    void differentiate(double t, std::span<const double> x) {
+        (*this)(t, x);
+        const double* s = slots_.data();
+        const double* w = scalars_.data();
+        for (const Instruction& i : program_->instructions()) {
+            double* out = at(i.out);
+            switch (i.code) {
+                case Code::combine: {
+                    for (int d = 0; d < n_; ++d) out[d] = 0.0;
+                    const Term* term = program_->terms(i);
+                    for (int k = 0; k < i.terms; ++k) add(out, w[term[k].weight], at(term[k].slot));
+                    const ProductTerm* product = program_->products(i);
+                    for (int k = 0; k < i.products; ++k) {
+                        const double weight = w[product[k].weight];
+                        add(out, weight * s[product[k].b], at(product[k].a));
+                        add(out, weight * s[product[k].a], at(product[k].b));
+                    }
+                    break;
+                }
+                case Code::divide: chain(out, 1.0 / s[i.b], at(i.a), -s[i.out] / s[i.b], at(i.b)); break;
+                case Code::square_root: chain(out, 0.5 / s[i.out], at(i.a)); break;
+                case Code::norm:
+                    for (int d = 0; d < n_; ++d)
+                        out[d] = s[i.out] > 0.0
+                                     ? (s[i.a] * at(i.a)[d] + s[i.b] * at(i.b)[d] + s[i.c] * at(i.c)[d]) / s[i.out]
+                                     : 0.0;
+                    break;
+                case Code::sine_cosine:
+                    chain(out, s[i.out2], at(i.a));
+                    chain(at(i.out2), -s[i.out], at(i.a));
+                    break;
+                case Code::exponential: chain(out, s[i.out], at(i.a)); break;
+                case Code::logarithm: chain(out, 1.0 / s[i.a], at(i.a)); break;
+                case Code::power: chain(out, i.value * std::pow(s[i.a], i.value - 1.0), at(i.a)); break;
+            }
+        }
+    }
+
+    /// d output / d x[variable]
+    double derivative(int output, int variable) const {
+        return tangents_[static_cast<std::size_t>(program_->output(output) * n_ + variable)];
+    }
+
+private:
+    double* at(int slot) { return tangents_.data() + static_cast<std::ptrdiff_t>(slot) * n_; }
+    void add(double* out, double factor, const double* direction) const {
+        for (int d = 0; d < n_; ++d) out[d] += factor * direction[d];
+    }
+    void chain(double* out, double fa, const double* a, double fb = 0.0, const double* b = nullptr) const {
+        for (int d = 0; d < n_; ++d) out[d] = fa * a[d] + (b != nullptr ? fb * b[d] : 0.0);
+    }
+
+    int n_;
+    std::vector<double> tangents_;
+};
+
+}  // namespace rbdyn

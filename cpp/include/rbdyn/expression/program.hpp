@@ -1,0 +1,374 @@
+// A recorded function as a list of native instructions: plain data, immutable, shared between runs.
+//
+// Linear parts are gathered: one `combine` instruction is a weighted sum of slots and of products of slots, with
+// weights that depend on parameters alone and are computed once when the parameters are set, not once an evaluation.
+// Slots hold numbers when the program is run in doubles, whole series when it is run in Taylor coefficients.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rbdyn/expression/expression.hpp"
+
+namespace rbdyn {
+
+enum class Code : std::uint8_t { combine, divide, square_root, norm, sine_cosine, exponential, logarithm, power };
+
+/// weight * slot
+struct Term {
+    int slot, weight;
+};
+/// weight * a * b
+struct ProductTerm {
+    int a, b, weight;
+};
+
+struct Instruction {
+    Code code;
+    int out = -1, out2 = -1;        // slots written (out2: cosine)
+    int a = -1, b = -1, c = -1;     // operand slots
+    int first_term = 0, terms = 0;  // combine
+    int first_product = 0, products = 0;
+    int weight = -1;     // combine: constant part; norm: its "starts at zero" flag; -1: none
+    int extra = -1;      // scratch slot (slopes) or index of the instruction's integer state
+    double value = 0.0;  // exponent of power
+};
+
+/// A function of (t, x, parameters) with several outputs.
+class Program {
+public:
+    Program() = default;
+    /// Compiles `outputs`, recorded with `recorder`, of `inputs` state variables; switches become further outputs.
+    Program(Recorder& recorder, std::span<const Expression> outputs, int inputs);
+
+    int inputs() const { return inputs_; }
+    int outputs() const { return outputs_; }  // without those of the switches
+    int parameters() const { return parameters_; }
+    int slots() const { return slots_; }
+    int scalars() const { return static_cast<int>(constants_.size()); }
+    int states() const { return states_; }  // integers an evaluation keeps (valuations of norms)
+    bool uses_time() const { return uses_time_; }
+    int time_slot() const { return inputs_; }
+    int output(int index) const { return output_slots_[static_cast<std::size_t>(index)]; }
+    const std::vector<Switch>& switches() const { return switches_; }
+    int switch_output(int index) const { return output(outputs_ + index); }
+    const std::vector<Instruction>& instructions() const { return instructions_; }
+    const Term* terms(const Instruction& i) const { return terms_.data() + i.first_term; }
+    const ProductTerm* products(const Instruction& i) const { return products_.data() + i.first_product; }
+
+    /// The weights for given parameters, in the number type of the evaluation.
+    template <class T>
+    void set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const;
+
+    /// The program's instructions, one a line.
+    std::string text() const;
+
+private:
+    struct ScalarStep {
+        Operation operation;
+        int out, a, b;
+        double value;
+    };
+    friend class Lowering;
+
+    int inputs_ = 0, outputs_ = 0, parameters_ = 0, slots_ = 0, states_ = 0;
+    bool uses_time_ = false;
+    std::vector<Instruction> instructions_;
+    std::vector<Term> terms_;
+    std::vector<ProductTerm> products_;
+    std::vector<int> output_slots_;
+    std::vector<Switch> switches_;
+    std::vector<double> constants_;  // initial contents of the scalars
+    std::vector<ScalarStep> scalar_steps_;
+};
+
+/// Turns a recorded graph into a Program. One use, one object.
+class Lowering {
+public:
+    Lowering(Recorder& recorder, Program& program, int inputs) : r_(recorder), p_(program) {
+        p_.inputs_ = inputs;
+        p_.slots_ = inputs + 1;  // the last of them is time
+    }
+
+    void run(std::span<const Expression> outputs) {
+        std::vector<Expression> all(outputs.begin(), outputs.end());
+        p_.outputs_ = static_cast<int>(all.size());
+        mark(all);
+        // switches of functions that are not used by any output are not guarded
+        for (const Switch& s : r_.switches())
+            if (uses_[static_cast<std::size_t>(s.argument)] > 0 || parameter_used(s.parameter)) {
+                p_.switches_.push_back(s);
+                all.push_back({&r_, s.argument});
+            }
+        mark(all);
+        for (const Expression& out : all) p_.output_slots_.push_back(slot_of(r_.node_of(out)));
+        p_.parameters_ = r_.parameters();
+    }
+
+private:
+    struct Combination {
+        Expression constant = 0.0;
+        std::map<int, Expression> terms;                     // slot -> weight
+        std::map<std::pair<int, int>, Expression> products;  // slots -> weight
+    };
+
+    bool parametric(std::int32_t n) {
+        const Node& node = r_.node(n);
+        switch (node.operation) {
+            case Operation::constant:
+            case Operation::parameter: return true;
+            case Operation::input:
+            case Operation::time: return false;
+            default: break;
+        }
+        auto found = parametric_.find(n);
+        if (found != parametric_.end()) return found->second;
+        const bool result =
+            parametric(node.a) && (node.b < 0 || parametric(node.b)) && (node.c < 0 || parametric(node.c));
+        return parametric_[n] = result;
+    }
+
+    bool parameter_used(int index) const {
+        return index < static_cast<int>(parameter_used_.size()) && parameter_used_[static_cast<std::size_t>(index)];
+    }
+
+    /// A multiple of another node by a parametric factor.
+    bool scaled(std::int32_t n) {
+        const Node& node = r_.node(n);
+        return node.operation == Operation::multiply && !parametric(n) && (parametric(node.a) || parametric(node.b));
+    }
+
+    /// Counts the uses of every node that the outputs reach; multiples count as uses of what they multiply.
+    void mark(const std::vector<Expression>& outputs) {
+        for (const Expression& out : outputs) r_.node_of(out);  // constants become nodes
+        uses_.assign(static_cast<std::size_t>(r_.size()), 0);
+        parameter_used_.assign(static_cast<std::size_t>(r_.parameters()), false);
+        for (const Expression& out : outputs) uses_[static_cast<std::size_t>(r_.node_of(out))]++;
+        for (auto n = static_cast<std::int32_t>(uses_.size()) - 1; n >= 0; --n) {
+            const int count = uses_[static_cast<std::size_t>(n)];
+            if (count == 0) continue;
+            const Node& node = r_.node(n);
+            if (node.operation == Operation::parameter) parameter_used_[static_cast<std::size_t>(node.a)] = true;
+            if (node.operation == Operation::input || node.operation == Operation::parameter) continue;
+            const bool is_multiple = scaled(n);
+            for (std::int32_t operand : {node.a, node.b, node.c})
+                if (operand >= 0)
+                    uses_[static_cast<std::size_t>(operand)] += is_multiple && !parametric(operand) ? count : 1;
+        }
+    }
+
+    int uses(std::int32_t n) const {
+        return n < static_cast<std::int32_t>(uses_.size()) ? uses_[static_cast<std::size_t>(n)] : 1;
+    }
+
+    int new_slot() { return p_.slots_++; }
+
+    /// The slot that holds a node's value, computed if it is not yet.
+    int slot_of(std::int32_t n) {
+        const Node node = r_.node(n);
+        if (node.operation == Operation::input) return node.a;
+        if (node.operation == Operation::time) {
+            p_.uses_time_ = true;
+            return p_.inputs_;
+        }
+        auto found = slots_.find(n);
+        if (found != slots_.end()) return found->second;
+        int slot = -1;
+        switch (parametric(n) ? Operation::constant : node.operation) {
+            case Operation::constant:
+            case Operation::parameter:
+            case Operation::add:
+            case Operation::multiply: slot = emit(combination(n)); break;
+            case Operation::divide:
+                slot = emit({Code::divide, new_slot(), -1, slot_of(node.a), slot_of(node.b)});
+                break;
+            case Operation::square_root: slot = emit({Code::square_root, new_slot(), -1, slot_of(node.a)}); break;
+            case Operation::norm: {
+                Instruction i{Code::norm, new_slot(), -1, slot_of(node.a), slot_of(node.b), slot_of(node.c)};
+                i.weight = scalar_of(r_.parameter(node.d));
+                i.extra = p_.states_++;
+                slot = emit(i);
+                break;
+            }
+            case Operation::sine:
+            case Operation::cosine: {
+                Instruction i{Code::sine_cosine, new_slot(), new_slot(), slot_of(node.a)};
+                i.extra = new_slot();
+                emit(i);
+                slots_[r_.record(Operation::sine, node.a).node()] = i.out;
+                slots_[r_.record(Operation::cosine, node.a).node()] = i.out2;
+                slot = node.operation == Operation::sine ? i.out : i.out2;
+                break;
+            }
+            case Operation::exponential:
+            case Operation::logarithm:
+            case Operation::power: {
+                const Code code = node.operation == Operation::exponential ? Code::exponential
+                                  : node.operation == Operation::logarithm ? Code::logarithm
+                                                                           : Code::power;
+                Instruction i{code, new_slot(), -1, slot_of(node.a)};
+                i.extra = new_slot();
+                i.value = node.value;
+                slot = emit(i);
+                break;
+            }
+            default: break;
+        }
+        return slots_[n] = slot;
+    }
+
+    int emit(const Instruction& i) {
+        p_.instructions_.push_back(i);
+        return i.out;
+    }
+
+    int emit(const Combination& sum) {
+        if (sum.products.empty() && sum.constant.is_zero() && sum.terms.size() == 1) {
+            const auto& [slot, weight] = *sum.terms.begin();
+            if (weight.is_constant() && weight.value() == 1.0) return slot;
+        }
+        Instruction i{Code::combine};
+        i.first_term = static_cast<int>(p_.terms_.size());
+        i.first_product = static_cast<int>(p_.products_.size());
+        for (const auto& [slot, weight] : sum.terms)
+            if (!weight.is_zero()) p_.terms_.push_back({slot, scalar_of(weight)});
+        for (const auto& [pair, weight] : sum.products)
+            if (!weight.is_zero()) p_.products_.push_back({pair.first, pair.second, scalar_of(weight)});
+        i.terms = static_cast<int>(p_.terms_.size()) - i.first_term;
+        i.products = static_cast<int>(p_.products_.size()) - i.first_product;
+        if (!sum.constant.is_zero()) i.weight = scalar_of(sum.constant);
+        i.out = new_slot();
+        return emit(i);
+    }
+
+    Combination combination(std::int32_t n) {
+        Combination sum;
+        gather(n, 1.0, sum, true);
+        return sum;
+    }
+
+    /// Strips parametric factors: n = weight * base.
+    std::int32_t base_of(std::int32_t n, Expression& weight) {
+        while (scaled(n)) {
+            const Node node = r_.node(n);
+            const bool first = parametric(node.a);
+            weight = weight * value_of(first ? node.a : node.b);
+            n = first ? node.b : node.a;
+        }
+        return n;
+    }
+
+    Expression value_of(std::int32_t n) {
+        const Node& node = r_.node(n);
+        return node.operation == Operation::constant ? Expression(node.value) : Expression(&r_, n);
+    }
+
+    void gather(std::int32_t n, Expression weight, Combination& sum, bool is_root) {
+        if (parametric(n)) {
+            sum.constant = sum.constant + weight * value_of(n);
+            return;
+        }
+        const std::int32_t base = base_of(n, weight);
+        const Node node = r_.node(base);
+        const bool inlined = (is_root && base == n) || uses(base) <= 1;
+        if (inlined && node.operation == Operation::add) {
+            gather(node.a, weight, sum, false);
+            gather(node.b, weight, sum, false);
+        } else if (inlined && node.operation == Operation::multiply) {
+            const std::int32_t a = base_of(node.a, weight), b = base_of(node.b, weight);
+            const int i = slot_of(a), j = slot_of(b);
+            Expression& w = sum.products[{std::min(i, j), std::max(i, j)}];
+            w = w + weight;
+        } else {
+            Expression& w = sum.terms[slot_of(base)];
+            w = w + weight;
+        }
+    }
+
+    /// The scalar that holds a parametric expression.
+    int scalar_of(const Expression& x) {
+        const std::int32_t n = r_.node_of(x);
+        auto found = scalars_.find(n);
+        if (found != scalars_.end()) return found->second;
+        const Node node = r_.node(n);
+        const int out = static_cast<int>(p_.constants_.size());
+        p_.constants_.push_back(node.operation == Operation::constant ? node.value : 0.0);
+        scalars_[n] = out;
+        if (node.operation == Operation::parameter) {
+            p_.scalar_steps_.push_back({node.operation, out, node.a, -1, 0.0});
+        } else if (node.operation != Operation::constant) {
+            const int a = scalar_of({&r_, node.a});
+            const int b = node.b >= 0 ? scalar_of({&r_, node.b}) : -1;
+            p_.scalar_steps_.push_back({node.operation, out, a, b, node.value});
+        }
+        return out;
+    }
+
+    Recorder& r_;
+    Program& p_;
+    std::vector<int> uses_;
+    std::vector<bool> parameter_used_;
+    std::unordered_map<std::int32_t, bool> parametric_;
+    std::unordered_map<std::int32_t, int> slots_;
+    std::unordered_map<std::int32_t, int> scalars_;
+};
+
+inline Program::Program(Recorder& recorder, std::span<const Expression> outputs, int inputs) {
+    Lowering(recorder, *this, inputs).run(outputs);
+}
+
+template <class T>
+void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const {
+    using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt;
+    scalars.assign(constants_.begin(), constants_.end());
+    for (const ScalarStep& s : scalar_steps_) {
+        T& out = scalars[static_cast<std::size_t>(s.out)];
+        if (s.operation == Operation::parameter) {
+            out = parameters[static_cast<std::size_t>(s.a)];
+            continue;
+        }
+        const T a = scalars[static_cast<std::size_t>(s.a)];
+        const T b = s.b >= 0 ? scalars[static_cast<std::size_t>(s.b)] : T(0);
+        switch (s.operation) {
+            case Operation::add: out = a + b; break;
+            case Operation::multiply: out = a * b; break;
+            case Operation::divide: out = a / b; break;
+            case Operation::square_root: out = sqrt(a); break;
+            case Operation::sine: out = sin(a); break;
+            case Operation::cosine: out = cos(a); break;
+            case Operation::exponential: out = exp(a); break;
+            case Operation::logarithm: out = log(a); break;
+            case Operation::power: out = pow(a, T(s.value)); break;
+            default: break;
+        }
+    }
+}
+
+inline std::string Program::text() const {
+    static const char* names[] = {"combine", "divide", "sqrt", "norm", "sincos", "exp", "log", "pow"};
+    std::ostringstream out;
+    out << inputs_ << " state variables, " << parameters_ << " parameters, " << slots_ << " slots\n";
+    for (const Instruction& i : instructions_) {
+        out << "  s" << i.out << (i.out2 >= 0 ? ", s" + std::to_string(i.out2) : std::string()) << " = "
+            << names[static_cast<int>(i.code)];
+        for (int slot : {i.a, i.b, i.c})
+            if (slot >= 0) out << " s" << slot;
+        if (i.code == Code::power) out << " ^ " << i.value;
+        if (i.code == Code::combine) {
+            if (i.weight >= 0) out << " w" << i.weight;
+            for (int k = 0; k < i.terms; ++k) out << " + w" << terms(i)[k].weight << " s" << terms(i)[k].slot;
+            for (int k = 0; k < i.products; ++k)
+                out << " + w" << products(i)[k].weight << " s" << products(i)[k].a << " s" << products(i)[k].b;
+        }
+        out << '\n';
+    }
+    for (std::size_t k = 0; k < output_slots_.size(); ++k)
+        out << (static_cast<int>(k) < outputs_ ? "  output " : "  switch ") << k << " = s" << output_slots_[k] << '\n';
+    return out.str();
+}
+
+}  // namespace rbdyn

@@ -1,0 +1,191 @@
+// The plan: what a scene calls for, decided once, and what is left out and why.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "rbdyn/model/points.hpp"
+
+namespace rbdyn {
+
+/// The decisions made from a scene before anything is computed.
+struct Plan {
+    struct Omission {
+        std::string what, why;
+    };
+
+    std::vector<std::string> coordinates;  // one line a body
+    std::vector<std::string> effects;      // of the closed list
+    std::vector<std::string> guards;       // what is watched for
+    std::string engine, reason;            // the automatic choice
+    std::vector<Omission> omissions;
+    std::vector<std::string> integrals;  // first integrals of the scene
+    Placement view;                      // the axes the equations are written in
+
+    bool has(const std::string& effect) const {
+        return std::find(effects.begin(), effects.end(), effect) != effects.end();
+    }
+};
+
+namespace planning {
+
+/// The axes in which most of a scene vanishes: those of the only curve, turned about a line so that the forces lie in
+/// one plane with it; else the world's.
+inline Placement view_of(const Scene& scene) {
+    if (scene.bodies().size() != 1 || scene.bodies()[0].rail() == nullptr) return {};
+    const Curve& curve = scene.bodies()[0].rail()->curve();
+    Placement view = curve.placement();
+    bool straight = true;
+    for (double u : {0.0, 0.375, 1.0}) straight = straight && curve.own<double>(u).first_cross_second.isZero(0.0);
+    if (!straight) return view;
+    // a line: the y axis along what pulls across it
+    Vector3 across = Vector3::Zero();
+    const Vector3 x = view.axes.col(0);
+    const auto take = [&](const Vector3& v) {
+        const Vector3 part = v - x * x.dot(v);
+        if (across.isZero(0.0) && part.norm() > 1e-12 * v.norm()) across = part;
+    };
+    take(scene.gravity());
+    for (const auto& load : scene.loads())
+        if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->is_constant())
+            take(force->constant());
+    for (const auto& c : scene.connections())
+        for (const End* e : {&c.a, &c.b})
+            if (const Vector3* point = std::get_if<Vector3>(e)) take(*point - view.origin);
+    if (across.isZero(0.0)) return view;
+    Matrix3 axes;
+    axes.col(0) = x;
+    axes.col(1) = across.normalized();
+    axes.col(2) = x.cross(axes.col(1)).normalized();
+    view.axes = axes;
+    return view;
+}
+
+}  // namespace planning
+
+/// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
+inline Plan make_plan(const Scene& scene) {
+    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
+    Plan plan;
+    plan.view = planning::view_of(scene);
+    bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
+         damper = false, is_rough = false, free = false, user_velocity = false, quadratic = false;
+    const auto leave_out = [&](const std::string& what, const std::string& why) {
+        plan.omissions.push_back({what, why});
+    };
+    const bool gravity = !scene.gravity().isZero(0.0);
+    for (const Scene::Body& b : scene.bodies()) {
+        const Rail* rail = b.rail();
+        if (rail == nullptr) {
+            free = true;
+            plan.coordinates.push_back(b.name + ": x, y, z in the world");
+            continue;
+        }
+        any_rail = true;
+        plan.coordinates.push_back(b.name + ": parameter u of its " + rail->curve().name());
+        const Domain domain = rail->curve().domain();
+        if (!rail->curve().closed() && (std::isfinite(domain.begin) || std::isfinite(domain.end)))
+            plan.guards.push_back(b.name + ": the ends of its rail (rail-end)");
+        if (const auto friction = rail->friction()) {
+            is_rough = true;
+            statics = statics || friction->mu_static > 0.0;
+            dynamic = dynamic || friction->dynamic() > 0.0;
+            drive = drive || !rail->drive().is_zero();
+            plan.guards.push_back(b.name + ": its slip through zero (reverse, stick)");
+            if (friction->dynamic() > 0.0)
+                plan.guards.push_back(b.name + ": its normal reaction through zero (normal-zero)");
+            plan.guards.push_back(b.name + ": the static limit while it sticks (slip)");
+        } else if (!rail->drive().is_zero()) {
+            leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
+        }
+    }
+    for (const auto& load : scene.loads()) {
+        if (const Force* force = std::get_if<Force>(&load.load)) {
+            if (!force->is_constant() || !force->constant().isZero(0.0)) user = true;
+            if (!force->is_constant()) user_velocity = true;
+        } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
+            drag = drag || d->present();
+            quadratic = quadratic || d->quadratic > 0.0;
+            if (!d->present()) leave_out("drag", "both its coefficients are zero");
+        }
+    }
+    for (const auto& c : scene.connections()) {
+        const Spring& s = std::get<Spring>(c.coupling);
+        spring = spring || s.stiffness > 0.0;
+        damper = damper || s.damping > 0.0;
+        if (s.stiffness == 0.0 && s.damping == 0.0) leave_out("a spring", "its stiffness and damping are zero");
+    }
+    const std::pair<bool, const char*> effects[] = {{gravity, "gravity"},
+                                                    {spring, "spring"},
+                                                    {damper, "damper"},
+                                                    {drag, "drag"},
+                                                    {user, "user force"},
+                                                    {drive, "drive"},
+                                                    {dynamic, "dynamic friction"},
+                                                    {statics, "static friction"}};
+    for (const auto& [present, name] : effects)
+        if (present) plan.effects.push_back(name);
+    if (quadratic) plan.guards.push_back("the speed under quadratic drag through zero (switch)");
+    if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
+    leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
+    if (any_rail && !is_rough)
+        leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
+    if (plan.guards.empty()) leave_out("events", "nothing to watch for");
+    // first integrals that the effects leave
+    const bool conservative = !drag && !damper && !user_velocity && !dynamic && !statics && !drive;
+    if (conservative) plan.integrals.push_back("energy");
+    if (!any_rail) {
+        bool isolated = true;
+        for (const auto& c : scene.connections())
+            isolated = isolated && std::holds_alternative<BodyHandle>(c.a) && std::holds_alternative<BodyHandle>(c.b);
+        Vector3 external = Vector3::Zero();
+        bool known = isolated && !drag;
+        for (const auto& load : scene.loads())
+            if (const Force* force = std::get_if<Force>(&load.load)) {
+                known = known && force->is_constant();
+                external += force->constant().cwiseAbs();
+            }
+        external += scene.gravity().cwiseAbs();
+        const char* names[] = {"momentum x", "momentum y", "momentum z"};
+        for (int i = 0; i < 3; ++i)
+            if (known && external[i] == 0.0) plan.integrals.push_back(names[i]);
+        if (known && external.isZero(0.0))
+            plan.integrals.push_back("angular momentum");
+        else if (known && external[0] == 0.0 && external[1] == 0.0) {
+            // only vertical forces, on mass proportionally: gravity alone turns nothing about a vertical line
+            bool only_gravity = true;
+            for (const auto& load : scene.loads())
+                if (const Force* force = std::get_if<Force>(&load.load))
+                    only_gravity = only_gravity && force->constant().isZero(0.0);
+            if (only_gravity) plan.integrals.push_back("angular momentum z");
+        }
+    }
+    plan.engine = "taylor";
+    plan.reason = "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
+    return plan;
+}
+
+inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
+    const auto list = [&](const char* head, const std::vector<std::string>& lines, const char* none) {
+        out << head;
+        if (lines.empty()) out << none << '\n';
+        for (std::size_t i = 0; i < lines.size(); ++i) out << (i == 0 ? "" : "              ") << lines[i] << '\n';
+    };
+    std::string effects;
+    for (const std::string& e : plan.effects) effects += (effects.empty() ? "" : ", ") + e;
+    out << "Plan\n";
+    list("  coordinates ", plan.coordinates, "none");
+    out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
+    list("  guards      ", plan.guards, "none");
+    list("  conserved   ", plan.integrals, "nothing");
+    out << "  engine      " << plan.engine << ": " << plan.reason << '\n';
+    out << "  left out    ";
+    for (std::size_t i = 0; i < plan.omissions.size(); ++i)
+        out << (i == 0 ? "" : "              ") << plan.omissions[i].what << ": " << plan.omissions[i].why << '\n';
+    return out;
+}
+
+}  // namespace rbdyn

@@ -1,0 +1,86 @@
+// Coefficients of truncated Taylor series, one order at a time.
+//
+// Notation: a series a(t) = sum_k a_k t^k. Each kernel returns the coefficient of order k of its result from the
+// coefficients 0..k of its operands (and 0..k-1 of its result), so that an ODE can be advanced order by order
+// (Jorba and Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor methods",
+// Experimental Mathematics 14, 2005, eqs. 6-12; Griewank and Walther, "Evaluating Derivatives", ch. 13).
+//
+// Storage: a series is kept forwards (a_0 first) and reversed (a_0 last), so that the convolution
+// sum_j a_j b_{k-j} runs forwards through both arrays. Sums are taken in four fixed lanes: the same bits on every
+// processor, whatever the width of its registers.
+#pragma once
+
+#include <cstddef>
+
+namespace rbdyn::series {
+
+#if defined(__GNUC__) || defined(__clang__)
+using Lanes = double __attribute__((vector_size(32), aligned(8), may_alias));
+#endif
+
+/// sum_{j < n} a[j] b[j], in four lanes.
+inline double dot(const double* a, const double* b, int n) {
+#if defined(__GNUC__) || defined(__clang__)
+    double sum = 0.0;
+    int j = 0;
+    if (n >= 4) {
+        Lanes lanes = *reinterpret_cast<const Lanes*>(a) * *reinterpret_cast<const Lanes*>(b);
+        for (j = 4; j + 4 <= n; j += 4)
+            lanes += *reinterpret_cast<const Lanes*>(a + j) * *reinterpret_cast<const Lanes*>(b + j);
+        sum = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+    }
+#else
+    double sum = 0.0;
+    int j = 0;
+    if (n >= 4) {
+        double lanes[4] = {a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]};
+        for (j = 4; j + 4 <= n; j += 4)
+            for (int l = 0; l < 4; ++l) lanes[l] += a[j + l] * b[j + l];
+        sum = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+    }
+#endif
+    for (; j < n; ++j) sum += a[j] * b[j];
+    return sum;
+}
+
+/// A view of one series: coefficient k is forward[k] and reversed[top - k].
+struct View {
+    double* forward;
+    double* reversed;
+    int top;
+
+    double operator[](int k) const { return forward[k]; }
+    void set(int k, double value) const {
+        forward[k] = value;
+        reversed[top - k] = value;
+    }
+    /// Pointer to a_k, a_{k-1}, ..., a_0.
+    const double* from(int k) const { return reversed + (top - k); }
+};
+
+/// (a b)_k
+inline double product(View a, View b, int k) { return dot(a.forward, b.from(k), k + 1); }
+
+/// (a a)_k, half the work of a product.
+inline double square(View a, int k) {
+    const int pairs = (k + 1) / 2;
+    const double twice = 2.0 * dot(a.forward, a.from(k), pairs);
+    return k % 2 == 0 ? twice + a[k / 2] * a[k / 2] : twice;
+}
+
+/// (a / b)_k, q the quotient so far.
+inline double quotient(View a, View b, View q, int k) { return (a[k] - dot(b.forward + 1, q.from(k) + 1, k)) / b[0]; }
+
+/// sqrt(a)_k for k > 0, s the root so far.
+inline double square_root(double a_k, View s, int k) {
+    double sum = 0.0;
+    const int pairs = (k - 1) / 2;
+    sum = 2.0 * dot(s.forward + 1, s.from(k) + 1, pairs);
+    if (k % 2 == 0) sum += s[k / 2] * s[k / 2];
+    return (a_k - sum) / (2.0 * s[0]);
+}
+
+/// (1/k) sum_{j=1..k} (j a_j) b_{k-j}, the coefficient of the integral of a' b; `slope` holds j a_j.
+inline double integral_of_slope(const double* slope, View b, int k) { return dot(slope + 1, b.from(k - 1), k) / k; }
+
+}  // namespace rbdyn::series
