@@ -1,0 +1,47 @@
+// The rules a curve's numbers must keep, shared by the kinds of curve. Each throws InvalidInput.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/axes.hpp"
+
+namespace rbdyn::curves {
+
+inline void require_finite(const std::string& curve, const std::string& what, double value) {
+    require(std::isfinite(value), curve, what, value, "it must be a finite number");
+}
+
+inline void require_finite(const std::string& curve, const std::string& what, const Vector3& v) {
+    for (int i = 0; i < 3; ++i) require_finite(curve, what + "[" + std::to_string(i) + "]", v[i]);
+}
+
+inline void require_positive(const std::string& curve, const std::string& what, double value, const std::string& unit) {
+    require(std::isfinite(value) && value > 0.0, curve, what, value, "it must be positive and finite, in " + unit);
+}
+
+inline void require_direction(const std::string& curve, const std::string& what, const Vector3& v) {
+    require_finite(curve, what, v);
+    require(v.cwiseAbs().maxCoeff() > 0.0, curve, "length of " + what, 0.0,
+            "a direction must not be zero: give a vector of any other length");
+}
+
+/// Two directions that span a plane.
+inline void require_plane(const std::string& curve, const Vector3& start, const Vector3& toward) {
+    require_direction(curve, "start", start);
+    require_direction(curve, "toward", toward);
+    // below, the given numbers would fix the plane to fewer than half of their digits
+    constexpr double least = 1e-8;
+    require(sine_between(start, toward) > least, curve, "sine of the angle from start to toward",
+            sine_between(start, toward),
+            "it must be above " + text(least) + ": give a toward that is not parallel to start");
+}
+
+/// A vector as text: (1, 0, -0.5).
+inline std::string vector_text(const Vector3& v) {
+    return "(" + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + ")";
+}
+
+}  // namespace rbdyn::curves

@@ -1,0 +1,59 @@
+// A circle by its angle: r(u) = center + radius (cos u start + sin u toward).
+//
+// Start and toward are directions from the centre, made orthonormal: toward loses its part along start. The angle is
+// not confined to one turn, since a motion may go round many times. Own axes: start, toward, start x toward.
+// Invariant: |r'| = radius, r'.r'' = 0, r' x r'' = radius^2 along the third axis.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "rbdyn/curve/axes.hpp"
+#include "rbdyn/curve/checks.hpp"
+#include "rbdyn/curve/point.hpp"
+
+namespace rbdyn {
+
+struct Circle {
+    double radius = 0.0;               // [m], positive
+    Vector3 start = Vector3::Zero();   // direction from the centre to u = 0
+    Vector3 toward = Vector3::Zero();  // side on which u grows
+    Vector3 center = Vector3::Zero();  // world, [m]
+
+    /// Throws InvalidInput unless the radius is positive, start and toward span a plane, and all is finite.
+    void validate() const {
+        curves::require_positive("circle", "radius", radius, "m");
+        curves::require_plane("circle", start, toward);
+        curves::require_finite("circle", "center", center);
+    }
+
+    Placement placement() const { return {center, curves::axes_of_plane(start, toward)}; }
+    Domain domain() const {
+        return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    }
+    bool closed() const { return true; }
+    std::string name() const { return "circle of radius " + text(radius); }
+
+    /// The curve in its own axes.
+    template <class S>
+    CurvePoint<S> own(const S& u) const {
+        using std::cos, std::sin;
+        const S zero(0), square(radius * radius);
+        const S x = S(radius) * cos(u), y = S(radius) * sin(u);
+        return {{x, y, zero}, {-y, x, zero}, {-x, -y, zero}, square, zero, {zero, zero, square}};
+    }
+    /// r''' in own axes.
+    Vector3 third(double u) const { return {radius * std::sin(u), -radius * std::cos(u), 0.0}; }
+
+    /// Signed arc length from u0 to u1, [m].
+    double length(double u0, double u1) const { return radius * (u1 - u0); }
+    bool regular_at(double) const { return true; }
+    /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
+    std::optional<Vector3> straight_binormal(double) const { return std::nullopt; }
+
+    bool operator==(const Circle&) const = default;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,179 @@
+// A curve r(u) of any kind, as a value: geometry in the world, and the curve in its own axes for recording models.
+//
+// Notation: t, n, b tangent, normal, binormal (chapter, eqs. 7.9, 7.10), kappa = 1/rho curvature, tau torsion.
+//   t = r'/|r'|,  b = r' x r''/|r' x r''|,  n = b x t
+//   kappa = |r' x r''|/|r'|^3,  tau = (r' x r'') . r'''/|r' x r''|^2      (db/ds = -tau n)
+//
+// Conventions: world axes unless the name says own; u outside the domain continues the same formula.
+// Degenerate cases: a curve that is straight all along has kappa = tau = 0 and one frame throughout, that of least
+// rotation from anywhere: normal nearest to world z, or to world x if vertical. Where kappa is zero at one u alone (an
+// inflection) the frame is its limit from the side of smaller u, and kappa = tau = 0. Where r' = 0 (a cusp) there is no
+// tangent, and asking for one is an error.
+// Invariant: the frame is orthonormal and right-handed, never NaN.
+//
+// To add a kind of curve: a header beside this one, and its name in CurveKinds below.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/curve/arc_length.hpp"
+#include "rbdyn/curve/axes.hpp"
+#include "rbdyn/curve/checks.hpp"
+#include "rbdyn/curve/circle.hpp"
+#include "rbdyn/curve/helix.hpp"
+#include "rbdyn/curve/line.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/curve/polynomial.hpp"
+
+namespace rbdyn {
+
+namespace curves {
+
+/// A kind of curve, valid, in the form it is evaluated in: itself, unless it has something to prepare.
+template <class Kind>
+auto prepared(const Kind& kind) {
+    kind.validate();
+    if constexpr (requires { kind.form(); }) {
+        return kind.form();
+    } else {
+        return kind;
+    }
+}
+
+template <class... Kinds>
+struct KindList {
+    using Form = std::variant<decltype(prepared(std::declval<Kinds>()))...>;
+    template <class Kind>
+    static constexpr bool has = (std::same_as<Kind, Kinds> || ...);
+};
+
+}  // namespace curves
+
+/// All kinds of curve.
+using CurveKinds = curves::KindList<Line, Circle, Helix, Polynomial>;
+
+/// A curve of any kind. Made from one of them: Curve rail = Circle{.radius = 1.0, .start = ..., .toward = ...};
+class Curve {
+public:
+    /// Throws InvalidInput if the numbers make no curve.
+    template <class Kind>
+    requires(CurveKinds::has<Kind>) Curve(const Kind& kind) : form_(curves::prepared(kind)) {
+        placement_ = std::visit([](const auto& form) { return form.placement(); }, form_);
+    }
+
+    Domain domain() const {
+        return std::visit([](const auto& form) { return form.domain(); }, form_);
+    }
+    /// Whether the curve comes back to where it started; its parameter counts on.
+    bool closed() const {
+        return std::visit([](const auto& form) { return form.closed(); }, form_);
+    }
+    /// What it is, in words: "circle of radius 0.5".
+    std::string name() const {
+        return std::visit([](const auto& form) { return form.name(); }, form_);
+    }
+    /// Where the own axes lie in the world.
+    const Placement& placement() const { return placement_; }
+
+    /// The curve in its own axes, in numbers of any type.
+    template <class S>
+    CurvePoint<S> own(const S& u) const {
+        return std::visit([&](const auto& form) { return form.template own<S>(u); }, form_);
+    }
+
+    /// The curve in the axes of `view`. Components that are zero there stay exact zeros.
+    template <class S>
+    CurvePoint<S> at(const S& u, const Placement& view) const {
+        const auto [origin, axes] = curves::seen_from(view, placement_);
+        CurvePoint<S> p = own(u);
+        p.position = curves::turned<S>(axes, p.position);
+        for (int i = 0; i < 3; ++i) p.position[i] = p.position[i] + S(origin[i]);
+        p.first = curves::turned<S>(axes, p.first);
+        p.second = curves::turned<S>(axes, p.second);
+        p.first_cross_second = curves::turned<S>(axes, p.first_cross_second);
+        return p;
+    }
+
+    /// r(u), [m].
+    Vector3 position(double u) const { return placement_.origin + in_world(own(u).position); }
+    /// r'(u).
+    Vector3 first(double u) const { return in_world(own(u).first); }
+    /// r''(u).
+    Vector3 second(double u) const { return in_world(own(u).second); }
+
+    /// Arc length from u0 to u1, negative if u1 < u0, [m]. Relative error about 1e-15; throws InvalidInput for a
+    /// parameter that is not finite, Error if 1e-12 is out of reach.
+    double length(double u0, double u1) const {
+        curves::require_finite(name(), "parameter u0", u0);
+        curves::require_finite(name(), "parameter u1", u1);
+        return std::visit([&](const auto& form) { return form.length(u0, u1); }, form_);
+    }
+
+    /// The parameter at a signed arc length [m] from u0, to rounding error: the inverse of length. Throws InvalidInput
+    /// if the curve ends before.
+    double parameter_at(double u0, double arc_length) const {
+        curves::require_finite(name(), "parameter u0", u0);
+        curves::require_finite(name(), "arc length", arc_length);
+        return std::visit([&](const auto& form) { return curves::parameter_at(form, u0, arc_length, form.name()); },
+                          form_);
+    }
+
+    /// Tangent, normal, binormal in the world. Throws InvalidInput at a cusp.
+    Frenet frenet(double u) const {
+        require_regular(u);
+        const CurvePoint<double> p = own(u);
+        const auto straight = straight_binormal(u);
+        const Vector3 tangent = curves::unit(p.first);
+        Vector3 binormal = straight ? *straight : curves::unit(p.first_cross_second);
+        // where r' and r'' are nearly parallel their product is across them to fewer digits than a frame should be
+        binormal = curves::unit(binormal - tangent.dot(binormal) * tangent);
+        return {in_world(tangent), in_world(binormal.cross(tangent)), in_world(binormal)};
+    }
+
+    /// 1/rho, [1/m]; 0 where straight within rounding. Throws InvalidInput at a cusp.
+    double curvature(double u) const {
+        require_regular(u);
+        if (straight_binormal(u)) return 0.0;
+        const CurvePoint<double> p = own(u);
+        const double speed = curves::norm(p.first);
+        return curves::norm(p.first_cross_second) / speed / speed / speed;
+    }
+
+    /// Torsion, [1/m], positive for a right-handed helix; 0 where straight within rounding. Throws InvalidInput at a
+    /// cusp.
+    double torsion(double u) const {
+        require_regular(u);
+        if (straight_binormal(u)) return 0.0;
+        const Vector3 product = own(u).first_cross_second;
+        const Vector3 third = std::visit([&](const auto& form) { return form.third(u); }, form_);
+        return curves::unit(product).dot(third) / curves::norm(product);
+    }
+
+    /// Throws InvalidInput unless the curve has a tangent at u.
+    void require_regular(double u) const {
+        curves::require_finite(name(), "parameter", u);
+        const bool regular = std::visit([&](const auto& form) { return form.regular_at(u); }, form_);
+        require(regular, name(), "parameter", u,
+                "the curve has a cusp there, |r'| = " + text(curves::norm(own(u).first)) +
+                    ", and no tangent: choose a parameter where r' is not zero");
+    }
+
+    bool operator==(const Curve&) const = default;
+
+private:
+    std::optional<Vector3> straight_binormal(double u) const {
+        return std::visit([&](const auto& form) { return form.straight_binormal(u); }, form_);
+    }
+    Vector3 in_world(const Vector3& own_vector) const { return curves::turned<double>(placement_.axes, own_vector); }
+
+    CurveKinds::Form form_;
+    Placement placement_;
+};
+
+}  // namespace rbdyn

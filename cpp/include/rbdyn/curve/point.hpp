@@ -1,0 +1,43 @@
+// What a curve says of one of its points, and where a curve's own axes lie.
+//
+// A curve is a map u -> r(u). The chapter's P(s), eq. 7.8, is the same curve by its arc length s, ds/du = |r'(u)|;
+// the tangent of eq. 7.9 is t = r'/|r'|, the curvature of eq. 7.10 is 1/rho = |r' x r''|/|r'|^3.
+//
+// Conventions: primes are derivatives by the curve's own parameter u, which need not be a length.
+// Invariant: the three scalar and vector products agree with the derivatives to rounding error.
+#pragma once
+
+#include "rbdyn/basics/vector.hpp"
+
+namespace rbdyn {
+
+/// A curve and its derivatives at a parameter, in numbers of type S.
+template <class S>
+struct CurvePoint {
+    Vector3Of<S> position, first, second;  // r, r', r'' (m, and m by powers of the parameter)
+    S speed_squared;                       // |r'|^2
+    S first_dot_second;                    // r' . r''
+    Vector3Of<S> first_cross_second;       // r' x r''
+};
+
+/// Position and orientation of a curve's own axes: r_world = origin + axes * r_own.
+struct Placement {
+    Vector3 origin = Vector3::Zero();    // world, [m]
+    Matrix3 axes = Matrix3::Identity();  // columns: the own axes in the world, orthonormal, right-handed
+
+    bool operator==(const Placement&) const = default;
+};
+
+/// The parameters a curve is defined for; the ends may be infinite.
+struct Domain {
+    double begin, end;
+
+    bool operator==(const Domain&) const = default;
+};
+
+/// The chapter's moving axes (text after eq. 7.10): unit vectors, binormal = tangent x normal.
+struct Frenet {
+    Vector3 tangent, normal, binormal;
+};
+
+}  // namespace rbdyn
