@@ -1,9 +1,31 @@
 // The Python module rbdyn._core.
 #include <pybind11/pybind11.h>
 
-#include <rbdyn/rbdyn.hpp>
+#include "binding.hpp"
+
 
 PYBIND11_MODULE(_core, m) {
+    namespace py = pybind11;
     m.doc() = "Dynamics of points and rigid bodies.";
-    m.attr("__version__") = rbdyn::version;
+    // errors that carry a run are raised in verbs.cpp
+    py::register_local_exception_translator([](std::exception_ptr thrown) {
+        const auto raise = [](const char* name, const std::exception& e) {
+            py::set_error(py::module_::import("rbdyn.errors").attr(name), e.what());
+        };
+        try {
+            if (thrown) std::rethrow_exception(thrown);
+        } catch (const rbdyn::InvalidInput& e) {
+            raise("InvalidInput", e);
+        } catch (const rbdyn::Error& e) {
+            raise("Error", e);
+        }
+    });
+    binding::bind_functions(m);
+    binding::bind_curves(m);
+    binding::bind_joints(m);
+    binding::bind_loads(m);
+    binding::bind_scene(m);
+    binding::bind_plan(m);
+    binding::bind_trajectory(m);
+    binding::bind_verbs(m);
 }

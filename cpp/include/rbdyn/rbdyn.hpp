@@ -1,6 +1,7 @@
 // Everything of rbdyn in one include.
 #pragma once
 
+#include "rbdyn/cost.hpp"
 #include "rbdyn/simulate.hpp"
 
 namespace rbdyn {

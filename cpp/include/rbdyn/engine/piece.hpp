@@ -25,8 +25,11 @@ struct Piece {
     double length = 0.0;  // in units
     int variables = 0, order = 0;
     const double* coefficients = nullptr;  // variables rows of order + 1
+    int stride = 0;                        // between rows; 0: order + 1
 
-    const double* variable(int i) const { return coefficients + static_cast<std::ptrdiff_t>(i) * (order + 1); }
+    const double* variable(int i) const {
+        return coefficients + static_cast<std::ptrdiff_t>(i) * (stride > 0 ? stride : order + 1);
+    }
     double tau(double t) const { return (t - start) / unit; }
     Instant at(double tau_) const { return start + tau_ * unit; }
     double duration() const { return length * unit; }

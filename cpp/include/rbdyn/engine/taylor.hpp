@@ -76,7 +76,7 @@ public:
         } else {
             h = span;
         }
-        fill_piece(n, h);
+        piece_ = {t_, unit_, h / unit_, n, order_, series_->coefficients(0), series_->stride()};
         ++work_.steps;
         // go on from the end, the sum compensated
         const double tau = piece_.length;
@@ -190,15 +190,6 @@ private:
         return std::exp2(log_length);
     }
 
-    void fill_piece(int n, double h) {
-        const auto row = static_cast<std::size_t>(order_ + 1);
-        coefficients_.resize(static_cast<std::size_t>(n) * row);
-        for (int i = 0; i < n; ++i)
-            std::copy_n(series_->coefficients(i), row,
-                        coefficients_.begin() + static_cast<std::ptrdiff_t>(i * static_cast<int>(row)));
-        piece_ = {t_, unit_, h / unit_, n, order_, coefficients_.data()};
-    }
-
     /// What holds at the start of a mode alone holds no longer.
     void drop_start_flags() {
         bool changed = false;
@@ -226,7 +217,7 @@ private:
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
     Instant t_;
     double unit_ = 0.0;
-    std::vector<double> x_, low_, coefficients_, parameters_;
+    std::vector<double> x_, low_, parameters_;
     std::vector<Scale> scales_;
 };
 

@@ -37,6 +37,12 @@ public:
 
     Record run(double start, std::vector<double> x, double until) {
         Record record;
+        advance(record, start, std::move(x), until);
+        return record;
+    }
+
+private:
+    void advance(Record& record, double start, std::vector<double> x, double until) {
         record.start = start;
         record.variables = model_.variables();
         Instant t{start, 0.0};
@@ -76,7 +82,12 @@ public:
                 return finish(record, t, Status::stopped_by_event);
             }
             std::vector<Happening> happenings;
+            const Equations* before = mode.equations;
             mode = model_.next(mode, fired_, t.hi, x, happenings);
+            // in the same equations, the guards just handled are at their zero, whatever rounding makes of them
+            handled_.assign(mode.equations->guards.size(), false);
+            if (mode.equations == before)
+                for (int index : fired_) handled_[static_cast<std::size_t>(index)] = true;
             std::stable_sort(happenings.begin(), happenings.end(), [](const Happening& a, const Happening& b) {
                 return std::pair(a.kind, a.subject) < std::pair(b.kind, b.subject);
             });
@@ -90,21 +101,20 @@ public:
         return finish(record, t, Status::reached_end);
     }
 
-private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     // events of one instant: more than this and no smooth motion exists
     static constexpr int max_crowded = 100;
 
-    Record& finish(Record& record, Instant t, Status status) {
+    void finish(Record& record, Instant t, Status status) const {
         record.end = t;
         record.status = status;
         record.work = engine_.work();
-        return record;
     }
 
     void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x) {
         record.modes.push_back(mode);
         sides_.assign(mode.equations->guards.size(), 0);
+        ends_.assign(mode.equations->guards.size(), 0.0);
         if (!mode.still) engine_.start(*mode.equations, mode.parameters, t, x);
     }
 
@@ -125,7 +135,7 @@ private:
 
     /// Nothing moves any more: one piece to the end.
     void rest(Record& record, Instant t, std::span<const double> x, double until) const {
-        Piece piece{t, until - t, 1.0, record.variables, 0, x.data()};
+        const Piece piece{t, until - t, 1.0, record.variables, 0, x.data(), 1};
         store(record, piece, 1.0, true);
     }
 
@@ -185,9 +195,12 @@ private:
         int& side = sides_[g];
         const double* p = q.data();
         const double q0 = q[0];
-        // at zero within rounding where a mode begins, or across it where two pieces meet
-        const bool at_zero = fresh ? std::abs(q0) <= 1e-12 * size || q0 == 0.0
-                                   : (q0 > 0.0 ? 1 : -1) != side && std::abs(q0) <= 1e-10 * size;
+        // at zero where a mode begins, just handled or within rounding; or where two pieces meet, within their gap
+        bool at_zero = false;
+        if (fresh)
+            at_zero = handled(g) || q0 == 0.0 || std::abs(q0) <= 1e-12 * size;
+        else if ((q0 > 0.0 ? 1 : -1) != side)
+            at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
         int leaves = q0 > 0.0 ? 1 : -1;
         if (at_zero) {
             int m = 1;
@@ -198,6 +211,7 @@ private:
             leaves = p[0] > 0.0 ? 1 : -1;
         }
         const bool is_watch = guard.role == GuardRole::record;
+        if (is_watch) ends_[g] = series::value(q.data(), static_cast<int>(engine_.guard_order()), 1.0);
         if (fresh) side = is_watch ? leaves : 1;
         if (leaves != side) {
             found_.push_back({0.0, g, leaves > 0});
@@ -224,6 +238,8 @@ private:
         if (std::abs(value) <= 4.0 * epsilon * sum && value * slope < 0.0) roots_.push_back(1.0);
     }
 
+    bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
+
     struct Found {
         double place;
         std::size_t guard;
@@ -236,6 +252,8 @@ private:
     Keep keep_;
     Monitor monitor_;
     std::vector<int> sides_;
+    std::vector<double> ends_;   // values of watched guards at the end of the last piece
+    std::vector<bool> handled_;  // guards whose zero began the mode
     std::vector<int> fired_;
     std::vector<Found> found_;
     std::vector<double> roots_;

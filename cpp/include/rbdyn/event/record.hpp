@@ -39,14 +39,14 @@ public:
 
     Piece piece(std::size_t index) const {
         const Entry& e = entries_[index];
-        return {e.start, e.unit, e.length, variables, e.order, coefficients_.data() + e.offset};
+        return {e.start, e.unit, e.length, variables, e.order, coefficients_.data() + e.offset, e.order + 1};
     }
     const Mode& mode(std::size_t index) const { return modes[static_cast<std::size_t>(entries_[index].mode)]; }
 
     void append(const Piece& piece, double length, int mode, bool after_event) {
         const std::size_t offset = coefficients_.size();
-        coefficients_.insert(coefficients_.end(), piece.coefficients,
-                             piece.coefficients + static_cast<std::ptrdiff_t>(variables) * (piece.order + 1));
+        for (int i = 0; i < variables; ++i)
+            coefficients_.insert(coefficients_.end(), piece.variable(i), piece.variable(i) + piece.order + 1);
         entries_.push_back({piece.start, piece.unit, length, piece.order, mode, offset, after_event});
     }
     /// Forgets all pieces but the last.

@@ -4,8 +4,8 @@
 // of what they describe however fast or slow the motion is; powers of two leave every digit unchanged.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -22,9 +22,15 @@ public:
           top_(max_order),
           stride_(2 * (max_order + 1)),
           storage_(static_cast<std::size_t>(program.slots() * stride_), 0.0),
-          valuations_(static_cast<std::size_t>(program.states()), -1) {}
+          valuations_(static_cast<std::size_t>(program.states()), -1) {
+        resolve();
+    }
+    SeriesEvaluator(const SeriesEvaluator&) = delete;
+    SeriesEvaluator& operator=(const SeriesEvaluator&) = delete;
 
     const Program& program() const { return *program_; }
+    /// Doubles from one slot's coefficients to the next one's.
+    int stride() const { return stride_; }
 
     void set_parameters(std::span<const double> parameters) { program_->set_parameters(parameters, scalars_); }
 
@@ -44,36 +50,34 @@ public:
     /// Computes coefficient k of every slot from coefficients 0..k of the inputs.
     void advance(int k) {
         const double* w = scalars_.data();
-        for (const Instruction& i : program_->instructions()) {
-            const series::View out = slot(i.out);
+        for (const Step& i : steps_) {
+            const series::View& out = i.out;
             switch (i.code) {
                 case Code::combine: {
                     double sum = k == 0 && i.weight >= 0 ? w[i.weight] : 0.0;
-                    const Term* term = program_->terms(i);
-                    for (int j = 0; j < i.terms; ++j) sum += w[term[j].weight] * slot(term[j].slot)[k];
-                    const ProductTerm* product = program_->products(i);
-                    for (int j = 0; j < i.products; ++j) {
-                        const auto [a, b, weight] = product[j];
-                        sum += w[weight] * (a == b ? series::square(slot(a), k) : series::product(slot(a), slot(b), k));
-                    }
+                    for (const ResolvedTerm *t = i.terms, *end = t + i.term_count; t != end; ++t)
+                        sum += w[t->weight] * t->series[k];
+                    for (const ResolvedProduct *p = i.products, *end = p + i.product_count; p != end; ++p)
+                        sum += w[p->weight] * (p->a.forward == p->b.forward ? series::square(p->a, k)
+                                                                            : series::product(p->a, p->b, k));
                     out.set(k, sum);
                     break;
                 }
-                case Code::divide: out.set(k, series::quotient(slot(i.a), slot(i.b), out, k)); break;
+                case Code::divide: out.set(k, series::quotient(i.a, i.b, out, k)); break;
                 case Code::square_root: {
-                    const double a_k = slot(i.a)[k];
+                    const double a_k = i.a[k];
                     out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root(a_k, out, k));
                     break;
                 }
                 case Code::norm: norm(i, out, k); break;
                 case Code::sine_cosine: {
-                    const series::View a = slot(i.a), cosine = slot(i.out2);
+                    const series::View &a = i.a, &cosine = i.out2;
                     if (k == 0) {
                         out.set(0, std::sin(a[0]));
                         cosine.set(0, std::cos(a[0]));
                         break;
                     }
-                    double* slope = slot(i.extra).forward;
+                    double* slope = i.slope;
                     slope[k] = k * a[k];
                     const double s_k = series::integral_of_slope(slope, cosine, k);
                     cosine.set(k, -series::integral_of_slope(slope, out, k));
@@ -81,16 +85,16 @@ public:
                     break;
                 }
                 case Code::exponential: {
-                    const series::View a = slot(i.a);
-                    double* slope = slot(i.extra).forward;
+                    const series::View& a = i.a;
+                    double* slope = i.slope;
                     slope[k] = k * a[k];
                     out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope(slope, out, k));
                     break;
                 }
                 case Code::logarithm: {
                     // a l' = a'
-                    const series::View a = slot(i.a);
-                    double* slope = slot(i.extra).forward;
+                    const series::View& a = i.a;
+                    double* slope = i.slope;
                     if (k == 0) {
                         out.set(0, std::log(a[0]));
                         break;
@@ -102,8 +106,8 @@ public:
                 }
                 case Code::power: {
                     // a p' = r a' p
-                    const series::View a = slot(i.a);
-                    double* slope = slot(i.extra).forward;
+                    const series::View& a = i.a;
+                    double* slope = i.slope;
                     slope[k] = k * a[k];
                     if (k == 0) {
                         out.set(0, std::pow(a[0], i.value));
@@ -126,15 +130,36 @@ public:
     }
 
 private:
+    // instructions with their series found once
+    struct ResolvedTerm {
+        const double* series;
+        int weight;
+    };
+    struct ResolvedProduct {
+        series::View a, b;
+        int weight;
+    };
+    struct Step {
+        Code code;
+        int weight;
+        series::View out, out2, a, b, c;
+        double* slope;
+        int* valuation;
+        double value;
+        const ResolvedTerm* terms;
+        const ResolvedProduct* products;
+        int term_count, product_count;
+    };
+
     series::View slot(int index) {
         double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
         return {start, start + top_ + 1, top_};
     }
 
     /// |v| for v = t^m d(t), d(0) not zero: t^m |d(t)|, so that a motion may start from v = 0.
-    void norm(const Instruction& i, const series::View& out, int k) {
-        int& m = valuations_[static_cast<std::size_t>(i.extra)];
-        const series::View part[3] = {slot(i.a), slot(i.b), slot(i.c)};
+    void norm(const Step& i, const series::View& out, int k) {
+        int& m = *i.valuation;
+        const series::View part[3] = {i.a, i.b, i.c};
         if (m < 0) {
             const bool ignored = k == 0 && i.weight >= 0 && scalars_[static_cast<std::size_t>(i.weight)] != 0.0;
             const double x = part[0][k], y = part[1][k], z = part[2][k];
@@ -153,11 +178,54 @@ private:
         out.set(k, (square - inner) / (2.0 * out[m]));
     }
 
+    void resolve() {
+        const auto view = [&](int index) { return index >= 0 ? slot(index) : series::View{nullptr, nullptr, 0}; };
+        std::size_t terms = 0, products = 0;
+        for (const Instruction& i : program_->instructions()) {
+            terms += static_cast<std::size_t>(i.terms);
+            products += static_cast<std::size_t>(i.products);
+        }
+        terms_.reserve(terms);
+        products_.reserve(products);
+        for (const Instruction& i : program_->instructions()) {
+            Step s{i.code,
+                   i.weight,
+                   view(i.out),
+                   view(i.out2),
+                   view(i.a),
+                   view(i.b),
+                   view(i.c),
+                   nullptr,
+                   nullptr,
+                   i.value,
+                   terms_.data() + terms_.size(),
+                   products_.data() + products_.size(),
+                   i.terms,
+                   i.products};
+            if (i.code == Code::norm)
+                s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
+            else if (i.extra >= 0)
+                s.slope = slot(i.extra).forward;
+            for (int j = 0; j < i.terms; ++j) {
+                const Term& t = program_->terms(i)[j];
+                terms_.push_back({slot(t.slot).forward, t.weight});
+            }
+            for (int j = 0; j < i.products; ++j) {
+                const ProductTerm& p = program_->products(i)[j];
+                products_.push_back({slot(p.a), slot(p.b), p.weight});
+            }
+            steps_.push_back(s);
+        }
+    }
+
     const Program* program_;
     int top_, stride_;
     std::vector<double> storage_;
     std::vector<double> scalars_;
     std::vector<int> valuations_;
+    std::vector<Step> steps_;
+    std::vector<ResolvedTerm> terms_;
+    std::vector<ResolvedProduct> products_;
 };
 
 }  // namespace rbdyn

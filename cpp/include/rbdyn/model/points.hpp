@@ -551,25 +551,27 @@ private:
         }
         if (program.switches().empty()) return;
         const int first = static_cast<int>(s.equations.guards.size() - program.switches().size());
+        if (before == mode.equations) {
+            // what did not switch goes on as it was
+            for (const Switch& w : program.switches())
+                mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : old[at(w.parameter)];
+            for (int index : flipped) {
+                const Switch& w = program.switches()[at(index - first)];
+                mode.parameters[at(w.parameter)] = w.is_norm ? 1.0 : -old[at(w.parameter)];
+            }
+            return;
+        }
         for (const Switch& w : program.switches()) mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : 1.0;
         Evaluator<double> values(program);
         values.set_parameters(mode.parameters);
         values(t, x);
         for (std::size_t k = 0; k < program.switches().size(); ++k) {
             const Switch& w = program.switches()[k];
-            const int index = first + static_cast<int>(k);
-            const bool is_flipped =
-                before == mode.equations && std::find(flipped.begin(), flipped.end(), index) != flipped.end();
-            double& parameter = mode.parameters[at(w.parameter)];
+            if (w.is_norm) continue;
             const double value = values.switch_value(static_cast<int>(k));
-            if (w.is_norm)
-                parameter = is_flipped ? 1.0 : 0.0;
-            else if (is_flipped)
-                parameter = -old[at(w.parameter)];
-            else if (value != 0.0)
-                parameter = value > 0.0 ? 1.0 : -1.0;
-            else if (leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0)
-                parameter = -1.0;
+            const bool is_negative =
+                value < 0.0 || (value == 0.0 && leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0);
+            mode.parameters[at(w.parameter)] = is_negative ? -1.0 : 1.0;
         }
     }
 

@@ -19,7 +19,11 @@ using Lanes = double __attribute__((vector_size(32), aligned(8), may_alias));
 #endif
 
 /// sum_{j < n} a[j] b[j], in four lanes.
-inline double dot(const double* a, const double* b, int n) {
+#if defined(__GNUC__) || defined(__clang__)
+__attribute__((always_inline))
+#endif
+inline double
+dot(const double* a, const double* b, int n) {
 #if defined(__GNUC__) || defined(__clang__)
     double sum = 0.0;
     int j = 0;
@@ -58,29 +62,40 @@ struct View {
     const double* from(int k) const { return reversed + (top - k); }
 };
 
+// In each sum the newest coefficients stand alone: what was stored a moment ago one by one is slow to load in lanes.
+
 /// (a b)_k
-inline double product(View a, View b, int k) { return dot(a.forward, b.from(k), k + 1); }
+inline double product(const View& a, const View& b, int k) {
+    if (k == 0) return a[0] * b[0];
+    return (a[0] * b[k] + a[k] * b[0]) + dot(a.forward + 1, b.from(k - 1), k - 1);
+}
 
 /// (a a)_k, half the work of a product.
-inline double square(View a, int k) {
-    const int pairs = (k + 1) / 2;
-    const double twice = 2.0 * dot(a.forward, a.from(k), pairs);
+inline double square(const View& a, int k) {
+    if (k == 0) return a[0] * a[0];
+    const int pairs = (k - 1) / 2;
+    const double twice = 2.0 * (a[0] * a[k] + dot(a.forward + 1, a.from(k - 1), pairs));
     return k % 2 == 0 ? twice + a[k / 2] * a[k / 2] : twice;
 }
 
 /// (a / b)_k, q the quotient so far.
-inline double quotient(View a, View b, View q, int k) { return (a[k] - dot(b.forward + 1, q.from(k) + 1, k)) / b[0]; }
+inline double quotient(const View& a, const View& b, const View& q, int k) {
+    if (k == 0) return a[0] / b[0];
+    return (a[k] - b[k] * q[0] - dot(b.forward + 1, q.from(k - 1), k - 1)) / b[0];
+}
 
 /// sqrt(a)_k for k > 0, s the root so far.
-inline double square_root(double a_k, View s, int k) {
-    double sum = 0.0;
+inline double square_root(double a_k, const View& s, int k) {
     const int pairs = (k - 1) / 2;
-    sum = 2.0 * dot(s.forward + 1, s.from(k) + 1, pairs);
+    double sum = 2.0 * dot(s.forward + 1, s.from(k - 1), pairs);
     if (k % 2 == 0) sum += s[k / 2] * s[k / 2];
     return (a_k - sum) / (2.0 * s[0]);
 }
 
 /// (1/k) sum_{j=1..k} (j a_j) b_{k-j}, the coefficient of the integral of a' b; `slope` holds j a_j.
-inline double integral_of_slope(const double* slope, View b, int k) { return dot(slope + 1, b.from(k - 1), k) / k; }
+inline double integral_of_slope(const double* slope, const View& b, int k) {
+    if (k == 1) return slope[1] * b[0];
+    return (slope[k] * b[0] + slope[1] * b[k - 1] + dot(slope + 2, b.from(k - 2), k - 2)) / k;
+}
 
 }  // namespace rbdyn::series

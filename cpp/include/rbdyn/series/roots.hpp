@@ -1,8 +1,8 @@
 // Every real root of a polynomial in an interval, in order, none missed and none twice.
 //
-// Exclusion: on an interval of centre m and half-width r, with g(m + r x) = sum d_k x^k, no root where
-// |d_0| > sum_{k>0} |d_k|; at most one where |d_1| > sum_{k>1} k |d_k|, since g is then monotone. Otherwise the
-// interval is halved (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", SIAM 2009, ch. 8; centred form).
+// Exclusion: on [0, 1], g(x) = g_0 + x (g_1 + x (...)) lies between the bounds that Horner's scheme gives in interval
+// arithmetic; no root where they exclude zero, at most one where those of g' do. Otherwise the interval is halved
+// (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", SIAM 2009, sec. 6.2 and 8.1).
 #pragma once
 
 #include <array>
@@ -21,14 +21,37 @@ inline double value(const double* c, int degree, double x) {
     return sum;
 }
 
-/// Coefficients of g(a + b x).
-inline void compose_linear(const double* c, int degree, double a, double b, double* out) {
-    for (int k = 0; k <= degree; ++k) out[k] = c[k];
-    if (a != 0.0)
-        for (int i = 0; i < degree; ++i)
-            for (int k = degree - 1; k >= i; --k) out[k] += a * out[k + 1];
+/// Bounds of sum_k weight_k c_k x^k on [0, 1], weight_k = 1, or k for the slope (x g').
+struct Bounds {
+    double low, high;
+    bool exclude_zero() const { return low > 0.0 || high < 0.0; }
+};
+inline Bounds bounds(const double* c, int degree) {
+    Bounds b{c[degree], c[degree]};
+    for (int k = degree - 1; k >= 0; --k) {
+        b.low = c[k] + (b.low < 0.0 ? b.low : 0.0);
+        b.high = c[k] + (b.high > 0.0 ? b.high : 0.0);
+    }
+    return b;
+}
+inline Bounds slope_bounds(const double* c, int degree) {
+    Bounds b{degree * c[degree], degree * c[degree]};
+    for (int k = degree - 1; k >= 1; --k) {
+        b.low = k * c[k] + (b.low < 0.0 ? b.low : 0.0);
+        b.high = k * c[k] + (b.high > 0.0 ? b.high : 0.0);
+    }
+    return b;
+}
+
+/// Coefficients of g(x / 2), the left half; exact.
+inline void left_half(const double* c, int degree, double* out) {
     double power = 1.0;
-    for (int k = 1; k <= degree; ++k) out[k] *= power *= b;
+    for (int k = 0; k <= degree; ++k, power *= 0.5) out[k] = c[k] * power;
+}
+/// From the coefficients of the left half those of the right one, g((1 + x) / 2), in place.
+inline void right_half(double* c, int degree) {
+    for (int i = 0; i < degree; ++i)
+        for (int k = degree - 1; k >= i; --k) c[k] += c[k + 1];
 }
 
 /// The root of g between lo and hi where its signs differ, by Newton's method kept inside the bracket.
@@ -58,26 +81,19 @@ public:
     /// Appends the roots in increasing order. `g` holds degree + 1 coefficients.
     void find(const double* g, int degree, std::vector<double>& roots) {
         while (degree > 0 && g[degree] == 0.0) --degree;
-        double rest = 0.0;
-        for (int k = 1; k <= degree; ++k) rest += std::abs(g[k]);
-        if (degree == 0 || std::abs(g[0]) > rest) return;
+        if (degree == 0 || bounds(g, degree).exclude_zero()) return;
         g_ = g;
         degree_ = degree;
         visits_ = 0;
-        Coefficients centred;
-        compose_linear(g, degree, 0.5, 0.5, centred.data());
-        search(centred.data(), 0.5, 0.5, 0, roots);
+        search(g, 0.0, 1.0, 0, roots);
     }
 
 private:
-    void search(const double* d, double centre, double half, int depth, std::vector<double>& roots) {
-        double rest = 0.0, slope_rest = 0.0;
-        for (int k = 1; k <= degree_; ++k) rest += std::abs(d[k]);
-        if (std::abs(d[0]) > rest) return;
-        for (int k = 2; k <= degree_; ++k) slope_rest += k * std::abs(d[k]);
-        const double lo = centre - half, hi = centre + half;
-        if (std::abs(d[1]) > slope_rest || depth >= max_depth || ++visits_ > max_visits) {
+    void search(const double* d, double lo, double width, int depth, std::vector<double>& roots) {
+        if (bounds(d, degree_).exclude_zero()) return;
+        if (depth >= max_depth || ++visits_ > max_visits || slope_bounds(d, degree_).exclude_zero()) {
             // monotone, or too narrow to tell: a change of sign is one root
+            const double hi = lo + width;
             const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
             if (at_hi == 0.0 && at_lo != 0.0)
                 roots.push_back(hi);
@@ -85,11 +101,11 @@ private:
                 roots.push_back(bracketed_root(g_, degree_, lo, hi));
             return;
         }
-        Coefficients part;
-        compose_linear(d, degree_, -0.5, 0.5, part.data());
-        search(part.data(), centre - 0.5 * half, 0.5 * half, depth + 1, roots);
-        compose_linear(d, degree_, 0.5, 0.5, part.data());
-        search(part.data(), centre + 0.5 * half, 0.5 * half, depth + 1, roots);
+        Coefficients half;
+        left_half(d, degree_, half.data());
+        search(half.data(), lo, 0.5 * width, depth + 1, roots);
+        right_half(half.data(), degree_);
+        search(half.data(), lo + 0.5 * width, 0.5 * width, depth + 1, roots);
     }
 
     // two roots 2^-40 of a step apart are told apart; closer ones are a graze within rounding

@@ -1,0 +1,121 @@
+// cost(): what accuracy costs in time, for the user's own scene.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <iomanip>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "rbdyn/simulate.hpp"
+
+namespace rbdyn {
+
+/// One run of the table.
+struct CostRow {
+    std::string engine;
+    double tolerance = 0.0;  // local, as given to the engine
+    double error = 0.0;      // global, measured against the most accurate run
+    double seconds = 0.0;    // integration alone, median of the repeats
+    std::int64_t steps = 0, right_hand_sides = 0;
+};
+
+/// The table: engines over tolerances.
+struct Price {
+    std::vector<CostRow> rows;
+
+    /// The quickest row that reaches an error; throws InvalidInput if none does.
+    const CostRow& cheapest(double error) const {
+        const CostRow* best = nullptr;
+        double least = std::numeric_limits<double>::infinity();
+        for (const CostRow& row : rows) {
+            least = std::min(least, row.error);
+            if (row.error <= error && (best == nullptr || row.seconds < best->seconds)) best = &row;
+        }
+        if (best == nullptr)
+            throw InvalidInput("Price: error is " + text(error) + "; the most accurate row of this table reaches " +
+                               text(least));
+        return *best;
+    }
+};
+
+struct CostOptions {
+    double until = 0.0;
+    double start = 0.0;
+    std::vector<double> errors = {1e-3, 1e-6, 1e-9,
+                                  1e-12};   // every engine is tightened until it reaches each, or its floor
+    std::vector<std::string> engines = {};  // empty: all that can do the scene
+    double budget = 10.0;                   // s to spend, about
+    Driver::Monitor monitor = {};
+};
+
+/// Prices a scene. Throws what simulate() throws.
+inline Price cost(const Scene& scene, const CostOptions& options) {
+    using namespace simulating;
+    using Clock = std::chrono::steady_clock;
+    const auto seconds_since = [](Clock::time_point t) {
+        return std::chrono::duration<double>(Clock::now() - t).count();
+    };
+    require(options.budget > 0.0, "cost", "budget", options.budget, "it is positive, in s");
+    for (double e : options.errors) require(e > 0.0 && e <= 0.1, "cost", "an error", e, "it lies between 0 and 0.1");
+    SimulateOptions base;
+    base.until = options.until;
+    base.start = options.start;
+    base.rtol = 1e-16;
+    base.monitor = options.monitor;
+    validate(base);
+    const auto began = Clock::now();
+    const Plan plan = make_plan(scene);
+    const PointsModel model(scene, plan.view);
+    const Timed reference = integrate(model, base, "taylor", 1e-19, {});
+    const std::vector<std::string> engines = options.engines.empty() ? simulating::engines() : options.engines;
+    std::vector<double> errors = options.errors;
+    std::sort(errors.rbegin(), errors.rend());
+    Price price;
+    const double share = options.budget / static_cast<double>(engines.size() * std::max<std::size_t>(errors.size(), 1));
+    for (const std::string& engine : engines) {
+        double tolerance = errors.empty() ? 1e-9 : errors.front(), reached = std::numeric_limits<double>::infinity();
+        for (double wanted : errors) {
+            tolerance = std::min(tolerance, wanted);
+            while (reached > wanted && tolerance >= least_tolerance(engine) && seconds_since(began) < options.budget) {
+                CostRow row{engine, tolerance};
+                std::vector<double> times;
+                const auto first = Clock::now();
+                do {
+                    const Timed run = integrate(model, base, engine, tolerance, {});
+                    times.push_back(run.seconds);
+                    if (times.size() > 1) continue;
+                    row.steps = run.record.work.steps;
+                    row.right_hand_sides = run.record.work.right_hand_sides;
+                    row.error = AccuracyCheck(model, 1.0)(run.record, reference.record).error;
+                } while (times.size() < 7 && seconds_since(first) < 0.2 * share);
+                std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
+                                 times.end());
+                row.seconds = times[times.size() / 2];
+                reached = std::min(reached, row.error);
+                price.rows.push_back(row);
+                tolerance *= 0.1;
+            }
+        }
+    }
+    return price;
+}
+
+inline std::ostream& operator<<(std::ostream& out, const Price& price) {
+    out << std::left << std::setw(14) << "engine" << std::right << std::setw(11) << "tolerance" << std::setw(11)
+        << "error" << std::setw(12) << "time [ms]" << std::setw(9) << "steps" << std::setw(19) << "right-hand sides"
+        << '\n';
+    const auto flags = out.flags();
+    const auto digits = out.precision();
+    for (const CostRow& r : price.rows)
+        out << std::left << std::setw(14) << r.engine << std::right << std::scientific << std::setprecision(0)
+            << std::setw(11) << r.tolerance << std::setprecision(1) << std::setw(11) << r.error << std::fixed
+            << std::setprecision(4) << std::setw(12) << r.seconds * 1e3 << std::setw(9) << r.steps << std::setw(19)
+            << r.right_hand_sides << '\n';
+    out.flags(flags);
+    out.precision(digits);
+    return out;
+}
+
+}  // namespace rbdyn
