@@ -1,0 +1,525 @@
+// SUNDIALS CVODE as an engine: variable-order Adams, and BDF with the exact Jacobian for stiff motion.
+//
+// Source: Hindmarsh and others, "SUNDIALS: suite of nonlinear and differential/algebraic equation solvers", ACM
+// Transactions on Mathematical Software 31 (2005) 363-396. Both methods carry a polynomial of their order q that
+// passes through both ends of a step (Byrne and Hindmarsh, ACM TOMS 1 (1975) 71-96): a step is a piece, and pieces
+// join to rounding.
+//
+// Conventions: CVODE's clock is zero where smooth motion starts, so that short steps late in a run keep their digits.
+// Error weights follow the scales of the motion itself (extent of positions, largest velocities); nothing here has a
+// unit, and the same motion in units that differ by powers of two takes the same steps to the last bit.
+// CVODE's root finder is not used: guards are series on the pieces, as for every engine.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <new>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/engine/cvode_vector.hpp"
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+
+namespace rbdyn {
+
+namespace cvode {
+
+/// CVODE set up for one set of equations; stays where it is, for CVODE holds its address.
+class Integrator {
+public:
+    Integrator(const Equations& equations, bool stiff, int series_order, SUNContext context, Work& work)
+        : evaluator(equations.program),
+          series(equations.program, series_order),
+          n(equations.variables()),
+          weights(static_cast<std::size_t>(n), 0.0),
+          y(owned(new_vector(n, context))),
+          derivative(owned(new_vector(n, context))),
+          memory(owned(CVodeCreate(stiff ? CV_BDF : CV_ADAMS, context))),
+          work_(work),
+          jacobian_(static_cast<std::size_t>(n * n)),
+          lu_(jacobian_.size()),
+          pivots_(static_cast<std::size_t>(n)) {
+        void* m = memory.get();
+#if SUNDIALS_VERSION_MAJOR < 7
+        CVodeSetErrHandlerFn(
+            m, [](int, const char*, const char*, char*, void*) {}, nullptr);
+#endif
+        CVodeSetMaxHnilWarns(m, -1);
+        // a step that is far too long, as the first may be, is shortened until it is not
+        CVodeSetMaxErrTestFails(m, 40);
+        CVodeSetMaxConvFails(m, 40);
+        if (CVodeInit(m, right_hand_side, 0.0, y.get()) != CV_SUCCESS) throw std::bad_alloc();
+        CVodeSetUserData(m, this);
+        CVodeWFtolerances(m, error_weights);
+        if (stiff) {
+            nonlinear_ = owned(SUNNonlinSol_Newton(y.get(), context));
+            CVodeSetNonlinearSolver(m, nonlinear_.get());
+            // CVODE asks for a Jacobian every 50 steps or so and for 1.1 right-hand sides a step; a matrix-embedded
+            // solver with a new Jacobian each step asks for 1.7 and is 15 percent slower on a pendulum already
+            matrix_ = owned(SUNMatNewEmpty(context));
+            linear_ = owned(SUNLinSolNewEmpty(context));
+            linear_->content = this;
+            linear_->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
+            linear_->ops->setup = [](SUNLinearSolver solver, SUNMatrix) {
+                return static_cast<Integrator*>(solver->content)->factorise() ? 0 : SUNLS_LUFACT_FAIL;
+            };
+            linear_->ops->solve = [](SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, sunrealtype) {
+                static_cast<Integrator*>(solver->content)->substitute(values(b), values(x));
+                return 0;
+            };
+            CVodeSetLinearSolver(m, linear_.get(), matrix_.get());
+            CVodeSetLinSysFn(m, linear_system);
+        } else {
+            nonlinear_ = owned(SUNNonlinSol_FixedPoint(y.get(), 0, context));
+            CVodeSetNonlinearSolver(m, nonlinear_.get());
+        }
+    }
+    Integrator(const Integrator&) = delete;
+    Integrator& operator=(const Integrator&) = delete;
+
+    void set_parameters(std::span<const double> parameters) {
+        evaluator.set_parameters(parameters);
+        series.set_parameters(parameters);
+    }
+
+    double* state() { return values(y.get()); }
+    std::span<const double> span_of(N_Vector v) const { return {values(v), static_cast<std::size_t>(n)}; }
+
+    /// Begins anew from y; the clock at zero.
+    void restart(Instant t, double first_step) {
+        origin = t;
+        CVodeReInit(memory.get(), 0.0, y.get());
+        CVodeSetInitStep(memory.get(), first_step);
+    }
+
+    JacobianEvaluator evaluator;
+    SeriesEvaluator series;
+    int n;
+    std::vector<double> weights;
+    Instant origin;
+    Owned<N_Vector> y, derivative;
+
+private:
+    // freed from the last to the first
+    Owned<SUNNonlinearSolver> nonlinear_;
+    Owned<SUNMatrix> matrix_;  // empty: the solver keeps its own numbers
+    Owned<SUNLinearSolver> linear_;
+
+public:
+    Owned<void*> memory;
+
+private:
+    static int right_hand_side(sunrealtype t, N_Vector y, N_Vector dy, void* data) {
+        auto& self = *static_cast<Integrator*>(data);
+        try {
+            ++self.work_.right_hand_sides;
+            self.evaluator((self.origin + t).hi, self.span_of(y));
+        } catch (...) {
+            return -1;
+        }
+        double* out = values(dy);
+        double check = 0.0;
+        for (int i = 0; i < self.n; ++i) {
+            out[i] = self.evaluator.output(i);
+            check += 0.0 * out[i];
+        }
+        return check == 0.0 ? 0 : 1;  // 1: not finite, try a shorter step
+    }
+
+    static int error_weights(N_Vector, N_Vector weights, void* data) {
+        const auto& self = *static_cast<Integrator*>(data);
+        std::copy(self.weights.begin(), self.weights.end(), values(weights));
+        return 0;
+    }
+
+    /// I - gamma J for Newton's method, with the last Jacobian if CVODE finds it good enough.
+    static int linear_system(sunrealtype t, N_Vector y, N_Vector, SUNMatrix, sunbooleantype is_good,
+                             sunbooleantype* is_new, sunrealtype gamma, void* data, N_Vector, N_Vector, N_Vector) {
+        auto& self = *static_cast<Integrator*>(data);
+        *is_new = is_good ? SUNFALSE : SUNTRUE;
+        double check = 0.0;
+        if (!is_good) {
+            try {
+                ++self.work_.jacobians;
+                self.evaluator.differentiate((self.origin + t).hi, self.span_of(y));
+            } catch (...) {
+                return -1;
+            }
+            double* entry = self.jacobian_.data();
+            for (int i = 0; i < self.n; ++i)
+                for (int j = 0; j < self.n; ++j) check += 0.0 * (*entry++ = self.evaluator.derivative(i, j));
+        }
+        for (std::size_t k = 0; k < self.lu_.size(); ++k) self.lu_[k] = -gamma * self.jacobian_[k];
+        for (int i = 0; i < self.n; ++i) self.lu(i, i) += 1.0;
+        return check == 0.0 ? 0 : 1;
+    }
+
+    double& lu(int i, int j) { return lu_[static_cast<std::size_t>(i * n + j)]; }
+
+    /// LU in place with row exchanges; false if singular.
+    bool factorise() {
+        for (int k = 0; k < n; ++k) {
+            int pivot = k;
+            for (int i = k + 1; i < n; ++i)
+                if (std::abs(lu(i, k)) > std::abs(lu(pivot, k))) pivot = i;
+            pivots_[static_cast<std::size_t>(k)] = pivot;
+            if (pivot != k) std::swap_ranges(&lu(k, 0), &lu(k, 0) + n, &lu(pivot, 0));
+            const double inverse = 1.0 / lu(k, k);
+            if (!std::isfinite(inverse) || inverse == 0.0) return false;
+            for (int i = k + 1; i < n; ++i) {
+                const double factor = lu(i, k) *= inverse;
+                for (int j = k + 1; j < n; ++j) lu(i, j) -= factor * lu(k, j);
+            }
+        }
+        return true;
+    }
+
+    void substitute(const double* b, double* x) {
+        std::copy(b, b + n, x);
+        for (int k = 0; k < n; ++k) std::swap(x[k], x[pivots_[static_cast<std::size_t>(k)]]);
+        for (int i = 1; i < n; ++i)
+            for (int j = 0; j < i; ++j) x[i] -= lu(i, j) * x[j];
+        for (int i = n - 1; i >= 0; --i) {
+            for (int j = i + 1; j < n; ++j) x[i] -= lu(i, j) * x[j];
+            x[i] /= lu(i, i);
+        }
+    }
+
+    Work& work_;
+    std::vector<double> jacobian_, lu_;  // by rows
+    std::vector<int> pivots_;
+};
+
+}  // namespace cvode
+
+/// CVODE, one internal step a piece. Adams for smooth motion, BDF for stiff motion.
+class CvodeEngine : public Engine {
+public:
+    enum class Method { adams, bdf };
+
+    /// Local error per step relative to the motion's scales.
+    CvodeEngine(Method method, double rtol) : method_(method), rtol_(rtol), context_(cvode::make_context()) {}
+    CvodeEngine(const CvodeEngine&) = delete;
+    CvodeEngine& operator=(const CvodeEngine&) = delete;
+
+    std::string name() const override { return method_ == Method::adams ? "cvode-adams" : "cvode-bdf"; }
+
+    void start(const Equations& equations, std::span<const double> parameters, Instant t,
+               std::span<const double> x) override {
+        if (equations_ != &equations) {
+            equations_ = &equations;
+            integrator_ = &integrator_for(equations);
+            scales_.resize(x.size());
+            estimates_.resize(equations.groups.size());
+        }
+        parameters_.assign(parameters.begin(), parameters.end());
+        integrator_->set_parameters(parameters_);
+        t_ = t;
+        x_.assign(x.begin(), x.end());
+        running_ = false;
+        is_first_ = true;
+        std::fill(estimates_.begin(), estimates_.end(), 0.0);
+        widen();
+    }
+
+    StepStatus step(double limit) override {
+        if (!(limit - t_ > 0.0)) return StepStatus::stalled;
+        if (!is_first_) drop_start_flags();
+        if (!running_ && !begin(limit)) return StepStatus::not_finite;
+        void* memory = integrator_->memory.get();
+        const double stop = limit - integrator_->origin;
+        if (!(stop > clock_)) return StepStatus::stalled;
+        CVodeSetStopTime(memory, stop);
+        double clock = clock_;
+        const int outcome = CVode(memory, stop, integrator_->y.get(), &clock, CV_ONE_STEP);
+        count_rejected();
+        if (outcome < 0) {
+            running_ = false;
+            return slope_is_finite() ? StepStatus::stalled : StepStatus::not_finite;
+        }
+        const bool at_limit = outcome == CV_TSTOP_RETURN;
+        long taken = 0;
+        CVodeGetNumSteps(memory, &taken);
+        if (taken == steps_) {
+            // so near that CVODE takes the limit for reached
+            if (!slope_is_finite()) return StepStatus::not_finite;
+            straight_line(stop - clock_);
+            running_ = false;
+        } else {
+            steps_ = taken;
+            const bool advanced = clock - clock_ > (at_limit ? 0.0 : 4.0 * epsilon * clock);
+            running_ = advanced && take_polynomial();
+            if (!running_) return StepStatus::stalled;
+            if (found_scale()) {
+                ++work_.rejected;
+                running_ = false;
+                return step(limit);
+            }
+        }
+        ++work_.steps;
+        const Instant end = at_limit ? Instant{limit, 0.0} : integrator_->origin + clock;
+        fill_piece(end);
+        is_first_ = false;
+        t_ = end;
+        clock_ = clock;
+        widen();
+        return StepStatus::ok;
+    }
+
+    void state(double tau, std::span<double> x) const override {
+        if (tau == 0.0) return piece_.state(tau, x);
+        const int row = piece_.order + 1;
+        for (int i = 0; i < piece_.variables; ++i)
+            x[at(i)] = polynomial(from_end_.data() + i * row, piece_.order, tau - 1.0);
+    }
+
+    const double* guard(int index) override {
+        ++work_.guard_evaluations;
+        SeriesEvaluator& series = integrator_->series;
+        if (!has_guards_) {
+            series.begin(piece_.start.hi, piece_.unit);
+            for (int i = 0; i < piece_.variables; ++i)
+                for (int k = 0; k <= guard_order(); ++k)
+                    series.set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
+            for (int k = 0; k <= guard_order(); ++k) series.advance(k);
+            has_guards_ = true;
+        }
+        return series.output(equations_->guards[at(index)].output);
+    }
+    /// Guards with a singularity near the motion, 1 / (1.1 + sin u) on a pendulum through sin u = -1, are then cut off
+    /// below the error of the method for tolerances from 1e-6 on, smooth ones at rounding.
+    int guard_order() const override { return rtol_ > 1e-8 ? 18 : 14; }
+
+private:
+    static constexpr int start_order = 12;  // of the Taylor series that tells scales and the first step
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+    struct Scale {
+        double low = std::numeric_limits<double>::infinity(), high = -low, magnitude = 0.0;
+    };
+
+    cvode::Integrator& integrator_for(const Equations& equations) {
+        for (auto& [known, integrator] : integrators_)
+            if (known == &equations) return *integrator;
+        integrators_.emplace_back(&equations,
+                                  std::make_unique<cvode::Integrator>(equations, method_ == Method::bdf, guard_order(),
+                                                                      context_.get(), work_));
+        return *integrators_.back().second;
+    }
+
+    /// Sets CVODE off from the present state; false if the derivative there is not finite.
+    bool begin(double limit) {
+        double unit = 0.0;
+        const int orders = expand(limit - t_, unit);
+        if (orders == 0) return false;
+        const double first_step = unit * measure(orders, (limit - t_) / unit);
+        weigh();
+        std::copy(x_.begin(), x_.end(), integrator_->state());
+        integrator_->restart(t_, first_step);
+        clock_ = 0.0;
+        steps_ = rejected_ = 0;
+        running_ = true;
+        return true;
+    }
+
+    /// Taylor coefficients of the motion from here, in `unit`; how many orders of them are finite.
+    int expand(double span, double& unit) {
+        SeriesEvaluator& series = integrator_->series;
+        int exponent = 0;
+        std::frexp(std::isfinite(span) ? span : 1.0, &exponent);
+        int orders = 0;
+        // the span may be far longer than the motion's own time: shorter units until the coefficients are in range
+        for (int attempt = 0; attempt < 6; ++attempt) {
+            unit = std::ldexp(1.0, exponent - 32 * attempt);
+            series.begin(t_.hi, unit);
+            for (int i = 0; i < integrator_->n; ++i) series.set_input(i, 0, x_[at(i)]);
+            for (orders = 0; orders < start_order; ++orders) {
+                series.advance(orders);
+                bool is_finite = true;
+                for (int i = 0; i < integrator_->n; ++i) {
+                    const double c = series.output(i)[orders] * (unit / (orders + 1));
+                    is_finite = is_finite && std::isfinite(c);
+                    series.set_input(i, orders + 1, c);
+                }
+                ++work_.right_hand_sides;
+                if (!is_finite) break;
+            }
+            if (orders == start_order) break;
+        }
+        return orders;
+    }
+
+    /// Estimates how far each group is about to move; returns a first step, in units, for a method of order one.
+    double measure(int orders, double span) {
+        std::array<double, start_order + 1> size;
+        double first_step = span;
+        for (std::size_t g = 0; g < estimates_.size(); ++g) {
+            const VariableGroup& group = equations_->groups[g];
+            size.fill(0.0);
+            for (int i = group.first; i < group.first + group.count; ++i)
+                for (int k = 1; k <= orders; ++k)
+                    size[at(k)] = std::max(size[at(k)], std::abs(integrator_->series.coefficients(i)[k]));
+            int lead = 1;
+            while (lead < orders && size[at(lead)] == 0.0) ++lead;
+            // the leading term rules for a while; a third of that is typical of a step
+            double reach = std::numeric_limits<double>::infinity();
+            for (int k = lead + 1; k <= orders; ++k)
+                if (size[at(k)] > 0.0)
+                    reach = std::min(reach, 0.3 * std::pow(size[at(lead)] / size[at(k)], 1.0 / (k - lead)));
+            if (!std::isfinite(reach)) reach = std::isfinite(span) ? span : 1.0;
+            estimates_[g] = std::max(estimates_[g], size[at(lead)] * std::pow(reach, lead));
+            const double tolerance = absolute_tolerance(g);
+            for (int k = 2; k <= orders; ++k)
+                if (size[at(k)] > 0.0)
+                    first_step = std::min(first_step, 0.5 * std::pow(tolerance / size[at(k)], 1.0 / k));
+        }
+        return std::isfinite(first_step) ? first_step : 1.0;
+    }
+
+    /// Error allowed in the variables of a group. Never less than rounding of the numbers themselves can give.
+    double absolute_tolerance(std::size_t g) const {
+        const VariableGroup& group = equations_->groups[g];
+        double scale = estimates_[g], magnitude = 0.0;
+        for (int i = group.first; i < group.first + group.count; ++i) {
+            const Scale& past = scales_[at(i)];
+            magnitude = std::max(magnitude, past.magnitude);
+            scale = std::max(scale, group.is_position ? past.high - past.low : past.magnitude);
+        }
+        return std::max(rtol_ * scale, 8.0 * epsilon * magnitude);
+    }
+
+    void weigh() {
+        for (std::size_t g = 0; g < estimates_.size(); ++g) {
+            const VariableGroup& group = equations_->groups[g];
+            const double weight = 1.0 / absolute_tolerance(g);
+            std::fill_n(integrator_->weights.begin() + group.first, group.count, std::isfinite(weight) ? weight : 0.0);
+        }
+    }
+
+    /// Takes the present state into the scales of the motion.
+    void widen() {
+        for (std::size_t i = 0; i < x_.size(); ++i) {
+            Scale& s = scales_[i];
+            s.low = std::min(s.low, x_[i]);
+            s.high = std::max(s.high, x_[i]);
+            s.magnitude = std::max(s.magnitude, std::abs(x_[i]));
+        }
+        weigh();
+    }
+
+    /// True if a group that had no scale has moved: nothing watched over its error, so the step is taken again.
+    bool found_scale() {
+        bool found = false;
+        const int row = order_ + 1;
+        for (std::size_t g = 0; g < estimates_.size(); ++g) {
+            const VariableGroup& group = equations_->groups[g];
+            if (integrator_->weights[at(group.first)] > 0.0 || estimates_[g] > 0.0) continue;
+            for (int i = group.first; i < group.first + group.count; ++i)
+                estimates_[g] = std::max(estimates_[g], std::abs(from_end_[at(i * row)]));
+            found = found || estimates_[g] > 0.0;
+        }
+        return found;
+    }
+
+    /// What holds at the start of a mode alone holds no longer.
+    void drop_start_flags() {
+        bool changed = false;
+        for (int flag : equations_->start_flags) {
+            changed = changed || parameters_[at(flag)] != 0.0;
+            parameters_[at(flag)] = 0.0;
+        }
+        if (changed) integrator_->set_parameters(parameters_);
+    }
+
+    bool slope_is_finite() {
+        integrator_->evaluator(t_.hi, x_);
+        for (int i = 0; i < integrator_->n; ++i)
+            if (!std::isfinite(integrator_->evaluator.output(i))) return false;
+        return true;
+    }
+
+    void count_rejected() {
+        long errors = 0, failures = 0;
+        CVodeGetNumErrTestFails(integrator_->memory.get(), &errors);
+        CVodeGetNumStepSolveFails(integrator_->memory.get(), &failures);
+        work_.rejected += errors + failures - rejected_;
+        rejected_ = errors + failures;
+    }
+
+    /// CVODE's polynomial about the end of its step, in steps; false if it is not finite.
+    bool take_polynomial() {
+        void* memory = integrator_->memory.get();
+        double h = 0.0, t = 0.0;
+        CVodeGetLastOrder(memory, &order_);
+        CVodeGetLastStep(memory, &h);
+        CVodeGetCurrentTime(memory, &t);
+        const int n = integrator_->n, row = order_ + 1;
+        from_end_.resize(at(n * row));
+        double factor = 1.0, check = 0.0;
+        for (int k = 0; k <= order_; ++k) {
+            if (k > 0) factor *= h / k;
+            if (CVodeGetDky(memory, t, k, integrator_->derivative.get()) != CV_SUCCESS) return false;
+            const double* d = cvode::values(integrator_->derivative.get());
+            for (int i = 0; i < n; ++i) {
+                from_end_[at(i * row + k)] = d[i] * factor;
+                check += 0.0 * from_end_[at(i * row + k)];
+            }
+        }
+        return check == 0.0;
+    }
+
+    /// x + x' h, with the slope that was evaluated last.
+    void straight_line(double h) {
+        order_ = 1;
+        from_end_.resize(at(2 * integrator_->n));
+        for (int i = 0; i < integrator_->n; ++i) {
+            from_end_[at(2 * i + 1)] = integrator_->evaluator.output(i) * h;
+            from_end_[at(2 * i)] = x_[at(i)] + from_end_[at(2 * i + 1)];
+        }
+    }
+
+    /// The piece from t_, x_ to the end: the same polynomial about its start.
+    void fill_piece(Instant end) {
+        const int n = integrator_->n, row = order_ + 1;
+        coefficients_ = from_end_;
+        for (int i = 0; i < n; ++i) {
+            double* c = coefficients_.data() + i * row;
+            for (int j = 0; j < order_; ++j)
+                for (int k = order_ - 1; k >= j; --k) c[k] -= c[k + 1];
+            // the polynomial passes through x_ but for rounding
+            c[0] = x_[at(i)];
+            x_[at(i)] = from_end_[at(i * row)];
+        }
+        piece_ = {t_, end - t_, 1.0, n, order_, coefficients_.data()};
+        // who adds start and length must not find the end still ahead
+        if (end - piece_.at(1.0) > 0.0) piece_.unit = std::nextafter(piece_.unit, 2.0 * piece_.unit);
+        has_guards_ = false;
+    }
+
+    Method method_;
+    double rtol_;
+    cvode::Owned<SUNContext> context_;
+    std::vector<std::pair<const Equations*, std::unique_ptr<cvode::Integrator>>> integrators_;
+    const Equations* equations_ = nullptr;
+    cvode::Integrator* integrator_ = nullptr;
+
+    Instant t_;             // where the motion has come to
+    double clock_ = 0.0;    // the same on CVODE's clock
+    bool running_ = false;  // CVODE goes on from there
+    bool is_first_ = true;  // no step since start()
+    bool has_guards_ = false;
+    int order_ = 0;
+    long steps_ = 0, rejected_ = 0;  // CVODE's counts since it was set off
+    std::vector<double> x_, from_end_, coefficients_, parameters_;
+    std::vector<Scale> scales_;
+    std::vector<double> estimates_;  // per group, where the past tells less
+};
+
+}  // namespace rbdyn
