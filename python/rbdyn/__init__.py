@@ -1,5 +1,77 @@
-"""Dynamics of points and rigid bodies."""
+"""Dynamics of points and rigid bodies.
 
-from rbdyn._core import __version__
+SI units, radians, world axes unless a name says otherwise. A scene is data; simulate() runs it.
+"""
 
-__all__ = ["__version__"]
+from rbdyn._core import (
+    BodyMotion,
+    Circle,
+    CostRow,
+    Coulomb,
+    Curve,
+    Drag,
+    Event,
+    Events,
+    Expression,
+    Force,
+    Free,
+    Handle,
+    Helix,
+    Line,
+    Omission,
+    Particle,
+    Plan,
+    Polynomial,
+    Price,
+    Rail,
+    Scene,
+    Spring,
+    SpringMotion,
+    Statistics,
+    Trajectory,
+    __version__,
+    cost,
+    plan,
+    simulate,
+)
+from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
+from rbdyn.frames import Frenet
+from rbdyn.sample import Sample
+
+__all__ = [
+    "AccuracyError",
+    "BodyMotion",
+    "Circle",
+    "CostRow",
+    "Coulomb",
+    "Curve",
+    "Drag",
+    "Error",
+    "Event",
+    "Events",
+    "Expression",
+    "Force",
+    "Free",
+    "Frenet",
+    "Handle",
+    "Helix",
+    "IntegrationError",
+    "InvalidInput",
+    "Line",
+    "Omission",
+    "Particle",
+    "Plan",
+    "Polynomial",
+    "Price",
+    "Rail",
+    "Sample",
+    "Scene",
+    "Spring",
+    "SpringMotion",
+    "Statistics",
+    "Trajectory",
+    "__version__",
+    "cost",
+    "plan",
+    "simulate",
+]

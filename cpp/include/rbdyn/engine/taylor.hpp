@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -79,12 +80,12 @@ public:
         piece_ = {t_, unit_, h / unit_, n, order_, series_->coefficients(0), series_->stride()};
         ++work_.steps;
         // go on from the end, the sum compensated
-        const double tau = piece_.length;
+        std::array<double, max_order + 1> power;
+        power[0] = 1.0;
+        for (int k = 1; k <= order_; ++k) power[at(k)] = power[at(k - 1)] * piece_.length;
         for (int i = 0; i < n; ++i) {
             const auto index = static_cast<std::size_t>(i);
-            const double* c = piece_.variable(i);
-            double increment = 0.0;
-            for (int k = order_; k >= 1; --k) increment = (increment + c[k]) * tau;
+            const double increment = series::dot(piece_.variable(i) + 1, power.data() + 1, order_);
             const Instant sum = exact_sum(x_[index], increment + low_[index]);
             x_[index] = sum.hi;
             low_[index] = sum.lo;
@@ -115,6 +116,12 @@ private:
         int exponent = 0;
         const double mantissa = std::frexp(x, &exponent);
         return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
+    }
+
+    /// log2 x within 0.09, enough for a step length, from the bits of x; -infinity for 0.
+    static double rough_log2(double x) {
+        if (!(x > 0.0)) return -std::numeric_limits<double>::infinity();
+        return static_cast<double>(std::bit_cast<std::int64_t>(x)) * 0x1p-52 - 1023.0;
     }
 
     SeriesEvaluator& evaluator_for(const Equations& equations) {
@@ -168,20 +175,16 @@ private:
             std::array<double, 4> log_size;
             double log_radius = infinity;
             for (int j = 0; j < 4; ++j) {
-                log_size[at(j)] = size[at(p - j)] > 0.0 ? std::log2(size[at(p - j)]) : -infinity;
+                log_size[at(j)] = rough_log2(size[at(p - j)]);
                 log_radius = std::min(log_radius, -log_size[at(j)] / (p - j));
             }
             if (log_radius == infinity) continue;
             // how far the motion goes within a fraction of the radius that is typical of a step
             const double reach = 0.3 * std::exp2(log_radius);
-            double power = 1.0;
-            for (int k = 1; k <= p; ++k) {
-                power *= reach;
-                scale = std::max(scale, size[at(k)] * power);
-            }
+            scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
             if (!(scale > 0.0)) continue;
             // the last two terms meet the tolerance, earlier ones are on the way there from one
-            const double log_scale = std::log2(scale);
+            const double log_scale = rough_log2(scale);
             for (int j = 0; j < 4; ++j) {
                 const double target = j < 2 ? log_tolerance_ : log_tolerance_ * (p - j) / p;
                 log_length = std::min(log_length, (target + log_scale - log_size[at(j)]) / (p - j));

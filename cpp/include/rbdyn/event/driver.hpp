@@ -152,6 +152,9 @@ private:
         if (guards.empty()) return -1.0;
         const Piece& piece = engine_.piece();
         found_.clear();
+        degree_ = std::min(engine_.guard_order(), series::max_degree);
+        double power = 1.0;
+        for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
         for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
         double first = 2.0;
         for (const Found& f : found_)
@@ -183,25 +186,23 @@ private:
         const double* c = engine_.guard(static_cast<int>(g));
         const double sign =
             guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
-        int degree = std::min(engine_.guard_order(), series::max_degree);
+        int degree = degree_;
         // the guard on the unit interval
         series::Coefficients q;
-        double power = sign, size = 0.0;
-        for (int k = 0; k <= degree; ++k) {
-            q[static_cast<std::size_t>(k)] = c[k] * power;
-            power *= engine_.piece().length;
-            if (k > 0) size = std::max(size, std::abs(q[static_cast<std::size_t>(k)]));
-        }
+        for (int k = 0; k <= degree; ++k) q[static_cast<std::size_t>(k)] = c[k] * powers_[static_cast<std::size_t>(k)] * sign;
         int& side = sides_[g];
         const double* p = q.data();
         const double q0 = q[0];
+        const int starts = q0 > 0.0 ? 1 : q0 < 0.0 ? -1 : 0;
+        const bool is_watch = guard.role == GuardRole::record;
+        if (!fresh && starts == side && !is_watch && series::keeps_sign(q.data(), degree)) return;
+        double size = 0.0;
+        for (int k = 1; k <= degree; ++k) size = std::max(size, std::abs(q[static_cast<std::size_t>(k)]));
         // at zero where a mode begins, just handled or within rounding; or where two pieces meet, within their gap
         bool at_zero = false;
-        if (fresh)
-            at_zero = handled(g) || q0 == 0.0 || std::abs(q0) <= 1e-12 * size;
-        else if ((q0 > 0.0 ? 1 : -1) != side)
-            at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
-        int leaves = q0 > 0.0 ? 1 : -1;
+        if (fresh) at_zero = handled(g) || starts == 0 || std::abs(q0) <= 1e-12 * size;
+        else if (starts != side) at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
+        int leaves = starts;
         if (at_zero) {
             int m = 1;
             while (m <= degree && !(std::abs(q[static_cast<std::size_t>(m)]) > 1e-13 * size)) ++m;
@@ -210,7 +211,6 @@ private:
             degree -= m;
             leaves = p[0] > 0.0 ? 1 : -1;
         }
-        const bool is_watch = guard.role == GuardRole::record;
         if (is_watch) ends_[g] = series::value(q.data(), static_cast<int>(engine_.guard_order()), 1.0);
         if (fresh) side = is_watch ? leaves : 1;
         if (leaves != side) {
@@ -258,6 +258,8 @@ private:
     std::vector<Found> found_;
     std::vector<double> roots_;
     series::RootFinder finder_;
+    series::Coefficients powers_{};  // of the piece's length
+    int degree_ = 0;
     bool stops_ = false;
     mutable std::size_t kept_ = 0;
 };

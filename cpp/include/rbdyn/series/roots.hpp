@@ -43,6 +43,21 @@ inline Bounds slope_bounds(const double* c, int degree) {
     return b;
 }
 
+/// Whether g is bounded away from zero on [0, 1] on the side of g(0): a quicker, one-sided form of the same bounds,
+/// with the upper half of the coefficients beside the lower one.
+inline bool keeps_sign(const double* c, int degree) {
+    const double sign = c[0] < 0.0 ? -1.0 : 1.0;
+    const int middle = degree / 2 + 1;
+    double low = 0.0, high = 0.0;
+    int i = middle - 1;
+    for (int k = degree; k >= middle; --k, --i) {
+        high = sign * c[k] + (high < 0.0 ? high : 0.0);
+        if (i >= 1) low = sign * c[i] + (low < 0.0 ? low : 0.0);
+    }
+    for (; i >= 1; --i) low = sign * c[i] + (low < 0.0 ? low : 0.0);
+    return sign * c[0] + (low < 0.0 ? low : 0.0) + (high < 0.0 ? high : 0.0) > 0.0;
+}
+
 /// Coefficients of g(x / 2), the left half; exact.
 inline void left_half(const double* c, int degree, double* out) {
     double power = 1.0;
