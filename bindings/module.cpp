@@ -3,7 +3,6 @@
 
 #include "binding.hpp"
 
-
 PYBIND11_MODULE(_core, m) {
     namespace py = pybind11;
     m.doc() = "Dynamics of points and rigid bodies.";

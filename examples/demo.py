@@ -1,5 +1,162 @@
-"""Which rbdyn is this?"""
+"""The main job in one go: a bead on a rough vertical hoop swings, sticks and stays.
 
-import rbdyn
+Prints the plan, the events beside their closed form, the estimate of the error beside the true error, and what the
+same answer costs; saves a figure.
+"""
 
-print(f"rbdyn {rbdyn.__version__}")
+from pathlib import Path
+
+import numpy as np
+
+import rbdyn as rb
+
+RADIUS, GRAVITY, MU_STATIC, MU_DYNAMIC, MASS, SPEED = 0.5, 9.8125, 0.375, 0.125, 0.5, 7.0
+Real = np.longdouble
+
+
+def closed_form():
+    """Times, kinds, angles and v^2 of the events, in extended precision.
+
+    Eq. 7.25 on a circle, theta from the lowest point, is linear in v^2(theta) while c = f_d sign(theta') sign(N) lasts:
+        v^2 = P(theta) + (v0^2 - P(theta0)) exp(-2 c (theta - theta0))
+        P   = 2 g R ((1 - 2 c^2) cos(theta) - 3 c sin(theta)) / (1 + 4 c^2)
+    """
+    r, g = Real(RADIUS), Real(GRAVITY)
+    time, angle, v2, way, side = Real(0), Real(0), Real(SPEED) ** 2, 1, 1
+    events = []
+    while True:
+        c, start, v2_start = Real(MU_DYNAMIC) * way * side, angle, v2
+
+        def particular(x, c=c):
+            return 2 * g * r * ((1 - 2 * c**2) * np.cos(x) - 3 * c * np.sin(x)) / (1 + 4 * c**2)
+
+        def square(x, c=c, start=start, v2_start=v2_start):
+            return particular(x) + (v2_start - particular(start)) * np.exp(-2 * c * (x - start))
+
+        def pressure(x, side=side, square=square):
+            return side * (square(x) / r + g * np.cos(x))
+
+        # the first angle ahead where the speed or the normal reaction vanishes
+        step = way * Real(1) / 64
+        before = start + step / 64
+        while square(before + step) > 0 and pressure(before + step) > 0:
+            before += step
+        turn, zero = first_zero(square, before, before + step), first_zero(pressure, before, before + step)
+        angle = turn if way * (turn - zero) < 0 else zero
+        v2 = square(angle) if angle == zero else Real(0)
+
+        def departing(end, v2_end, d, c=c, particular=particular):
+            """v^2 at a distance d from an end, without cancellation where it vanishes."""
+            half = np.sin(d / 2)
+            change = -2 * (1 - 2 * c**2) * np.sin(end + d / 2) * half - 6 * c * np.cos(end + d / 2) * half
+            return v2_end + 2 * g * r * change / (1 + 4 * c**2) + (v2_end - particular(end)) * np.expm1(-2 * c * d)
+
+        time += r * duration(departing, start, v2_start, angle, v2)
+        if angle == zero:
+            side = -side
+            events.append((time, "normal-zero", angle, v2))
+            continue
+        way, side = -way, 1 if np.cos(angle) > 0 else -1
+        sticks = abs(np.tan(angle)) <= MU_STATIC
+        events.append((time, "stick" if sticks else "reverse", angle, v2))
+        if sticks:
+            return events
+
+
+def first_zero(f, lo, hi):
+    """Bisection from a positive value; past the far end if there is no zero."""
+    if f(hi) > 0:
+        return hi + (hi - lo)
+    for _ in range(80):
+        middle = (lo + hi) / 2
+        lo, hi = (middle, hi) if f(middle) > 0 else (lo, middle)
+    return (lo + hi) / 2
+
+
+def duration(departing, lo, v2_lo, hi, v2_hi):
+    """Integral of |d theta| / v, whose ends may be inverse square roots: double exponential rule (Takahasi, Mori 1974)."""
+    half, h, total = (hi - lo) / 2, Real(1) / 64, Real(0)
+    for k in range(-250, 251):
+        u = Real(np.pi) / 2 * np.sinh(k * h)
+        d = half * 2 / (1 + np.exp(2 * abs(u)))  # from the nearer end
+        square = departing(lo, v2_lo, d) if u < 0 else departing(hi, v2_hi, -d)
+        if d != 0 and square > 0:
+            total += Real(np.pi) / 2 * np.cosh(k * h) / np.cosh(u) ** 2 / np.sqrt(square)
+    return abs(half * h * total)
+
+
+def digits(value, exact, scale=1.0):
+    difference = abs(float(Real(value) - exact)) / scale
+    return 16.0 if difference == 0 else min(16.0, -np.log10(difference))
+
+
+def main():
+    scene = rb.Scene(gravity=[0, 0, -GRAVITY])
+    hoop = rb.Rail(
+        rb.Circle(radius=RADIUS, start=[0, 0, -1], toward=[1, 0, 0]),
+        friction=rb.Coulomb(mu_static=MU_STATIC, mu_dynamic=MU_DYNAMIC),
+    )
+    bead = scene.add(rb.Particle(mass=MASS), hoop, parameter=0.0, speed=SPEED, name="bead")
+    print(rb.plan(scene))
+
+    run = rb.simulate(scene, until=60.0, error=1e-12)
+    exact = closed_form()
+    print(run)
+    print("Events beside the closed form (digits: of the time, relative; of the angle; of v^2, relative to the start)")
+    print(f"  {'time [s]':>20}  {'kind':<12} {'angle [rad]':>20}  {'v^2 [m^2/s^2]':>14}   digits")
+    worst = 0.0
+    for event, (time, kind, angle, v2) in zip(run.events, exact, strict=True):
+        theta, speed = run[bead].parameter(event.time), run[bead].speed(event.time)
+        agree = digits(event.time, time, float(time)), digits(theta, angle), digits(speed**2, v2, SPEED**2)
+        worst = max(worst, abs(float(Real(event.time) - time)) / float(time))
+        assert event.kind == kind, (event.kind, kind)
+        print(f"  {event.time:20.16f}  {kind:<12} {theta:20.16f}  {speed**2:14.10f}   " + "  ".join(f"{d:4.1f}" for d in agree))
+    print(f"Estimated error of the run {run.error:.1e}, true error of its event times {worst:.1e}\n")
+
+    print("What the same answer costs")
+    price = rb.cost(scene, until=60.0, errors=[1e-6, 1e-9, 1e-12], budget=3.0)
+    print(price)
+
+    path = Path("build") if Path("build").is_dir() else Path()
+    path = (path / "hoop.png").resolve()
+    figure(run, bead, path)
+    print(f"Figure: {path}")
+
+
+def figure(run, bead, path):
+    """Angle, reaction and energy over time, the events marked."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    end = run.events[-1].time
+    t = np.linspace(0.0, 1.08 * end, 1500)
+    energy = run.kinetic_energy(t) + run.potential_energy(t)
+    rows = [
+        ("angle [rad]", [("", run[bead].parameter(t))]),
+        ("reaction [N]", [("normal", run[bead].reaction_frenet(t)[:, 1]), ("tangential", run[bead].reaction_frenet(t)[:, 0])]),
+        ("energy [J]", [("kinetic", run.kinetic_energy(t)), ("potential", run.potential_energy(t)), ("sum", energy)]),
+    ]
+    marks = {"reverse": ("C0", "turns"), "normal-zero": ("C3", "normal reaction zero"), "stick": ("0.2", "sticks")}
+    fig, axes = plt.subplots(len(rows), 1, sharex=True, figsize=(8, 7), layout="constrained")
+    for axis, (label, curves) in zip(axes, rows, strict=True):
+        for event in run.events:
+            axis.axvline(event.time, color=marks[event.kind][0], lw=0.8, ls=":")
+        for name, values in curves:
+            axis.plot(t, values, lw=1.4, label=name or None)
+        if len(curves) > 1:
+            axis.legend(loc="upper right", fontsize=8, frameon=False)
+        axis.set_ylabel(label)
+        axis.spines[["top", "right"]].set_visible(False)
+    for kind, (color, label) in marks.items():
+        times = run.events.times(kind)
+        axes[0].plot(times, run[bead].parameter(times), "o", ms=4, color=color, label=label)
+    axes[0].legend(loc="upper right", fontsize=8, frameon=False)
+    axes[0].set_title("A bead on a rough vertical hoop: swings, sticks, stays", fontsize=10)
+    axes[-1].set_xlabel("time [s]")
+    fig.savefig(path, dpi=120)
+
+
+if __name__ == "__main__":
+    main()

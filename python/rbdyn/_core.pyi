@@ -2,5 +2,896 @@
 Dynamics of points and rigid bodies.
 """
 from __future__ import annotations
-__all__: list[str] = list()
+import collections.abc
+import numpy
+import numpy.typing
+import typing
+__all__: list[str] = ['BodyMotion', 'Circle', 'CostRow', 'Coulomb', 'Curve', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Handle', 'Helix', 'Line', 'Omission', 'Particle', 'Plan', 'Polynomial', 'Price', 'Rail', 'Scene', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'cost', 'plan', 'simulate']
+class Expression:
+    """
+    A number that is being recorded: what a function of the user's is called with, once.
+
+    Arithmetic, abs and NumPy's sin, cos, tan, exp, log, sqrt, tanh, hypot, dot, cross and linalg.norm are recorded; zeros
+    of absolute values and lengths become switching points, located like events. Its value is not known: comparing it or
+    asking for a float raises InvalidInput.
+    """
+    __hash__: typing.ClassVar[None] = None
+    def __abs__(self) -> Expression:
+        ...
+    def __add__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __bool__(self) -> bool:
+        ...
+    def __ceil__(self) -> int:
+        ...
+    def __complex__(self) -> float:
+        ...
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __float__(self) -> float:
+        ...
+    def __floor__(self) -> int:
+        ...
+    def __ge__(self, arg0: typing.Any) -> bool:
+        ...
+    def __gt__(self, arg0: typing.Any) -> bool:
+        ...
+    def __index__(self) -> int:
+        ...
+    def __int__(self) -> int:
+        ...
+    def __le__(self, arg0: typing.Any) -> bool:
+        ...
+    def __lt__(self, arg0: typing.Any) -> bool:
+        ...
+    def __mul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __ne__(self, arg0: typing.Any) -> bool:
+        ...
+    def __neg__(self) -> Expression:
+        ...
+    def __pos__(self) -> Expression:
+        ...
+    def __pow__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __radd__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __rmul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __round__(self) -> int:
+        ...
+    def __rpow__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rsub__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rtruediv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __sub__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __truediv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __trunc__(self) -> int:
+        ...
+    def conjugate(self) -> Expression:
+        ...
+    def cos(self) -> Expression:
+        ...
+    def exp(self) -> Expression:
+        ...
+    def fabs(self) -> Expression:
+        ...
+    def hypot(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def log(self) -> Expression:
+        ...
+    def sin(self) -> Expression:
+        ...
+    def sqrt(self) -> Expression:
+        ...
+    def tan(self) -> Expression:
+        ...
+    def tanh(self) -> Expression:
+        ...
+class Curve:
+    """
+    A curve r(u) of any kind, in the world. Base of Line, Circle, Helix and Polynomial.
+
+    A parameter u is a number, or an array of any shape: a vector then comes back with its components last.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def curvature(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        1/rho of eq. 7.10 [1/m]; 0 where straight. Raises InvalidInput at a cusp.
+        """
+    def frenet(self, u: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        Tangent, normal and binormal (eqs. 7.9, 7.10): a named tuple of unit vectors, each (3,) or (n, 3).
+
+        On a straight stretch the frame of least rotation. Raises InvalidInput at a cusp.
+        """
+    def length(self, u0: numpy.typing.ArrayLike, u1: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Arc length from u0 to u1, negative if u1 < u0 [m]. Arrays are broadcast.
+        """
+    def position(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        r(u), (3,) or (n, 3) [m].
+        """
+    def torsion(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Torsion [1/m], positive for a right-handed helix; 0 where straight.
+        """
+    @property
+    def closed(self) -> bool:
+        """
+        Whether it comes back to where it started; its parameter counts on.
+        """
+    @property
+    def domain(self) -> tuple[float, float]:
+        """
+        The first and the last parameter; infinite where the curve goes on.
+        """
+    @property
+    def name(self) -> str:
+        """
+        What it is, in words.
+        """
+class Line(Curve):
+    """
+    A straight line by its length: r(u) = point + u direction/|direction|.
+    """
+    def __init__(self, direction: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        direction: of any length but zero. point: where u = 0 [m]. World axes; u in m.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def direction(self) -> typing.Any:
+        ...
+    @property
+    def point(self) -> typing.Any:
+        ...
+class Circle(Curve):
+    """
+    A circle by its angle: r(u) = center + radius (cos u start + sin u toward); the angle counts on.
+    """
+    def __init__(self, radius: typing.SupportsFloat | typing.SupportsIndex, start: numpy.typing.ArrayLike, toward: numpy.typing.ArrayLike, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        radius [m], positive. start, toward: directions from the center to u = 0 and to the side on which u grows, made
+        orthonormal. center [m]. World axes; u in rad.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def center(self) -> typing.Any:
+        ...
+    @property
+    def radius(self) -> float:
+        ...
+    @property
+    def start(self) -> typing.Any:
+        ...
+    @property
+    def toward(self) -> typing.Any:
+        ...
+class Helix(Curve):
+    """
+    A circular helix by its angle: r(u) = center + radius (cos u start + sin u toward) + pitch/(2 pi) u axis.
+    """
+    def __init__(self, radius: typing.SupportsFloat | typing.SupportsIndex, pitch: typing.SupportsFloat | typing.SupportsIndex, start: numpy.typing.ArrayLike, toward: numpy.typing.ArrayLike, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        radius [m], positive. pitch [m] a turn, along start x toward; negative for a left-handed helix, not zero.
+        start, toward: directions from the axis to u = 0 and to the side on which u grows, made orthonormal. center: point of
+        the axis beside u = 0 [m]. World axes; u in rad.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def center(self) -> typing.Any:
+        ...
+    @property
+    def pitch(self) -> float:
+        ...
+    @property
+    def radius(self) -> float:
+        ...
+    @property
+    def start(self) -> typing.Any:
+        ...
+    @property
+    def toward(self) -> typing.Any:
+        ...
+class Polynomial(Curve):
+    """
+    A polynomial curve: r(u) = sum of c_k u^k.
+    """
+    def __init__(self, coefficients: numpy.typing.ArrayLike, *, domain: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] | None = None) -> None:
+        """
+        coefficients: (n, 3), vectors in the world in increasing powers of u [m]. domain: first and last parameter; without
+        it the curve has no ends.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def coefficients(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+class Particle:
+    """
+    A material point.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        mass [kg], positive and finite.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def mass(self) -> float:
+        """
+        [kg]
+        """
+class Free:
+    """
+    No constraint. A particle then starts with position [m] and velocity [m/s], world axes.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+class Coulomb:
+    """
+    Coulomb-Morin friction (eq. 7.23).
+
+    Sliding, the tangential reaction is mu_dynamic times the perpendicular one, against the slip; at rest it is whatever
+    rest needs, up to mu_static times the perpendicular one.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, mu_static: typing.SupportsFloat | typing.SupportsIndex, mu_dynamic: typing.SupportsFloat | typing.SupportsIndex | None = None) -> None:
+        """
+        mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def mu_dynamic(self) -> float:
+        ...
+    @property
+    def mu_static(self) -> float:
+        ...
+class Rail:
+    """
+    A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
+
+    A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
+    it reverse, stick and slip events, is speed - drive.
+    """
+    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | collections.abc.Callable = 0.0, ends: str = 'stop') -> None:
+        """
+        friction: Coulomb, or none. drive: the speed with which the rail's surface slides along itself [m/s], a number or
+        a function of time [s]; the curve stays. ends: "stop", the run ends where the body reaches an end of the curve.
+
+        A function is called once, with an Expression, and recorded. Raises InvalidInput if it cannot be.
+        """
+    def __repr__(self) -> str:
+        ...
+    def drive(self, t: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        The speed of the rail's surface along itself at a time [m/s].
+        """
+    @property
+    def curve(self) -> Curve:
+        ...
+    @property
+    def friction(self) -> Coulomb | None:
+        """
+        Friction, if any of its coefficients is not zero.
+        """
+class Force:
+    """
+    A force on a body, constant or a function of time, position and velocity.
+    """
+    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world') -> None:
+        """
+        f: a vector [N], world axes, or f(t, position, velocity) that returns one.
+
+        A function is called once, with an Expression and two arrays of three, and recorded. Raises InvalidInput if it cannot
+        be.
+        """
+    def __repr__(self) -> str:
+        ...
+class Drag:
+    """
+    Resistance of a medium at rest: -(linear + quadratic |v|) v.
+    """
+    def __init__(self, linear: typing.SupportsFloat | typing.SupportsIndex = 0.0, quadratic: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        """
+        linear [kg/s], quadratic [kg/m]; zero or positive.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def linear(self) -> float:
+        """
+        [kg/s]
+        """
+    @property
+    def quadratic(self) -> float:
+        """
+        [kg/m]
+        """
+class Spring:
+    """
+    A spring with a damper along it.
+
+    -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its ends.
+    """
+    def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex, rest_length: typing.SupportsFloat | typing.SupportsIndex = 0.0, damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        """
+        stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def damping(self) -> float:
+        """
+        [kg/s]
+        """
+    @property
+    def rest_length(self) -> float:
+        """
+        [m]
+        """
+    @property
+    def stiffness(self) -> float:
+        """
+        [N/m]
+        """
+class Handle:
+    """
+    What a scene returns for a body, a load or a coupling it has taken.
+
+    run[handle] is its motion. Good for its scene, for copies of that scene and for their runs; equal only to itself.
+    """
+    def __copy__(self) -> typing.Any:
+        ...
+    def __deepcopy__(self, memo: dict) -> typing.Any:
+        ...
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+class Scene:
+    """
+    What there is, as data: bodies with their joints, loads, couplings, a uniform field.
+
+    Everything is checked on entry. A run copies its scene; later changes do not touch that run.
+    """
+    def __copy__(self) -> Scene:
+        ...
+    def __deepcopy__(self, memo: dict) -> Scene:
+        ...
+    def __init__(self, gravity: numpy.typing.ArrayLike | None = None) -> None:
+        """
+        gravity: uniform field (3,) [m/s^2], world axes; none by default.
+        """
+    def __repr__(self) -> str:
+        ...
+    def add(self, body: Particle, joint: Free | Rail = ..., *, name: str | None = None, **kwargs) -> Handle:
+        """
+        Adds a body with the joint to the ground, and its initial state in the joint's words.
+
+        Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and speed =
+        ds/dt [m/s]. Zero by default. Returns a handle. Raises InvalidInput for numbers that break a rule, TypeError for
+        another keyword.
+        """
+    def apply(self, load: Drag | Force, handle: Handle) -> Handle:
+        """
+        Applies a load to a body. Returns a handle.
+        """
+    def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> Handle:
+        """
+        Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.
+        """
+    @property
+    def bodies(self) -> list[Handle]:
+        """
+        Handles of the bodies, in order of addition.
+        """
+    @property
+    def couplings(self) -> list[Handle]:
+        """
+        Handles of the couplings, in order of addition.
+        """
+    @property
+    def gravity(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Uniform field (3,) [m/s^2], world axes. Assign a whole vector to change it.
+        """
+    @gravity.setter
+    def gravity(self, arg1: numpy.typing.ArrayLike) -> None:
+        ...
+    @property
+    def loads(self) -> list[Handle]:
+        """
+        Handles of the loads, in order of addition.
+        """
+class Omission:
+    """
+    Something a scene does not call for, and why.
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def what(self) -> str:
+        ...
+    @property
+    def why(self) -> str:
+        ...
+class Plan:
+    """
+    The decisions made from a scene before anything is computed. print() shows them.
+    """
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def coordinates(self) -> list[str]:
+        """
+        One line for each body.
+        """
+    @property
+    def effects(self) -> list[str]:
+        """
+        Effects the scene has, such as "gravity" or "static friction".
+        """
+    @property
+    def engine(self) -> str:
+        """
+        The automatic choice.
+        """
+    @property
+    def guards(self) -> list[str]:
+        """
+        What is watched for.
+        """
+    @property
+    def integrals(self) -> list[str]:
+        """
+        First integrals of the scene.
+        """
+    @property
+    def omissions(self) -> list[Omission]:
+        """
+        What is left out, and why.
+        """
+    @property
+    def reason(self) -> str:
+        """
+        Why that engine.
+        """
+class Event:
+    """
+    Something that happened at a time, located to rounding error. print() shows it.
+    """
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def direction(self) -> str:
+        """
+        In which the watched quantity passed zero: rising, falling or either.
+        """
+    @property
+    def impulse(self) -> float:
+        """
+        Of an impact [N s].
+        """
+    @property
+    def kind(self) -> str:
+        """
+        watch, reverse, stick, slip, normal-zero, rail-end, detach, land, impact, rest, accumulation or switch.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of the watch or of the subject.
+        """
+    @property
+    def subject(self) -> Handle | None:
+        """
+        Handle of the body, or None.
+        """
+    @property
+    def time(self) -> float:
+        """
+        [s]
+        """
+class Events:
+    """
+    The events of a run, a sequence in order of time.
+    """
+    @typing.overload
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> Event:
+        ...
+    @typing.overload
+    def __getitem__(self, slice: slice) -> list[Event]:
+        ...
+    def __iter__(self) -> collections.abc.Iterator:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    def times(self, kind_or_name: str, subject: Handle | None = None) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Times (n,) [s] of the events of a kind, a watch or a body, of one subject if given.
+
+        Raises InvalidInput for what is neither a kind of event nor a name in this run.
+        """
+class Statistics:
+    """
+    The price of a run. print() shows it.
+    """
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def events(self) -> int:
+        ...
+    @property
+    def guard_evaluations(self) -> int:
+        ...
+    @property
+    def integration_seconds(self) -> float:
+        """
+        The returned motion alone [s].
+        """
+    @property
+    def jacobians(self) -> int:
+        ...
+    @property
+    def python_calls(self) -> int:
+        """
+        Calls of functions that could not be recorded.
+        """
+    @property
+    def rejected(self) -> int:
+        """
+        Steps tried in vain.
+        """
+    @property
+    def right_hand_sides(self) -> int:
+        """
+        For Taylor series: orders computed.
+        """
+    @property
+    def runs(self) -> int:
+        """
+        Integrations, those for the estimate counted.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        The whole call, estimate of the error included [s].
+        """
+    @property
+    def steps(self) -> int:
+        ...
+class BodyMotion:
+    """
+    Motion of one body of a run. Each quantity is a method of time.
+
+    t: [s], a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes. side: at a jump
+    the value "after" it, or "before". Raises InvalidInput for a time outside the run, and for what belongs to rails if the
+    body is free.
+    """
+    def __repr__(self) -> str:
+        ...
+    def acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s^2], from the model at the state.
+        """
+    def arc_length(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.
+        """
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Resultant of the active forces [N].
+        """
+    def parameter(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        The curve's parameter. On a rail.
+        """
+    def position(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [m]
+        """
+    def reaction(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Reaction of the rail on the body [N]. On a rail.
+        """
+    def reaction_frenet(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        The same along tangent, normal, binormal (eqs. 7.12-7.14) [N]. On a rail.
+        """
+    def speed(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        ds/dt along the curve as placed [m/s]. On a rail.
+        """
+    def tangential_force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.
+        """
+    def velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s]
+        """
+    @property
+    def quantities(self) -> list[str]:
+        """
+        Names of the quantities this body has.
+        """
+class SpringMotion:
+    """
+    Length and force of a spring of a run, each a method of time [s].
+    """
+    def __repr__(self) -> str:
+        ...
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        On the first end [N], world axes.
+        """
+    def length(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Between its ends [m].
+        """
+    @property
+    def quantities(self) -> list[str]:
+        """
+        Names of the quantities a spring has.
+        """
+class Trajectory:
+    """
+    The result of simulate(): motion, events, error estimate, price.
+
+    run[handle] is the motion of a body or a spring. Quantities of the whole system are methods of time: t [s] is a number
+    or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
+    bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.
+    """
+    def __getitem__(self, handle: Handle) -> BodyMotion | SpringMotion:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        About a pole fixed in the world (3,) [m]: [kg m^2/s].
+        """
+    def center_of_mass(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [m]
+        """
+    def center_of_mass_acceleration(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s^2]
+        """
+    def center_of_mass_velocity(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s]
+        """
+    def energy(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        T + V = T - U [J].
+        """
+    def kinetic_energy(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [J]
+        """
+    def momentum(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        [kg m/s]
+        """
+    def plot(self, path: typing.Any = None, handle: Handle | None = None) -> typing.Any:
+        """
+        A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
+
+        Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    def potential(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        U, with F = +grad U (the chapter's sign) [J].
+        """
+    def potential_energy(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].
+        """
+    def power(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
+        """
+    def sample(self, times: numpy.typing.ArrayLike) -> typing.Any:
+        """
+        All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.
+        """
+    def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
+        """
+        Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
+        """
+    @property
+    def advice(self) -> str:
+        """
+        What to do about the status.
+        """
+    @property
+    def bodies(self) -> list[Handle]:
+        """
+        Handles of the bodies.
+        """
+    @property
+    def certain_until(self) -> float:
+        """
+        The time up to which the motion is as accurate as asked for [s].
+        """
+    @property
+    def couplings(self) -> list[Handle]:
+        """
+        Handles of the couplings.
+        """
+    @property
+    def drift(self) -> dict[str, float]:
+        """
+        For each first integral of the scene its largest departure from the value at the start, relative to the largest
+        size of its terms.
+        """
+    @property
+    def end(self) -> float:
+        """
+        [s]
+        """
+    @property
+    def engine(self) -> str:
+        ...
+    @property
+    def error(self) -> float | None:
+        """
+        Estimated global error, each quantity relative to its own scale in this motion; None with rtol.
+        """
+    @property
+    def events(self) -> Events:
+        ...
+    @property
+    def plan(self) -> Plan:
+        ...
+    @property
+    def start(self) -> float:
+        """
+        [s]
+        """
+    @property
+    def statistics(self) -> Statistics:
+        ...
+    @property
+    def status(self) -> str:
+        """
+        reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or inconsistent.
+        """
+    @property
+    def t(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The ends of the integrator's pieces (n,) [s].
+        """
+class CostRow:
+    """
+    One run of the table of cost().
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def engine(self) -> str:
+        ...
+    @property
+    def error(self) -> float:
+        """
+        Global, measured against the most accurate run.
+        """
+    @property
+    def right_hand_sides(self) -> int:
+        ...
+    @property
+    def seconds(self) -> float:
+        """
+        Of the integration alone, median of the repeats [s].
+        """
+    @property
+    def steps(self) -> int:
+        ...
+    @property
+    def tolerance(self) -> float:
+        """
+        Local, as given to the engine.
+        """
+class Price:
+    """
+    What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.
+    """
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
+        ...
+    def __iter__(self) -> collections.abc.Iterator:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    def cheapest(self, error: typing.SupportsFloat | typing.SupportsIndex) -> CostRow:
+        """
+        The quickest row that reaches an error. Raises InvalidInput if none does.
+        """
+    def plot(self, path: typing.Any = None) -> typing.Any:
+        """
+        The work-precision diagram: time over achieved error, a line an engine, written to `path` if given.
+
+        Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    @property
+    def rows(self) -> list[CostRow]:
+        ...
+def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[str] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 10.0) -> Price:
+    """
+    What accuracy costs in time, for a scene: every engine over its tolerances.
+
+    until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
+    budget: time to spend, about [s]. Raises what simulate() raises.
+    """
+def plan(scene: Scene) -> Plan:
+    """
+    What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
+
+    Raises InvalidInput for a scene without bodies.
+    """
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> Trajectory:
+    """
+    Runs a scene, as accurately as asked for.
+
+    until, start: times [s]. error: global, of each quantity relative to its own scale in the motion; the scene is run again
+    more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "taylor",
+    "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each integration.
+    progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+
+    Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
+    cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
+    Other threads run meanwhile.
+    """
 __version__: str = '0.1.0'

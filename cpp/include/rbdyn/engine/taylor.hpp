@@ -172,11 +172,14 @@ private:
                 scale = std::max(scale, group.is_position ? past.high - past.low : past.magnitude);
             }
             // the last coefficients give the radius of convergence; all zero: a polynomial, exact at any length
+            double largest = scale;
+            for (int k = 1; k <= p; ++k) largest = std::max(largest, size[at(k)]);
+            const double log_largest = rough_log2(largest);
             std::array<double, 4> log_size;
             double log_radius = infinity;
             for (int j = 0; j < 4; ++j) {
                 log_size[at(j)] = rough_log2(size[at(p - j)]);
-                log_radius = std::min(log_radius, -log_size[at(j)] / (p - j));
+                log_radius = std::min(log_radius, (log_largest - log_size[at(j)]) / (p - j));
             }
             if (log_radius == infinity) continue;
             // how far the motion goes within a fraction of the radius that is typical of a step
