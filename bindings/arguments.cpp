@@ -1,0 +1,60 @@
+// Arguments from Python: numbers and vectors of the right shape, or an InvalidInput that says what they are.
+#include "binding.hpp"
+
+namespace binding {
+
+std::string shown(py::handle value) {
+    constexpr std::size_t longest = 60;
+    std::string text = py::repr(value);
+    if (text.size() > longest) text = text.substr(0, longest - 3) + "...";
+    return text;
+}
+
+std::string shape_of(const py::array& array) { return py::str(array.attr("shape")); }
+
+Array doubles(py::handle value, const std::string& object, const std::string& what) {
+    const auto refuse = [&] {
+        throw InvalidInput(object + ": " + what + " is " + shown(value) + "; give numbers, or an array of numbers");
+    };
+    const py::array array = py::array::ensure(value);
+    if (!array) refuse();
+    switch (array.dtype().kind()) {
+        case 'b':
+        case 'i':
+        case 'u':
+        case 'f':
+        case 'O': break;
+        default: refuse();
+    }
+    Array numbers = Array::ensure(array);
+    if (!numbers) refuse();
+    return numbers;
+}
+
+double number(py::handle value, const std::string& object, const std::string& what) {
+    const Array array = doubles(value, object, what);
+    if (array.ndim() != 0)
+        throw InvalidInput(object + ": " + what + " has shape " + shape_of(array) + "; it is one number");
+    return *array.data();
+}
+
+Vector3 vector3(py::handle value, const std::string& object, const std::string& what) {
+    const Array array = doubles(value, object, what);
+    if (array.ndim() != 1 || array.size() != 3)
+        throw InvalidInput(object + ": " + what + " has shape " + shape_of(array) +
+                           "; a vector has three components, as in [0, 0, 1]");
+    return {array.at(0), array.at(1), array.at(2)};
+}
+
+std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what) {
+    const Array array = doubles(value, object, what);
+    if (array.ndim() != 1)
+        throw InvalidInput(object + ": " + what + " has shape " + shape_of(array) + "; it is a list of numbers");
+    return {array.data(), array.data() + array.size()};
+}
+
+std::string list_text(const Vector3& v) {
+    return "[" + rbdyn::text(v[0]) + ", " + rbdyn::text(v[1]) + ", " + rbdyn::text(v[2]) + "]";
+}
+
+}  // namespace binding

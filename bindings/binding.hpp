@@ -1,0 +1,150 @@
+// What the binding files share: arguments checked by the library's own rules, handles, values over arrays of times.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <cstdint>
+#include <ostream>
+#include <rbdyn/basics/error.hpp>
+#include <rbdyn/basics/vector.hpp>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace rbdyn {
+class Function;
+class TimeFunction;
+}  // namespace rbdyn
+
+namespace binding {
+
+namespace py = pybind11;
+using rbdyn::InvalidInput;
+using rbdyn::Vector3;
+
+// --- what Python's type checkers are told ---
+
+inline bool any_object(PyObject*) { return true; }
+
+/// Anything NumPy makes an array of numbers from.
+class ArrayLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, any_object)
+};
+/// A float for one time, an array for several.
+class Values : public py::object {
+    PYBIND11_OBJECT_DEFAULT(Values, py::object, any_object)
+};
+/// A vector, or a function that gives one.
+class VectorOrFunction : public py::object {
+    PYBIND11_OBJECT_DEFAULT(VectorOrFunction, py::object, any_object)
+};
+/// A number, or a function that gives one.
+class NumberOrFunction : public py::object {
+    PYBIND11_OBJECT_DEFAULT(NumberOrFunction, py::object, any_object)
+};
+/// "after" or "before".
+class SideName : public py::str {
+    PYBIND11_OBJECT_DEFAULT(SideName, py::str, PyUnicode_Check)
+};
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+// --- arguments: what breaks a rule is an InvalidInput that names object, number, rule and fix ---
+
+/// repr(value), shortened.
+std::string shown(py::handle value);
+/// (3,), as Python writes it.
+std::string shape_of(const py::array& array);
+/// Numbers of any shape.
+Array doubles(py::handle value, const std::string& object, const std::string& what);
+/// One number.
+double number(py::handle value, const std::string& object, const std::string& what);
+/// Three numbers.
+Vector3 vector3(py::handle value, const std::string& object, const std::string& what);
+/// A list of numbers.
+std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what);
+
+// --- functions of the user's, called once with expressions (functions.cpp) ---
+
+/// From f(t).
+rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user);
+/// From f(t, position, velocity) -> three components.
+rbdyn::Function recorded_force(const py::object& f, const std::string& user);
+
+// --- results ---
+
+inline py::object to_python(double value) { return py::float_(value); }
+inline py::object to_python(const Vector3& v) { return py::array_t<double>(3, v.data()); }
+
+inline void write(double*& out, double value) { *out++ = value; }
+inline void write(double*& out, const Vector3& v) {
+    for (int i = 0; i < 3; ++i) *out++ = v[i];
+}
+
+/// f at one argument, or at each of an array of them; a vector's components come last.
+template <class F>
+Values over(const ArrayLike& argument, const char* object, const char* what, F&& f) {
+    using Result = std::invoke_result_t<F, double>;
+    if (PyFloat_Check(argument.ptr()))
+        return py::reinterpret_borrow<Values>(to_python(f(PyFloat_AS_DOUBLE(argument.ptr()))));
+    const Array x = doubles(argument, object, what);
+    if (x.ndim() == 0) return py::reinterpret_borrow<Values>(to_python(f(*x.data())));
+    std::vector<py::ssize_t> shape(x.shape(), x.shape() + x.ndim());
+    if (!std::is_same_v<Result, double>) shape.push_back(3);
+    py::array_t<double> result(shape);
+    double* out = result.mutable_data();
+    const double* in = x.data();
+    for (py::ssize_t i = 0; i < x.size(); ++i) write(out, f(in[i]));
+    return py::reinterpret_borrow<Values>(result);
+}
+
+/// What operator<< writes, without its last end of line.
+template <class T>
+std::string printed(const T& value) {
+    std::ostringstream out;
+    out << value;
+    std::string text = out.str();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return text;
+}
+
+/// [1, 2, 3]
+std::string list_text(const Vector3& v);
+
+// --- one function a file ---
+
+void bind_curves(py::module_& m);
+void bind_functions(py::module_& m);
+void bind_joints(py::module_& m);
+void bind_loads(py::module_& m);
+void bind_scene(py::module_& m);
+void bind_plan(py::module_& m);
+void bind_trajectory(py::module_& m);
+void bind_verbs(py::module_& m);
+
+}  // namespace binding
+
+namespace pybind11::detail {
+template <>
+struct handle_type_name<binding::ArrayLike> {
+    static constexpr auto name = const_name("numpy.typing.ArrayLike");
+};
+template <>
+struct handle_type_name<binding::Values> {
+    static constexpr auto name = const_name("float | numpy.typing.NDArray[numpy.float64]");
+};
+template <>
+struct handle_type_name<binding::VectorOrFunction> {
+    static constexpr auto name = const_name("numpy.typing.ArrayLike | collections.abc.Callable");
+};
+template <>
+struct handle_type_name<binding::NumberOrFunction> {
+    static constexpr auto name = const_name("float | collections.abc.Callable");
+};
+template <>
+struct handle_type_name<binding::SideName> {
+    static constexpr auto name = const_name("typing.Literal['after', 'before']");
+};
+}  // namespace pybind11::detail

@@ -1,0 +1,60 @@
+// Handles: what a scene gives back for a thing it has taken, and what a run is asked with.
+//
+// Every handle has a number of its own in this process. A scene keeps those of what it holds, and so do its copies and
+// its runs: a handle is good for each of them, and for no other scene.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <rbdyn/scene/scene.hpp>
+#include <string>
+#include <vector>
+
+#include "binding.hpp"
+
+namespace binding {
+
+struct Handle {
+    enum class Of { body, load, coupling } of = Of::body;
+    int index = -1;
+    std::uint64_t id = 0;
+    std::string name;
+
+    bool operator==(const Handle& other) const { return id == other.id; }
+};
+
+/// The handles of a scene, by order of addition.
+struct Handles {
+    std::vector<Handle> bodies, loads, couplings;
+
+    const std::vector<Handle>& of(Handle::Of kind) const {
+        return kind == Handle::Of::body ? bodies : kind == Handle::Of::load ? loads : couplings;
+    }
+    bool has(const Handle& h) const {
+        const auto& known = of(h.of);
+        return h.index >= 0 && h.index < static_cast<int>(known.size()) &&
+               known[static_cast<std::size_t>(h.index)] == h;
+    }
+    /// Throws InvalidInput for a handle of another scene.
+    void require(const Handle& h, const std::string& user) const {
+        if (!has(h))
+            throw InvalidInput(
+                user + ": \"" + h.name +
+                "\" is a handle of another scene; use what add(), connect() or apply() of this one returned");
+    }
+    /// The body of a handle. Throws InvalidInput for any other handle.
+    rbdyn::BodyHandle body(const Handle& h, const std::string& user) const {
+        require(h, user);
+        if (h.of != Handle::Of::body)
+            throw InvalidInput(user + ": \"" + h.name + "\" is not a body; use the handle that add() returned");
+        return {h.index};
+    }
+};
+
+/// A scene with its handles.
+struct BoundScene {
+    rbdyn::Scene scene;
+    Handles handles;
+};
+
+}  // namespace binding

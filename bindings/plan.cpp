@@ -1,0 +1,35 @@
+// The plan: what a scene calls for.
+#include <rbdyn/plan/plan.hpp>
+
+#include "handles.hpp"
+
+namespace binding {
+
+void bind_plan(py::module_& m) {
+    using rbdyn::Plan;
+    py::class_<Plan::Omission>(m, "Omission", "Something a scene does not call for, and why.")
+        .def_readonly("what", &Plan::Omission::what)
+        .def_readonly("why", &Plan::Omission::why)
+        .def("__repr__", [](const Plan::Omission& o) { return "<Omission: " + o.what + ": " + o.why + ">"; });
+
+    py::class_<Plan>(m, "Plan", "The decisions made from a scene before anything is computed. print() shows them.")
+        .def_readonly("coordinates", &Plan::coordinates, "One line for each body.")
+        .def_readonly("effects", &Plan::effects, "Effects the scene has, such as \"gravity\" or \"static friction\".")
+        .def_readonly("guards", &Plan::guards, "What is watched for.")
+        .def_readonly("engine", &Plan::engine, "The automatic choice.")
+        .def_readonly("reason", &Plan::reason, "Why that engine.")
+        .def_readonly("omissions", &Plan::omissions, "What is left out, and why.")
+        .def_readonly("integrals", &Plan::integrals, "First integrals of the scene.")
+        .def("__str__", &printed<Plan>)
+        .def("__repr__", [](const Plan& p) {
+            return "<Plan: " + std::to_string(p.effects.size()) + " effects, engine " + p.engine + ">";
+        });
+
+    m.def(
+        "plan", [](const BoundScene& scene) { return rbdyn::make_plan(scene.scene); }, py::arg("scene"),
+        R"(What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
+
+Raises InvalidInput for a scene without bodies.)");
+}
+
+}  // namespace binding

@@ -1,0 +1,367 @@
+// Runs: motion, events, price.
+#include <algorithm>
+#include <set>
+
+#include "run.hpp"
+
+namespace binding {
+
+using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::SpringMotion, rbdyn::Statistics,
+    rbdyn::Trajectory;
+
+namespace {
+
+struct BoundEvent {
+    Event event;
+    std::optional<Handle> subject;
+};
+
+struct BoundEvents {
+    Trajectory run;
+    std::shared_ptr<const Handles> handles;
+
+    const Events& list() const { return run.events(); }
+    BoundEvent at(std::size_t i) const {
+        const Event& e = list()[i];
+        if (e.subject < 0) return {e, std::nullopt};
+        return {e, handles->bodies[static_cast<std::size_t>(e.subject)]};
+    }
+};
+
+struct BoundMotion {
+    BodyMotion motion;
+    bool on_rail;
+    std::string name;
+};
+struct BoundSpring {
+    SpringMotion motion;
+    std::string name;
+};
+
+Side side_of(const SideName& side) {
+    const auto name = side.cast<std::string>();
+    if (name == "after") return Side::after;
+    if (name == "before") return Side::before;
+    throw InvalidInput("Trajectory: side is \"" + name + "\"; it is \"after\" or \"before\"");
+}
+
+const SideName& after() {
+    static const SideName name = py::reinterpret_steal<SideName>(PyUnicode_FromString("after"));
+    return name;
+}
+
+/// quantity(motion, t, side) as a method of time.
+template <class Owner, class R>
+auto of_time(R (decltype(Owner::motion)::*quantity)(double, Side) const) {
+    return [quantity](const Owner& self, const ArrayLike& t, const SideName& name) {
+        const Side side = side_of(name);
+        return over(t, "Trajectory", "time", [&](double x) { return (self.motion.*quantity)(x, side); });
+    };
+}
+
+using Of = std::optional<std::variant<Handle, std::vector<Handle>>>;
+
+Trajectory::Bodies bodies_of(const BoundTrajectory& self, const Of& of) {
+    Trajectory::Bodies bodies;
+    if (!of) return bodies;
+    if (const Handle* one = std::get_if<Handle>(&*of)) return {self.handles->body(*one, "Trajectory")};
+    for (const Handle& h : std::get<std::vector<Handle>>(*of)) bodies.push_back(self.handles->body(h, "Trajectory"));
+    if (bodies.empty()) throw InvalidInput("Trajectory: of has 0 handles; give at least one, or leave it out for all");
+    return bodies;
+}
+
+std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or_name,
+                             const std::optional<Handle>& subject) {
+    std::set<std::string> known;
+    std::string kinds;
+    for (int i = 0; i <= static_cast<int>(rbdyn::EventKind::switching); ++i) {
+        const std::string kind(name_of(static_cast<rbdyn::EventKind>(i)));
+        known.insert(kind);
+        kinds += (kinds.empty() ? "" : ", ") + kind;
+    }
+    for (const Event& e : self.list()) known.insert(e.name);
+    for (const Handle& h : self.handles->bodies) known.insert(h.name);
+    if (known.count(kind_or_name) == 0)
+        throw InvalidInput("Events: \"" + kind_or_name +
+                           "\" is no name in this run and no kind of event; the kinds are " + kinds);
+    if (!subject) return self.list().times(kind_or_name);
+    return self.list().times(kind_or_name, self.handles->body(*subject, "Events"));
+}
+
+void bind_events(py::module_& m) {
+    py::class_<BoundEvent>(m, "Event",
+                           "Something that happened at a time, located to rounding error. print() shows it.")
+        .def_property_readonly(
+            "time", [](const BoundEvent& e) { return e.event.time; }, "[s]")
+        .def_property_readonly(
+            "kind", [](const BoundEvent& e) { return name_of(e.event.kind); },
+            "watch, reverse, stick, slip, normal-zero, rail-end, detach, land, impact, rest, accumulation or switch.")
+        .def_property_readonly(
+            "name", [](const BoundEvent& e) { return e.event.name; }, "Of the watch or of the subject.")
+        .def_property_readonly(
+            "subject", [](const BoundEvent& e) { return e.subject; }, "Handle of the body, or None.")
+        .def_property_readonly(
+            "direction", [](const BoundEvent& e) { return name_of(e.event.direction); },
+            "In which the watched quantity passed zero: rising, falling or either.")
+        .def_property_readonly(
+            "impulse", [](const BoundEvent& e) { return e.event.impulse; }, "Of an impact [N s].")
+        .def("__str__", [](const BoundEvent& e) { return printed(e.event); })
+        .def("__repr__", [](const BoundEvent& e) { return "<Event: " + printed(e.event) + ">"; });
+
+    py::class_<BoundEvents>(m, "Events", "The events of a run, a sequence in order of time.")
+        .def("__len__", [](const BoundEvents& e) { return e.list().size(); })
+        .def(
+            "__getitem__",
+            [](const BoundEvents& e, py::ssize_t i) {
+                const auto n = static_cast<py::ssize_t>(e.list().size());
+                if (i < 0) i += n;
+                if (i < 0 || i >= n) throw py::index_error("Events: there are " + std::to_string(n) + " events");
+                return e.at(static_cast<std::size_t>(i));
+            },
+            py::arg("index"))
+        .def(
+            "__getitem__",
+            [](const BoundEvents& e, const py::slice& slice) {
+                std::size_t start = 0, stop = 0, step = 0, length = 0;
+                if (!slice.compute(e.list().size(), &start, &stop, &step, &length)) throw py::error_already_set();
+                std::vector<BoundEvent> result;
+                for (std::size_t i = 0; i < length; ++i, start += step) result.push_back(e.at(start));
+                return result;
+            },
+            py::arg("slice"))
+        .def("__iter__",
+             [](const BoundEvents& e) {
+                 py::list all;
+                 for (std::size_t i = 0; i < e.list().size(); ++i) all.append(e.at(i));
+                 return py::iter(all);
+             })
+        .def(
+            "times",
+            [](const BoundEvents& e, const std::string& kind_or_name, const std::optional<Handle>& subject) {
+                const std::vector<double> times = times_of(e, kind_or_name, subject);
+                return py::array_t<double>(static_cast<py::ssize_t>(times.size()), times.data());
+            },
+            py::arg("kind_or_name"), py::arg("subject") = py::none(),
+            R"(Times (n,) [s] of the events of a kind, a watch or a body, of one subject if given.
+
+Raises InvalidInput for what is neither a kind of event nor a name in this run.)")
+        .def("__str__",
+             [](const BoundEvents& e) {
+                 std::string text;
+                 for (const Event& event : e.list()) text += (text.empty() ? "" : "\n") + printed(event);
+                 return text;
+             })
+        .def("__repr__", [](const BoundEvents& e) { return "<Events: " + std::to_string(e.list().size()) + ">"; });
+
+    py::class_<Statistics>(m, "Statistics", "The price of a run. print() shows it.")
+        .def_readonly("seconds", &Statistics::seconds, "The whole call, estimate of the error included [s].")
+        .def_readonly("integration_seconds", &Statistics::integration_seconds, "The returned motion alone [s].")
+        .def_readonly("steps", &Statistics::steps)
+        .def_readonly("rejected", &Statistics::rejected, "Steps tried in vain.")
+        .def_readonly("right_hand_sides", &Statistics::right_hand_sides, "For Taylor series: orders computed.")
+        .def_readonly("jacobians", &Statistics::jacobians)
+        .def_readonly("guard_evaluations", &Statistics::guard_evaluations)
+        .def_readonly("events", &Statistics::events)
+        .def_readonly("python_calls", &Statistics::python_calls, "Calls of functions that could not be recorded.")
+        .def_readonly("runs", &Statistics::runs, "Integrations, those for the estimate counted.")
+        .def("__str__", &printed<Statistics>)
+        .def("__repr__", [](const Statistics& s) { return "<Statistics: " + printed(s) + ">"; });
+}
+
+void bind_motions(py::module_& m) {
+    using M = BodyMotion;
+    py::class_<BoundMotion> body(m, "BodyMotion", R"(Motion of one body of a run. Each quantity is a method of time.
+
+t: [s], a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes. side: at a jump
+the value "after" it, or "before". Raises InvalidInput for a time outside the run, and for what belongs to rails if the
+body is free.)");
+    const auto define = [&](const char* name, auto quantity, const char* doc) {
+        body.def(name, of_time<BoundMotion>(quantity), py::arg("t"), py::arg("side") = after(), doc);
+    };
+    define("position", &M::position, "[m]");
+    define("velocity", &M::velocity, "[m/s]");
+    define("acceleration", &M::acceleration, "[m/s^2], from the model at the state.");
+    define("force", &M::force, "Resultant of the active forces [N].");
+    define("parameter", &M::parameter, "The curve's parameter. On a rail.");
+    define("arc_length", &M::arc_length,
+           "From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.");
+    define("speed", &M::speed, "ds/dt along the curve as placed [m/s]. On a rail.");
+    define("tangential_force", &M::tangential_force,
+           "Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.");
+    define("reaction", &M::reaction, "Reaction of the rail on the body [N]. On a rail.");
+    define("reaction_frenet", &M::reaction_frenet,
+           "The same along tangent, normal, binormal (eqs. 7.12-7.14) [N]. On a rail.");
+    body.def_property_readonly(
+            "quantities",
+            [](const BoundMotion& b) {
+                std::vector<std::string> names = {"position", "velocity", "acceleration", "force"};
+                if (b.on_rail)
+                    names.insert(names.end(), {"parameter", "arc_length", "speed", "tangential_force", "reaction",
+                                               "reaction_frenet"});
+                return names;
+            },
+            "Names of the quantities this body has.")
+        .def("__repr__", [](const BoundMotion& b) { return "<BodyMotion: " + b.name + ">"; });
+
+    py::class_<BoundSpring> spring(m, "SpringMotion",
+                                   "Length and force of a spring of a run, each a method of time [s].");
+    spring
+        .def("length", of_time<BoundSpring>(&SpringMotion::length), py::arg("t"), py::arg("side") = after(),
+             "Between its ends [m].")
+        .def("force", of_time<BoundSpring>(&SpringMotion::force), py::arg("t"), py::arg("side") = after(),
+             "On the first end [N], world axes.")
+        .def_property_readonly(
+            "quantities",
+            [](const BoundSpring&) {
+                return std::vector<std::string>{"length", "force"};
+            },
+            "Names of the quantities a spring has.")
+        .def("__repr__", [](const BoundSpring& s) { return "<SpringMotion: " + s.name + ">"; });
+}
+
+std::variant<BoundMotion, BoundSpring> motion(const BoundTrajectory& self, const Handle& handle) {
+    self.handles->require(handle, "Trajectory");
+    switch (handle.of) {
+        case Handle::Of::body: {
+            const auto& body = self.run.scene().bodies()[static_cast<std::size_t>(handle.index)];
+            return BoundMotion{self.run[rbdyn::BodyHandle{handle.index}], body.rail() != nullptr, handle.name};
+        }
+        case Handle::Of::coupling: return BoundSpring{self.run[rbdyn::CouplingHandle{handle.index}], handle.name};
+        case Handle::Of::load: break;
+    }
+    throw InvalidInput("Trajectory: \"" + handle.name + "\" is a load, which has no motion; ask for its body's force");
+}
+
+/// quantity(run, t, of, side) as a method of time.
+template <class R>
+auto of_bodies(R (Trajectory::*quantity)(double, const Trajectory::Bodies&, Side) const) {
+    return [quantity](const BoundTrajectory& self, const ArrayLike& t, const Of& of, const SideName& name) {
+        const Side side = side_of(name);
+        const Trajectory::Bodies bodies = bodies_of(self, of);
+        return over(t, "Trajectory", "time", [&](double x) { return (self.run.*quantity)(x, bodies, side); });
+    };
+}
+template <class R>
+auto of_system(R (Trajectory::*quantity)(double, Side) const) {
+    return [quantity](const BoundTrajectory& self, const ArrayLike& t, const SideName& name) {
+        const Side side = side_of(name);
+        return over(t, "Trajectory", "time", [&](double x) { return (self.run.*quantity)(x, side); });
+    };
+}
+
+}  // namespace
+
+void bind_trajectory(py::module_& m) {
+    bind_events(m);
+    bind_motions(m);
+
+    py::class_<BoundTrajectory> run(m, "Trajectory", R"(The result of simulate(): motion, events, error estimate, price.
+
+run[handle] is the motion of a body or a spring. Quantities of the whole system are methods of time: t [s] is a number
+or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
+bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.)");
+    run.def_property_readonly(
+           "status", [](const BoundTrajectory& r) { return name_of(r.run.status()); },
+           "reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or "
+           "inconsistent.")
+        .def_property_readonly(
+            "advice", [](const BoundTrajectory& r) { return advice(r.run.status()); }, "What to do about the status.")
+        .def_property_readonly(
+            "start", [](const BoundTrajectory& r) { return r.run.start(); }, "[s]")
+        .def_property_readonly(
+            "end", [](const BoundTrajectory& r) { return r.run.end(); }, "[s]")
+        .def_property_readonly(
+            "certain_until", [](const BoundTrajectory& r) { return r.run.certain_until(); },
+            "The time up to which the motion is as accurate as asked for [s].")
+        .def_property_readonly("engine", [](const BoundTrajectory& r) { return r.run.engine(); })
+        .def_property_readonly(
+            "error", [](const BoundTrajectory& r) { return r.run.error(); },
+            "Estimated global error, each quantity relative to its own scale in this motion; None with rtol.")
+        .def_property_readonly(
+            "drift",
+            [](const BoundTrajectory& r) {
+                const py::gil_scoped_release free;
+                return r.run.drift();
+            },
+            R"(For each first integral of the scene its largest departure from the value at the start, relative to the largest
+size of its terms.)")
+        .def_property_readonly("statistics", [](const BoundTrajectory& r) { return r.run.statistics(); })
+        .def_property_readonly("events",
+                               [](const BoundTrajectory& r) {
+                                   return BoundEvents{r.run, r.handles};
+                               })
+        .def_property_readonly("plan", [](const BoundTrajectory& r) { return r.run.plan(); })
+        .def_property_readonly(
+            "bodies", [](const BoundTrajectory& r) { return r.handles->bodies; }, "Handles of the bodies.")
+        .def_property_readonly(
+            "couplings", [](const BoundTrajectory& r) { return r.handles->couplings; }, "Handles of the couplings.")
+        .def_property_readonly(
+            "t",
+            [](const BoundTrajectory& r) {
+                const std::vector<double> t = r.run.t();
+                return py::array_t<double>(static_cast<py::ssize_t>(t.size()), t.data());
+            },
+            "The ends of the integrator's pieces (n,) [s].")
+        .def("__getitem__", &motion, py::arg("handle"));
+
+    const auto of_time_and_bodies = [&](const char* name, auto quantity, const char* doc) {
+        run.def(name, of_bodies(quantity), py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), doc);
+    };
+    of_time_and_bodies("kinetic_energy", &Trajectory::kinetic_energy, "[J]");
+    of_time_and_bodies("power", &Trajectory::power,
+                       "Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].");
+    of_time_and_bodies("momentum", &Trajectory::momentum, "[kg m/s]");
+    of_time_and_bodies("center_of_mass", &Trajectory::center_of_mass, "[m]");
+    of_time_and_bodies("center_of_mass_velocity", &Trajectory::center_of_mass_velocity, "[m/s]");
+    of_time_and_bodies("center_of_mass_acceleration", &Trajectory::center_of_mass_acceleration, "[m/s^2]");
+
+    const auto of_time_alone = [&](const char* name, auto quantity, const char* doc) {
+        run.def(name, of_system(quantity), py::arg("t"), py::arg("side") = after(), doc);
+    };
+    of_time_alone("potential_energy", &Trajectory::potential_energy,
+                  "V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].");
+    of_time_alone("potential", &Trajectory::potential, "U, with F = +grad U (the chapter's sign) [J].");
+    of_time_alone("energy", &Trajectory::energy, "T + V = T - U [J].");
+
+    run.def(
+           "work",
+           [](const BoundTrajectory& self, double t0, double t1, const Of& of) {
+               return self.run.work(t0, t1, bodies_of(self, of));
+           },
+           py::arg("t0"), py::arg("t1"), py::arg("of") = py::none(),
+           "Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].")
+        .def(
+            "angular_momentum",
+            [](const BoundTrajectory& self, const ArrayLike& t, const ArrayLike& pole, const Of& of,
+               const SideName& name) {
+                const Side side = side_of(name);
+                const Vector3 about = vector3(pole, "Trajectory", "pole");
+                const Trajectory::Bodies bodies = bodies_of(self, of);
+                return over(t, "Trajectory", "time",
+                            [&](double x) { return self.run.angular_momentum(x, about, bodies, side); });
+            },
+            py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
+            py::arg("side") = after(), "About a pole fixed in the world (3,) [m]: [kg m^2/s].")
+        .def(
+            "sample",
+            [](const py::object& self, const ArrayLike& times) {
+                return py::module_::import("rbdyn.sample").attr("Sample")(self, times);
+            },
+            py::arg("times"), "All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.")
+        .def(
+            "plot",
+            [](const py::object& self, const py::object& path, const std::optional<Handle>& handle) {
+                return py::module_::import("rbdyn.plots").attr("plot_motion")(self, path, handle);
+            },
+            py::arg("path") = py::none(), py::arg("handle") = py::none(),
+            R"(A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
+
+Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
+        .def("__str__", [](const BoundTrajectory& r) { return printed(r.run); })
+        .def("__repr__", [](const BoundTrajectory& r) {
+            return "<Trajectory: " + std::string(name_of(r.run.status())) + " at t = " + rbdyn::text(r.run.end()) +
+                   " s, " + std::to_string(r.run.events().size()) + " events, engine " + r.run.engine() + ">";
+        });
+}
+
+}  // namespace binding

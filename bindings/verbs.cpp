@@ -1,0 +1,229 @@
+// simulate() and cost(): they run without Python's lock, look for Ctrl-C and show progress. The engines are built here.
+#include <chrono>
+#include <optional>
+#include <rbdyn/rbdyn.hpp>
+#include <variant>
+
+#include "run.hpp"
+
+namespace binding {
+
+using rbdyn::Price, rbdyn::CostRow, rbdyn::Trajectory;
+
+namespace {
+
+/// Called by a running integration with the time reached: takes Python's lock now and then, to show progress and to
+/// ask whether a signal has come. What Python raises there stops the integration, and is kept.
+class Watch {
+public:
+    Watch(const py::object& progress, double start, double until) : start_(start), until_(until) {
+        if (PyBool_Check(progress.ptr())) {
+            if (progress.is(py::bool_(true))) show_ = py::module_::import("rbdyn.progress").attr("Bar")();
+        } else if (PyCallable_Check(progress.ptr()) != 0) {
+            show_ = progress;
+        } else {
+            throw InvalidInput("simulate: progress is " + shown(progress) +
+                               "; it is True, False, or a function of the fraction done");
+        }
+    }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+    /// With the lock held.
+    ~Watch() {
+        if (!show_ || !py::hasattr(show_, "close")) return;
+        try {
+            show_.attr("close")();
+        } catch (py::error_already_set& e) {
+            e.discard_as_unraisable("progress");
+        }
+    }
+
+    /// Without the lock.
+    bool goes_on(double t) {
+        if (raised_) return false;
+        const Clock::time_point now = Clock::now();
+        if (now - last_ < interval) return true;
+        const py::gil_scoped_acquire lock;
+        try {
+            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+            if (show_) show_((t - start_) / (until_ - start_));
+        } catch (py::error_already_set& e) {
+            raised_.emplace(e);
+        }
+        last_ = Clock::now();
+        return !raised_;
+    }
+    rbdyn::Driver::Monitor monitor() {
+        return [this](double t) { return goes_on(t); };
+    }
+
+    /// With the lock held: what Python raised is raised again, with `run` on it.
+    void raise_if_raised(const std::optional<BoundTrajectory>& run) {
+        if (!raised_) return;
+        if (run && PyObject_SetAttrString(raised_->value().ptr(), "run", py::cast(*run).ptr()) != 0) PyErr_Clear();
+        throw py::error_already_set(*raised_);
+    }
+    void finished() const {
+        if (show_) show_(1.0);
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    // far below the second within which Ctrl-C is obeyed, far above the time that taking the lock needs
+    static constexpr auto interval = std::chrono::milliseconds(50);
+
+    double start_, until_;
+    py::object show_;
+    std::optional<py::error_already_set> raised_;
+    Clock::time_point last_ = Clock::now();
+};
+
+rbdyn::Keep keep_of(const std::variant<std::string, ArrayLike>& keep) {
+    using What = rbdyn::Keep::What;
+    if (const auto* times = std::get_if<ArrayLike>(&keep)) {
+        rbdyn::Keep result{What::times, list_of_doubles(*times, "simulate", "keep")};
+        std::sort(result.times.begin(), result.times.end());
+        return result;
+    }
+    const auto& name = std::get<std::string>(keep);
+    if (name == "all") return {What::all, {}};
+    if (name == "end") return {What::end, {}};
+    throw InvalidInput("simulate: keep is \"" + name + "\"; it is \"all\", \"end\", or a list of times");
+}
+
+BoundTrajectory simulate(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
+                         const std::string& engine, const std::variant<std::string, ArrayLike>& keep,
+                         std::int64_t max_steps, const py::object& progress) {
+    // copies, since other threads may change the scene while this one runs without the lock
+    const rbdyn::Scene copy = scene.scene;
+    const auto handles = std::make_shared<const Handles>(scene.handles);
+    Watch watch(progress, start, until);
+    rbdyn::SimulateOptions options;
+    options.until = until;
+    options.start = start;
+    options.error = error;
+    options.rtol = rtol;
+    options.engine = engine;
+    options.keep = keep_of(keep);
+    options.max_steps = max_steps;
+    options.monitor = watch.monitor();
+
+    std::optional<BoundTrajectory> run;
+    std::string failure, message;
+    {
+        const py::gil_scoped_release free;
+        try {
+            run = BoundTrajectory{rbdyn::simulate(copy, options), handles};
+        } catch (const rbdyn::AccuracyError& e) {
+            run = BoundTrajectory{e.run, handles};
+            failure = "AccuracyError";
+            message = e.what();
+        } catch (const rbdyn::IntegrationError& e) {
+            run = BoundTrajectory{e.run, handles};
+            failure = "IntegrationError";
+            message = e.what();
+        }
+    }
+    watch.raise_if_raised(run);
+    if (!failure.empty()) {
+        const py::object type = py::module_::import("rbdyn.errors").attr(failure.c_str());
+        const py::object raised = type(message);
+        raised.attr("run") = *run;
+        PyErr_SetObject(type.ptr(), raised.ptr());
+        throw py::error_already_set();
+    }
+    watch.finished();
+    return *run;
+}
+
+Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
+           const std::optional<std::vector<std::string>>& engines, double budget) {
+    const rbdyn::Scene copy = scene.scene;
+    Watch watch(py::bool_(false), start, until);
+    rbdyn::CostOptions options;
+    options.until = until;
+    options.start = start;
+    if (errors) options.errors = list_of_doubles(*errors, "cost", "errors");
+    if (engines) options.engines = *engines;
+    options.budget = budget;
+    options.monitor = watch.monitor();
+    std::optional<Price> price;
+    {
+        const py::gil_scoped_release free;
+        price = rbdyn::cost(copy, options);
+    }
+    watch.raise_if_raised(std::nullopt);
+    return *price;
+}
+
+void bind_price(py::module_& m) {
+    py::class_<CostRow>(m, "CostRow", "One run of the table of cost().")
+        .def_readonly("engine", &CostRow::engine)
+        .def_readonly("tolerance", &CostRow::tolerance, "Local, as given to the engine.")
+        .def_readonly("error", &CostRow::error, "Global, measured against the most accurate run.")
+        .def_readonly("seconds", &CostRow::seconds, "Of the integration alone, median of the repeats [s].")
+        .def_readonly("steps", &CostRow::steps)
+        .def_readonly("right_hand_sides", &CostRow::right_hand_sides)
+        .def("__repr__", [](const CostRow& r) {
+            return "<CostRow: " + r.engine + ", tolerance " + rbdyn::text(r.tolerance) + ", error " +
+                   rbdyn::text(r.error) + ", " + rbdyn::text(r.seconds) + " s>";
+        });
+
+    py::class_<Price>(m, "Price",
+                      "What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.")
+        .def_readonly("rows", &Price::rows)
+        .def("__len__", [](const Price& p) { return p.rows.size(); })
+        .def(
+            "__getitem__",
+            [](const Price& p, py::ssize_t i) {
+                const auto n = static_cast<py::ssize_t>(p.rows.size());
+                if (i < 0) i += n;
+                if (i < 0 || i >= n) throw py::index_error("Price: there are " + std::to_string(n) + " rows");
+                return p.rows[static_cast<std::size_t>(i)];
+            },
+            py::arg("index"))
+        .def("__iter__", [](const Price& p) { return py::iter(py::cast(p.rows)); })
+        .def(
+            "cheapest", [](const Price& p, double error) { return p.cheapest(error); }, py::arg("error"),
+            "The quickest row that reaches an error. Raises InvalidInput if none does.")
+        .def(
+            "plot",
+            [](const py::object& self, const py::object& path) {
+                return py::module_::import("rbdyn.plots").attr("plot_price")(self, path);
+            },
+            py::arg("path") = py::none(),
+            R"(The work-precision diagram: time over achieved error, a line an engine, written to `path` if given.
+
+Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
+        .def("__str__", &printed<Price>)
+        .def("__repr__", [](const Price& p) { return "<Price: " + std::to_string(p.rows.size()) + " rows>"; });
+}
+
+}  // namespace
+
+void bind_verbs(py::module_& m) {
+    m.attr("__version__") = rbdyn::version;
+    bind_price(m);
+    const rbdyn::SimulateOptions defaults;
+    m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
+          py::arg("error") = defaults.error, py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
+          py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps, py::arg("progress") = false,
+          R"(Runs a scene, as accurately as asked for.
+
+until, start: times [s]. error: global, of each quantity relative to its own scale in the motion; the scene is run again
+more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "taylor",
+"cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each integration.
+progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+
+Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
+cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
+Other threads run meanwhile.)");
+    m.def("cost", &cost, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = 0.0,
+          py::arg("errors") = py::none(), py::arg("engines") = py::none(), py::arg("budget") = 10.0,
+          R"(What accuracy costs in time, for a scene: every engine over its tolerances.
+
+until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
+budget: time to spend, about [s]. Raises what simulate() raises.)");
+}
+
+}  // namespace binding

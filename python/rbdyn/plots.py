@@ -1,0 +1,106 @@
+"""Figures of runs and prices, with matplotlib."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rbdyn._core import Handle, Price, Trajectory
+
+# Okabe and Ito: told apart by every kind of colour vision, in print too
+COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+MARKERS = "osD^vP*"
+# points of a curve: more than a figure has pixels across
+POINTS = 2000
+
+
+def plot_price(price: Price, path: str | os.PathLike[str] | None = None) -> Any:
+    """The work-precision diagram: seconds over achieved error, a line an engine."""
+    figure_class = _figure_class()
+    figure = figure_class(figsize=(6.4, 4.4), layout="constrained")
+    axes = figure.add_subplot()
+    engines = list(dict.fromkeys(row.engine for row in price))
+    for i, engine in enumerate(engines):
+        # a row whose events differ from those of the most accurate run has no finite error
+        rows = [row for row in price if row.engine == engine and np.isfinite(row.error) and row.error > 0]
+        rows.sort(key=lambda row: row.tolerance)
+        axes.loglog(
+            [row.error for row in rows],
+            [row.seconds for row in rows],
+            color=COLORS[i % len(COLORS)],
+            marker=MARKERS[i % len(MARKERS)],
+            markersize=5,
+            label=engine,
+        )
+    axes.set_xlabel("achieved error, relative")
+    axes.set_ylabel("time [s]")
+    axes.invert_xaxis()
+    _tidy(axes)
+    if engines:
+        axes.legend(frameon=False)
+    if path is not None:
+        figure.savefig(path, dpi=150)
+    return figure
+
+
+def plot_motion(run: Trajectory, path: str | os.PathLike[str] | None = None, handle: Handle | None = None) -> Any:
+    """Where the body is, how fast, what holds it, and the energies, over time; events are marked."""
+    figure_class = _figure_class()
+    handle = run.bodies[0] if handle is None else handle
+    motion = run[handle]
+    if not hasattr(motion, "position"):
+        from rbdyn.errors import InvalidInput
+
+        raise InvalidInput(f'Trajectory.plot: "{handle.name}" is not a body; use the handle that add() returned')
+    times = np.unique(np.concatenate([np.linspace(run.start, run.end, POINTS), [e.time for e in run.events]]))
+    panels: list[tuple[str, dict[str, Any]]] = []
+    if "parameter" in motion.quantities:
+        reaction = motion.reaction_frenet(times)
+        panels.append(("parameter u", {"": motion.parameter(times)}))
+        panels.append(("speed [m/s]", {"": motion.speed(times)}))
+        names = ["tangent", "normal", "binormal"]
+        panels.append(("reaction [N]", {name: reaction[:, i] for i, name in enumerate(names)}))
+    else:
+        position, velocity = motion.position(times), motion.velocity(times)
+        panels.append(("position [m]", {name: position[:, i] for i, name in enumerate("xyz")}))
+        panels.append(("velocity [m/s]", {name: velocity[:, i] for i, name in enumerate("xyz")}))
+    energies = {"T": run.kinetic_energy(times), "V": run.potential_energy(times), "T + V": run.energy(times)}
+    panels.append(("energy [J]", energies))
+
+    figure = figure_class(figsize=(7.2, 1.9 * len(panels)), layout="constrained")
+    rows = figure.subplots(len(panels), sharex=True)
+    marks = [event.time for event in run.events if event.subject is None or event.subject == handle]
+    for axes, (label, lines) in zip(rows, panels, strict=True):
+        for mark in marks:
+            axes.axvline(mark, color="0.75", linewidth=0.8, zorder=0)
+        for i, (name, values) in enumerate(lines.items()):
+            axes.plot(times, values, color=COLORS[i], linewidth=1.3, label=name or None)
+        axes.set_ylabel(label)
+        _tidy(axes)
+        if len(lines) > 1:
+            axes.legend(frameon=False, ncols=len(lines), fontsize="small", loc="upper right")
+    title = handle.name + (" (grey: its events)" if marks else "")
+    rows[0].set_title(title, loc="left", fontsize="medium")
+    rows[-1].set_xlabel("time [s]")
+    figure.align_ylabels()
+    if path is not None:
+        figure.savefig(path, dpi=150)
+    return figure
+
+
+def _figure_class() -> Any:
+    try:
+        # not pyplot: no window, no global list of figures
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError('figures need matplotlib: pip install "rbdyn[plot]"') from error
+    return Figure
+
+
+def _tidy(axes: Any) -> None:
+    axes.grid(True, color="0.92", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
