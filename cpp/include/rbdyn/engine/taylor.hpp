@@ -172,14 +172,14 @@ private:
                 scale = std::max(scale, group.is_position ? past.high - past.low : past.magnitude);
             }
             // the last coefficients give the radius of convergence; all zero: a polynomial, exact at any length
-            double largest = scale;
-            for (int k = 1; k <= p; ++k) largest = std::max(largest, size[at(k)]);
-            const double log_largest = rough_log2(largest);
+            int first = 1;
+            while (first < p - 3 && size[at(first)] == 0.0) ++first;
+            const double log_first = rough_log2(size[at(first)]);
             std::array<double, 4> log_size;
             double log_radius = infinity;
             for (int j = 0; j < 4; ++j) {
                 log_size[at(j)] = rough_log2(size[at(p - j)]);
-                log_radius = std::min(log_radius, (log_largest - log_size[at(j)]) / (p - j));
+                if (p - j > first) log_radius = std::min(log_radius, (log_first - log_size[at(j)]) / (p - j - first));
             }
             if (log_radius == infinity) continue;
             // how far the motion goes within a fraction of the radius that is typical of a step
