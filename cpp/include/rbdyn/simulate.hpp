@@ -50,6 +50,9 @@ namespace simulating {
 /// Below this double precision cannot promise anything (about 20 units in the last place).
 inline constexpr double least_error = 4e-15;
 
+/// Where a run that is not kept whole is compared with its better: enough to meet every phase of its motion.
+inline constexpr int compared_times = 2000;
+
 /// The names of the engines of this build.
 inline std::vector<std::string> engines() {
 #ifdef RBDYN_WITH_SUNDIALS
@@ -165,9 +168,19 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
     // the run at a tolerance a little below the error asked for, held against a better one
     double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
     const bool is_taylor = engine == "taylor";
-    Timed run = integrate(*model, options, engine, tolerance, {});
+    // without all pieces kept, the two are compared at the times wanted and at many in between
+    const bool keeps_all = options.keep.what == Keep::What::all;
+    Keep compared;
+    if (!keeps_all) {
+        compared.what = Keep::What::times;
+        compared.times = options.keep.times;
+        for (int i = 0; i <= compared_times; ++i)
+            compared.times.push_back(options.start + (options.until - options.start) * i / compared_times);
+        std::sort(compared.times.begin(), compared.times.end());
+    }
+    Timed run = integrate(*model, options, engine, tolerance, compared);
     ++runs;
-    AccuracyCheck check(*model, options.error);
+    AccuracyCheck check(*model, options.error, compared.times);
     for (;;) {
         if (run.record.status == Status::stopped_by_user || run.record.status == Status::step_limit ||
             failed(run.record)) {
@@ -178,8 +191,13 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
         // the better run is made by Taylor series, whatever made the first
         const double finer =
             is_taylor ? std::max(tolerance * 1e-3, 1e-20) : std::clamp(options.error * 1e-3, 1e-18, 1e-13);
-        Timed better = integrate(*model, options, "taylor", finer, {});
+        Timed better = integrate(*model, options, "taylor", finer, compared);
         ++runs;
+        if (better.record.status == Status::stopped_by_user) {
+            run.record.status = Status::stopped_by_user;
+            data.certain_until = run.record.start;
+            return complete(std::move(run));
+        }
         const Comparison comparison = check(run.record, better.record);
         data.error = comparison.error;
         data.certain_until = comparison.certain_until;
@@ -198,11 +216,11 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
         } else {
             tolerance = std::max(tolerance * std::clamp(0.2 * options.error / comparison.error, 1e-4, 0.1),
                                  least_tolerance(engine));
-            run = integrate(*model, options, engine, tolerance, {});
+            run = integrate(*model, options, engine, tolerance, compared);
             ++runs;
         }
     }
-    if (options.keep.what != Keep::What::all) run = integrate(*model, options, engine, tolerance, options.keep);
+    if (!keeps_all) run = integrate(*model, options, engine, tolerance, options.keep);
     return complete(std::move(run));
 }
 

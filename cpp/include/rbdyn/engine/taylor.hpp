@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/engine/motion_scales.hpp"
 
 namespace rbdyn {
 
@@ -37,14 +38,14 @@ public:
         if (equations_ != &equations) {
             equations_ = &equations;
             series_ = &evaluator_for(equations);
-            scales_.resize(x.size(), {});
+            scales_.resize(x.size());
         }
         parameters_.assign(parameters.begin(), parameters.end());
         series_->set_parameters(parameters);
         t_ = t;
         x_.assign(x.begin(), x.end());
         low_.assign(x.size(), 0.0);
-        widen();
+        scales_.widen(x_);
     }
 
     StepStatus step(double limit) override {
@@ -91,7 +92,7 @@ public:
             low_[index] = sum.lo;
         }
         t_ = end;
-        widen();
+        scales_.widen(x_);
         drop_start_flags();
         if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
         return StepStatus::ok;
@@ -106,10 +107,6 @@ public:
 
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
-    struct Scale {
-        double low = std::numeric_limits<double>::infinity(), high = -low, magnitude = 0.0;
-    };
 
     /// 2^round(log2 x)
     static double power_of_two(double x) {
@@ -164,12 +161,10 @@ private:
         std::array<double, max_order + 1> size;
         for (const VariableGroup& group : equations_->groups) {
             size.fill(0.0);
-            double scale = 0.0;
+            double scale = scales_.scale(group);
             for (int i = group.first; i < group.first + group.count; ++i) {
                 const double* c = series_->coefficients(i);
                 for (int k = 0; k <= p; ++k) size[at(k)] = std::max(size[at(k)], std::abs(c[k]));
-                const Scale& past = scales_[at(i)];
-                scale = std::max(scale, group.is_position ? past.high - past.low : past.magnitude);
             }
             // the last coefficients give the radius of convergence; all zero: a polynomial, exact at any length
             int first = 1;
@@ -206,16 +201,6 @@ private:
         if (changed) series_->set_parameters(parameters_);
     }
 
-    /// Takes the present state into the scales of the motion.
-    void widen() {
-        for (std::size_t i = 0; i < x_.size(); ++i) {
-            Scale& s = scales_[i];
-            s.low = std::min(s.low, x_[i]);
-            s.high = std::max(s.high, x_[i]);
-            s.magnitude = std::max(s.magnitude, std::abs(x_[i]));
-        }
-    }
-
     double log_tolerance_;
     int order_;
     const Equations* equations_ = nullptr;
@@ -224,7 +209,7 @@ private:
     Instant t_;
     double unit_ = 0.0;
     std::vector<double> x_, low_, parameters_;
-    std::vector<Scale> scales_;
+    MotionScales scales_;
 };
 
 }  // namespace rbdyn

@@ -189,7 +189,8 @@ private:
         int degree = degree_;
         // the guard on the unit interval
         series::Coefficients q;
-        for (int k = 0; k <= degree; ++k) q[static_cast<std::size_t>(k)] = c[k] * powers_[static_cast<std::size_t>(k)] * sign;
+        for (int k = 0; k <= degree; ++k)
+            q[static_cast<std::size_t>(k)] = c[k] * powers_[static_cast<std::size_t>(k)] * sign;
         int& side = sides_[g];
         const double* p = q.data();
         const double q0 = q[0];
@@ -200,8 +201,10 @@ private:
         for (int k = 1; k <= degree; ++k) size = std::max(size, std::abs(q[static_cast<std::size_t>(k)]));
         // at zero where a mode begins, just handled or within rounding; or where two pieces meet, within their gap
         bool at_zero = false;
-        if (fresh) at_zero = handled(g) || starts == 0 || std::abs(q0) <= 1e-12 * size;
-        else if (starts != side) at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
+        if (fresh)
+            at_zero = handled(g) || starts == 0 || std::abs(q0) <= 1e-12 * size;
+        else if (starts != side)
+            at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
         int leaves = starts;
         if (at_zero) {
             int m = 1;

@@ -25,7 +25,9 @@ struct Comparison {
 
 class AccuracyCheck {
 public:
-    AccuracyCheck(const PointsModel& model, double wanted) : model_(model), wanted_(wanted) {}
+    /// `times`: where to compare; empty: at the middle and the end of every piece.
+    AccuracyCheck(const PointsModel& model, double wanted, std::vector<double> times = {})
+        : model_(model), wanted_(wanted), times_(std::move(times)) {}
 
     Comparison operator()(const Record& run, const Record& better) {
         Comparison result;
@@ -54,6 +56,8 @@ public:
             uncertain = odd;
         }
 
+        // beyond the end of the better run nothing is known
+        if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
         compare_motion(run, better, uncertain);
         for (const Difference& d : differences_) {
             const double error = d.body < 0 ? d.value : relative(d);
@@ -63,6 +67,7 @@ public:
         // rounding: what two runs share is not seen by comparing them
         const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
         result.error = std::max(result.error, std::numeric_limits<double>::epsilon() * std::sqrt(steps));
+        if (uncertain < run.end.hi - wanted_ * span && better.end.hi < run.end.hi) result.same_events = false;
         if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
         result.certain_until = std::min(result.certain_until, uncertain);
         return result;
@@ -86,37 +91,42 @@ private:
     }
 
     void compare_motion(const Record& run, const Record& better, double until) {
-        std::vector<double> x(static_cast<std::size_t>(run.variables)), y(x.size());
+        x_.resize(static_cast<std::size_t>(run.variables));
+        y_.resize(x_.size());
         std::size_t j = 0;  // piece of the better run
-        for (std::size_t i = 0; i < run.entries().size(); ++i) {
-            const auto& entry = run.entries()[i];
-            const Piece piece = run.piece(i);
+        if (!times_.empty()) {
+            for (double t : times_)
+                if (t < until && t <= run.end.hi) compare_at({t, 0.0}, run, run.find(t, Side::before), better, j);
+            return;
+        }
+        for (std::size_t i = 0; i < run.entries().size(); ++i)
             for (double fraction : {0.5, 1.0}) {
-                const double tau = fraction * entry.length;
-                const Instant at = piece.at(tau);
+                const Instant at = run.piece(i).at(fraction * run.entries()[i].length);
                 if (at.hi >= until) return;
-                while (j + 1 < better.entries().size() && at - better.entries()[j + 1].start > 0.0) ++j;
-                const auto& other = better.entries()[j];
-                // just before an event one run may be past it already: its time tells
-                if (!same_mode(run.mode(i), better.mode(j))) continue;
-                const Piece fine = better.piece(j);
-                const double place = (at - fine.start) / fine.unit;
-                if (place > other.length * (1.0 + 1e-9)) continue;
-                piece.state(tau, x);
-                fine.state(std::clamp(place, 0.0, other.length), y);
-                for (int body = 0; body < model_.bodies(); ++body) {
-                    const PointReport a = model_.report(run.mode(i), body, at.hi, x);
-                    const PointReport b = model_.report(better.mode(j), body, at.hi, y);
-                    Scale& s = scales_[static_cast<std::size_t>(body)];
-                    s.low = s.low.cwiseMin(b.position);
-                    s.high = s.high.cwiseMax(b.position);
-                    s.velocity = std::max(s.velocity, b.velocity.norm());
-                    s.reaction = std::max(s.reaction, b.reaction.norm());
-                    differences_.push_back({at.hi, (a.position - b.position).norm(), body, 0});
-                    differences_.push_back({at.hi, (a.velocity - b.velocity).norm(), body, 1});
-                    if (s.reaction > 0.0) differences_.push_back({at.hi, (a.reaction - b.reaction).norm(), body, 2});
-                }
+                compare_at(at, run, i, better, j);
             }
+    }
+
+    /// Both runs at a time; just before an event one of them may be past it already, and then its time tells.
+    void compare_at(Instant at, const Record& run, std::size_t i, const Record& better, std::size_t& j) {
+        while (j + 1 < better.entries().size() && at - better.entries()[j + 1].start > 0.0) ++j;
+        if (!same_mode(run.mode(i), better.mode(j))) return;
+        const Piece piece = run.piece(i), fine = better.piece(j);
+        const double here = (at - piece.start) / piece.unit, there = (at - fine.start) / fine.unit;
+        if (there > fine.length * (1.0 + 1e-9) || here > piece.length * (1.0 + 1e-9)) return;
+        piece.state(std::clamp(here, 0.0, piece.length), x_);
+        fine.state(std::clamp(there, 0.0, fine.length), y_);
+        for (int body = 0; body < model_.bodies(); ++body) {
+            const PointReport a = model_.report(run.mode(i), body, at.hi, x_);
+            const PointReport b = model_.report(better.mode(j), body, at.hi, y_);
+            Scale& s = scales_[static_cast<std::size_t>(body)];
+            s.low = s.low.cwiseMin(b.position);
+            s.high = s.high.cwiseMax(b.position);
+            s.velocity = std::max(s.velocity, b.velocity.norm());
+            s.reaction = std::max(s.reaction, b.reaction.norm());
+            differences_.push_back({at.hi, (a.position - b.position).norm(), body, 0});
+            differences_.push_back({at.hi, (a.velocity - b.velocity).norm(), body, 1});
+            if (s.reaction > 0.0) differences_.push_back({at.hi, (a.reaction - b.reaction).norm(), body, 2});
         }
     }
 
@@ -124,6 +134,7 @@ private:
 
     const PointsModel& model_;
     double wanted_;
+    std::vector<double> times_, x_, y_;
     std::vector<Difference> differences_;
     std::vector<Scale> scales_;
 };

@@ -215,8 +215,20 @@ public:
         each(of, t, side, [&](const PointReport& r, double) { sum += (r.force + r.reaction).dot(r.velocity); });
         return sum;
     }
+    /// Power of one load, of one coupling on both its ends [W].
+    double power(double t, LoadHandle load, Side side = Side::after) const;
+    double power(double t, CouplingHandle coupling, Side side = Side::after) const;
+
     /// Work of the same forces from t0 to t1 (Thm 7.9) [J], by Gauss's quadrature on every piece.
-    double work(double t0, double t1, const Bodies& of = {}) const;
+    double work(double t0, double t1, const Bodies& of = {}) const {
+        return integral_over_pieces(t0, t1, [&](double t) { return power(t, of); });
+    }
+    double work(double t0, double t1, LoadHandle load) const {
+        return integral_over_pieces(t0, t1, [&](double t) { return power(t, load); });
+    }
+    double work(double t0, double t1, CouplingHandle coupling) const {
+        return integral_over_pieces(t0, t1, [&](double t) { return power(t, coupling); });
+    }
 
     Vector3 momentum(double t, const Bodies& of = {}, Side side = Side::after) const {
         Vector3 sum = Vector3::Zero();
@@ -252,6 +264,24 @@ public:
     std::map<std::string, double> drift() const;
 
 private:
+    template <class F>
+    double integral_over_pieces(double t0, double t1, F&& f) const {
+        if (t1 < t0) return -integral_over_pieces(t1, t0, f);
+        // Gauss's rule of ten points: exact for polynomials of degree 19
+        static constexpr double place[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244,
+                                            0.8650633666889845, 0.9739065285171717};
+        static constexpr double weight[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820,
+                                             0.1494513491505806, 0.0666713443086881};
+        double sum = 0.0;
+        for (const auto& e : data_->record.entries()) {
+            const double lo = std::max(t0, e.start.hi), hi = std::min(t1, (e.start + e.length * e.unit).hi);
+            if (!(hi > lo)) continue;
+            const double centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
+            for (int i = 0; i < 5; ++i)
+                sum += half * weight[i] * (f(centre - half * place[i]) + f(centre + half * place[i]));
+        }
+        return sum;
+    }
     template <class F>
     void each(const Bodies& of, double t, Side side, F&& f) const {
         const auto& bodies = data_->scene.bodies();
@@ -296,22 +326,27 @@ inline PointReport BodyMotion::report(double t, Side side) const {
     return data_->model->report(record.mode(index), body_, t, x);
 }
 
-inline double Trajectory::work(double t0, double t1, const Bodies& of) const {
-    if (t1 < t0) return -work(t1, t0, of);
-    // Gauss's rule of ten points: exact for polynomials of degree 19
-    static constexpr double place[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
-                                        0.9739065285171717};
-    static constexpr double weight[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
-                                         0.0666713443086881};
-    double sum = 0.0;
-    for (const auto& e : data_->record.entries()) {
-        const double lo = std::max(t0, e.start.hi), hi = std::min(t1, (e.start + e.length * e.unit).hi);
-        if (!(hi > lo)) continue;
-        const double centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-        for (int i = 0; i < 5; ++i)
-            sum += half * weight[i] * (power(centre - half * place[i], of) + power(centre + half * place[i], of));
+inline double Trajectory::power(double t, LoadHandle load, Side side) const {
+    const auto& loads = data_->scene.loads();
+    require(load.index >= 0 && load.index < static_cast<int>(loads.size()), "Trajectory", "load", load.index,
+            "a handle comes from the scene of this run");
+    const auto& applied = loads[static_cast<std::size_t>(load.index)];
+    const PointReport r = (*this)[BodyHandle{applied.body}].report(t, side);
+    if (const Drag* drag = std::get_if<Drag>(&applied.load)) {
+        const double v = r.velocity.norm();
+        return -(drag->linear + drag->quadratic * v) * v * v;
     }
-    return sum;
+    return std::get<Force>(applied.load).operator()<double>(t, r.position, r.velocity).dot(r.velocity);
+}
+
+inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
+    const Vector3 force = (*this)[coupling].force(t, side);
+    const auto& c = data_->scene.connections()[static_cast<std::size_t>(coupling.index)];
+    const auto velocity = [&](const End& e) -> Vector3 {
+        if (const BodyHandle* body = std::get_if<BodyHandle>(&e)) return (*this)[*body].velocity(t, side);
+        return Vector3::Zero();
+    };
+    return force.dot(velocity(c.a) - velocity(c.b));
 }
 
 inline std::map<std::string, double> Trajectory::drift() const {
