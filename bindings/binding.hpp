@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/typing.h>
 
 #include <cstdint>
 #include <ostream>
@@ -48,6 +49,14 @@ class NumberOrFunction : public py::object {
 /// "after" or "before".
 class SideName : public py::str {
     PYBIND11_OBJECT_DEFAULT(SideName, py::str, PyUnicode_Check)
+};
+/// A named tuple of python/rbdyn/frames.py.
+class FrenetObject : public py::object {
+    PYBIND11_OBJECT_DEFAULT(FrenetObject, py::object, any_object)
+};
+/// The class of python/rbdyn/sample.py.
+class SampleObject : public py::object {
+    PYBIND11_OBJECT_DEFAULT(SampleObject, py::object, any_object)
 };
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
@@ -142,6 +151,14 @@ struct handle_type_name<binding::VectorOrFunction> {
 template <>
 struct handle_type_name<binding::NumberOrFunction> {
     static constexpr auto name = const_name("float | collections.abc.Callable");
+};
+template <>
+struct handle_type_name<binding::FrenetObject> {
+    static constexpr auto name = const_name("rbdyn.frames.Frenet");
+};
+template <>
+struct handle_type_name<binding::SampleObject> {
+    static constexpr auto name = const_name("rbdyn.sample.Sample");
 };
 template <>
 struct handle_type_name<binding::SideName> {

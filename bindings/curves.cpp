@@ -51,8 +51,7 @@ A parameter u is a number, or an array of any shape: a vector then comes back wi
                 const py::object tangent = at(u, [&](double x) { return c.frenet(x).tangent; });
                 const py::object normal = at(u, [&](double x) { return c.frenet(x).normal; });
                 const py::object binormal = at(u, [&](double x) { return c.frenet(x).binormal; });
-                return py::typing::Tuple<Array, Array, Array>(
-                    py::module_::import("rbdyn.frames").attr("Frenet")(tangent, normal, binormal));
+                return FrenetObject(py::module_::import("rbdyn.frames").attr("Frenet")(tangent, normal, binormal));
             },
             py::arg("u"),
             R"(Tangent, normal and binormal (eqs. 7.9, 7.10): a named tuple of unit vectors, each (3,) or (n, 3).

@@ -228,7 +228,7 @@ asking for a float raises InvalidInput.)");
     expression.def("__bool__", [](const Recorded&) -> bool { refuse("an if", "the function has one formula"); });
     for (const char* conversion : {"__float__", "__complex__"})
         expression.def(conversion, [](const Recorded&) -> double {
-            refuse("float()", "use NumPy's functions in place of those of math");
+            refuse("float()", "use NumPy's functions in place of those of math, and make arrays from lists");
         });
     for (const char* conversion : {"__int__", "__index__", "__round__", "__floor__", "__ceil__", "__trunc__"})
         expression.def(conversion, [](const Recorded&) -> int { refuse("rounding", "use smooth functions"); });

@@ -45,10 +45,7 @@ Side side_of(const SideName& side) {
     throw InvalidInput("Trajectory: side is \"" + name + "\"; it is \"after\" or \"before\"");
 }
 
-const SideName& after() {
-    static const SideName name = py::reinterpret_steal<SideName>(PyUnicode_FromString("after"));
-    return name;
-}
+SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("after")); }
 
 /// quantity(motion, t, side) as a method of time.
 template <class Owner, class R>
@@ -61,13 +58,58 @@ auto of_time(R (decltype(Owner::motion)::*quantity)(double, Side) const) {
 
 using Of = std::optional<std::variant<Handle, std::vector<Handle>>>;
 
+void require_some(const std::vector<Handle>& handles) {
+    if (handles.empty()) throw InvalidInput("Trajectory: of has 0 handles; give at least one, or leave it out for all");
+}
+
 Trajectory::Bodies bodies_of(const BoundTrajectory& self, const Of& of) {
     Trajectory::Bodies bodies;
     if (!of) return bodies;
     if (const Handle* one = std::get_if<Handle>(&*of)) return {self.handles->body(*one, "Trajectory")};
-    for (const Handle& h : std::get<std::vector<Handle>>(*of)) bodies.push_back(self.handles->body(h, "Trajectory"));
-    if (bodies.empty()) throw InvalidInput("Trajectory: of has 0 handles; give at least one, or leave it out for all");
+    const auto& several = std::get<std::vector<Handle>>(*of);
+    require_some(several);
+    for (const Handle& h : several) bodies.push_back(self.handles->body(h, "Trajectory"));
     return bodies;
+}
+
+/// What power and work are asked of: bodies (empty: all), loads, couplings.
+struct Parts {
+    bool bodies_count = false;
+    Trajectory::Bodies bodies;
+    std::vector<rbdyn::LoadHandle> loads;
+    std::vector<rbdyn::CouplingHandle> couplings;
+
+    /// The sum of f over them.
+    template <class F>
+    double sum(F&& f) const {
+        double result = bodies_count ? f(bodies) : 0.0;
+        for (const auto load : loads) result += f(load);
+        for (const auto coupling : couplings) result += f(coupling);
+        return result;
+    }
+};
+
+Parts parts_of(const BoundTrajectory& self, const Of& of) {
+    Parts parts;
+    parts.bodies_count = !of;
+    if (!of) return parts;
+    const auto take = [&](const Handle& h) {
+        self.handles->require(h, "Trajectory");
+        switch (h.of) {
+            case Handle::Of::body: parts.bodies.push_back({h.index}); break;
+            case Handle::Of::load: parts.loads.push_back({h.index}); break;
+            case Handle::Of::coupling: parts.couplings.push_back({h.index}); break;
+        }
+    };
+    if (const Handle* one = std::get_if<Handle>(&*of)) {
+        take(*one);
+    } else {
+        const auto& several = std::get<std::vector<Handle>>(*of);
+        require_some(several);
+        for (const Handle& h : several) take(h);
+    }
+    parts.bodies_count = !parts.bodies.empty();
+    return parts;
 }
 
 std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or_name,
@@ -133,7 +175,7 @@ void bind_events(py::module_& m) {
              [](const BoundEvents& e) {
                  py::list all;
                  for (std::size_t i = 0; i < e.list().size(); ++i) all.append(e.at(i));
-                 return py::iter(all);
+                 return py::reinterpret_borrow<py::typing::Iterator<BoundEvent>>(py::iter(all));
              })
         .def(
             "times",
@@ -308,8 +350,6 @@ size of its terms.)")
         run.def(name, of_bodies(quantity), py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), doc);
     };
     of_time_and_bodies("kinetic_energy", &Trajectory::kinetic_energy, "[J]");
-    of_time_and_bodies("power", &Trajectory::power,
-                       "Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].");
     of_time_and_bodies("momentum", &Trajectory::momentum, "[kg m/s]");
     of_time_and_bodies("center_of_mass", &Trajectory::center_of_mass, "[m]");
     of_time_and_bodies("center_of_mass_velocity", &Trajectory::center_of_mass_velocity, "[m/s]");
@@ -326,10 +366,25 @@ size of its terms.)")
     run.def(
            "work",
            [](const BoundTrajectory& self, double t0, double t1, const Of& of) {
-               return self.run.work(t0, t1, bodies_of(self, of));
+               return parts_of(self, of).sum([&](const auto& part) { return self.run.work(t0, t1, part); });
            },
            py::arg("t0"), py::arg("t1"), py::arg("of") = py::none(),
-           "Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].")
+           R"(Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
+
+of: bodies, or loads and springs for theirs alone.)")
+        .def(
+            "power",
+            [](const BoundTrajectory& self, const ArrayLike& t, const Of& of, const SideName& name) {
+                const Side side = side_of(name);
+                const Parts parts = parts_of(self, of);
+                return over(t, "Trajectory", "time", [&](double x) {
+                    return parts.sum([&](const auto& part) { return self.run.power(x, part, side); });
+                });
+            },
+            py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(),
+            R"(Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
+
+of: bodies, or loads and springs for theirs alone; a spring's is that on both its ends.)")
         .def(
             "angular_momentum",
             [](const BoundTrajectory& self, const ArrayLike& t, const ArrayLike& pole, const Of& of,
@@ -345,7 +400,7 @@ size of its terms.)")
         .def(
             "sample",
             [](const py::object& self, const ArrayLike& times) {
-                return py::module_::import("rbdyn.sample").attr("Sample")(self, times);
+                return SampleObject(py::module_::import("rbdyn.sample").attr("Sample")(self, times));
             },
             py::arg("times"), "All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.")
         .def(

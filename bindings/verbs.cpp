@@ -182,7 +182,10 @@ void bind_price(py::module_& m) {
                 return p.rows[static_cast<std::size_t>(i)];
             },
             py::arg("index"))
-        .def("__iter__", [](const Price& p) { return py::iter(py::cast(p.rows)); })
+        .def("__iter__",
+             [](const Price& p) {
+                 return py::reinterpret_borrow<py::typing::Iterator<CostRow>>(py::iter(py::cast(p.rows)));
+             })
         .def(
             "cheapest", [](const Price& p, double error) { return p.cheapest(error); }, py::arg("error"),
             "The quickest row that reaches an error. Raises InvalidInput if none does.")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import collections.abc
 import numpy
 import numpy.typing
+import rbdyn.frames
+import rbdyn.sample
 import typing
 __all__: list[str] = ['BodyMotion', 'Circle', 'CostRow', 'Coulomb', 'Curve', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Handle', 'Helix', 'Line', 'Omission', 'Particle', 'Plan', 'Polynomial', 'Price', 'Rail', 'Scene', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'cost', 'plan', 'simulate']
 class Expression:
@@ -110,7 +112,7 @@ class Curve:
         """
         1/rho of eq. 7.10 [1/m]; 0 where straight. Raises InvalidInput at a cusp.
         """
-    def frenet(self, u: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    def frenet(self, u: numpy.typing.ArrayLike) -> rbdyn.frames.Frenet:
         """
         Tangent, normal and binormal (eqs. 7.9, 7.10): a named tuple of unit vectors, each (3,) or (n, 3).
 
@@ -542,7 +544,7 @@ class Events:
     @typing.overload
     def __getitem__(self, slice: slice) -> list[Event]:
         ...
-    def __iter__(self) -> collections.abc.Iterator:
+    def __iter__(self) -> collections.abc.Iterator[Event]:
         ...
     def __len__(self) -> int:
         ...
@@ -739,14 +741,18 @@ class Trajectory:
     def power(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
         """
         Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
+
+        of: bodies, or loads and springs for theirs alone; a spring's is that on both its ends.
         """
-    def sample(self, times: numpy.typing.ArrayLike) -> typing.Any:
+    def sample(self, times: numpy.typing.ArrayLike) -> rbdyn.sample.Sample:
         """
         All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.
         """
     def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
         """
         Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
+
+        of: bodies, or loads and springs for theirs alone.
         """
     @property
     def advice(self) -> str:
@@ -847,7 +853,7 @@ class Price:
     """
     def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
         ...
-    def __iter__(self) -> collections.abc.Iterator:
+    def __iter__(self) -> collections.abc.Iterator[CostRow]:
         ...
     def __len__(self) -> int:
         ...

@@ -1,0 +1,249 @@
+"""simulate() and cost(): options, failures with what there is of the run, Ctrl-C, threads, progress."""
+
+import itertools
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+
+def oscillator():
+    """A mass on a spring, of angular frequency 2."""
+    scene = rb.Scene()
+    mass = scene.add(rb.Particle(1.0), position=[1, 0, 0])
+    scene.connect(rb.Spring(4.0), mass, [0, 0, 0])
+    return scene, mass
+
+
+# beyond the patience of any test, in memory that does not grow
+ENDLESS = {"until": 1e12, "rtol": 1e-12, "keep": "end"}
+
+
+@pytest.mark.parametrize("engine", ["auto", "taylor", "cvode-adams", "cvode-bdf"])
+def test_every_engine_gives_the_motion_of_the_closed_form(engine):
+    scene, mass = oscillator()
+    run = rb.simulate(scene, until=3.0, error=1e-8, engine=engine)
+    assert run.error <= 1e-8
+    t = np.linspace(0, 3, 31)
+    np.testing.assert_allclose(run[mass].position(t)[:, 0], np.cos(2 * t), rtol=0, atol=1e-7)
+    assert run.engine == ("taylor" if engine == "auto" else engine)
+
+
+def test_a_run_may_start_at_any_time():
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0))
+    scene.apply(rb.Force(lambda t, r, v: [t, 0, 0]), ball)
+    run = rb.simulate(scene, until=3.0, start=1.0)
+    assert run.start == 1.0
+    assert run[ball].velocity(3.0)[0] == pytest.approx(4.0, rel=1e-9)
+
+
+def test_with_a_local_tolerance_there_is_no_estimate():
+    scene, mass = oscillator()
+    run = rb.simulate(scene, 3.0, rtol=1e-10)
+    assert run.error is None and run.statistics.runs == 1
+    assert run[mass].position(3.0)[0] == pytest.approx(np.cos(6.0), abs=1e-8)
+    assert "no estimate" in str(run)
+
+
+def test_of_a_run_only_the_end_or_some_times_may_be_kept():
+    scene, mass = oscillator()
+    end = rb.simulate(scene, 100.0, keep="end")
+    assert end[mass].position(100.0)[0] == pytest.approx(np.cos(200.0), abs=1e-8)
+    with pytest.raises(rb.InvalidInput, match="keep"):
+        end[mass].position(1.0)
+    times = rb.simulate(scene, 100.0, keep=[70.0, 20.0])
+    np.testing.assert_allclose(times[mass].position([20.0, 70.0])[:, 0], np.cos([40.0, 140.0]), atol=1e-8)
+    assert times.t.size < rb.simulate(scene, 100.0).t.size
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"until": 0.0}, "until is 0"),
+        ({"until": np.nan}, "until is nan"),
+        ({"until": 1.0, "error": 0.0}, "error is 0"),
+        ({"until": 1.0, "rtol": 1.0}, "rtol is 1"),
+        ({"until": 1.0, "engine": "euler"}, 'engine is "euler".*taylor'),
+        ({"until": 1.0, "keep": "some"}, 'keep is "some"'),
+        ({"until": 1.0, "keep": [2.0]}, "keep is 2"),
+        ({"until": 1.0, "keep": [[0.5]]}, r"keep has shape \(1, 1\)"),
+        ({"until": 1.0, "max_steps": 0}, "max_steps is 0"),
+        ({"until": 1.0, "progress": "yes"}, "progress is 'yes'"),
+    ],
+)
+def test_an_option_that_breaks_a_rule_is_refused(options, words):
+    with pytest.raises(rb.InvalidInput, match=words):
+        rb.simulate(oscillator()[0], **options)
+
+
+def test_the_step_limit_ends_a_run_and_says_so():
+    scene, mass = oscillator()
+    run = rb.simulate(scene, max_steps=1000, **ENDLESS)
+    assert run.status == "step limit" and "max_steps" in run.advice
+    assert 0.0 < run.end < ENDLESS["until"]
+    assert run[mass].position(run.end)[0] == pytest.approx(np.cos(2 * run.end), abs=1e-6)
+
+
+def test_an_error_out_of_reach_carries_the_run_and_how_far_it_is_certain():
+    # a pendulum that all but stops at the top: errors grow exponentially, again and again
+    scene = rb.Scene(gravity=[0, 0, -1.0])
+    hoop = rb.Rail(rb.Circle(radius=1.0, start=[0, 0, -1], toward=[1, 0, 0]))
+    bead = scene.add(rb.Particle(1.0), hoop, speed=2.0)
+    with pytest.raises(rb.AccuracyError, match="was asked for") as caught:
+        rb.simulate(scene, until=200.0, error=1e-12)
+    run = caught.value.run
+    assert isinstance(caught.value, rb.Error) and not isinstance(caught.value, ValueError)
+    assert run.status == "accuracy not reached" and 0.0 < run.certain_until < 200.0
+    assert run[bead].parameter(1.0) == pytest.approx(4 * np.arctan(np.exp(1.0)) - np.pi, abs=1e-10)
+
+
+def test_a_motion_that_cannot_go_on_carries_what_there_is():
+    # x'' = x^2 blows up in finite time
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[1, 0, 0], velocity=[np.sqrt(2 / 3), 0, 0])
+    scene.apply(rb.Force(lambda t, r, v: [r[0] ** 2, 0, 0]), ball)
+    with pytest.raises(rb.IntegrationError, match="not finite|step limit") as caught:
+        rb.simulate(scene, until=10.0, rtol=1e-10)
+    run = caught.value.run
+    # x = 6/(sqrt(6) - t)^2
+    assert run.end == pytest.approx(np.sqrt(6), rel=1e-3)
+    assert run[ball].position(1.0)[0] == pytest.approx(6 / (np.sqrt(6) - 1) ** 2, rel=1e-8)
+
+
+@pytest.fixture
+def interrupt():
+    """Sends SIGINT after a while."""
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    yield timer.start
+    timer.cancel()
+    timer.join()
+
+
+def test_ctrl_c_stops_a_run_within_a_second_and_keeps_it(interrupt):
+    scene, mass = oscillator()
+    interrupt()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt) as caught:
+        rb.simulate(scene, **ENDLESS)
+    assert time.monotonic() - began < 1.3
+    run = caught.value.run
+    assert run.status == "stopped by user" and run.end > 0.0
+    assert run[mass].position(run.end).shape == (3,)
+
+
+def test_ctrl_c_stops_the_pricing_of_a_scene(interrupt):
+    scene, _ = oscillator()
+    interrupt()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        rb.cost(scene, 1e5, budget=60.0)
+    assert time.monotonic() - began < 1.3
+
+
+def test_an_exception_of_the_progress_function_arrives_with_the_run():
+    class Enough(Exception):
+        pass
+
+    def progress(fraction):
+        raise Enough
+
+    scene, _ = oscillator()
+    with pytest.raises(Enough) as caught:
+        rb.simulate(scene, progress=progress, **ENDLESS)
+    assert caught.value.run.status == "stopped by user"
+
+
+def test_other_threads_go_on_while_a_run_is_made():
+    scene, _ = oscillator()
+    done = threading.Event()
+
+    def work():
+        rb.simulate(scene, max_steps=200_000, **ENDLESS)
+        done.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    ticks = sum(1 for _ in itertools.takewhile(lambda _: not done.wait(0.001), itertools.count()))
+    thread.join()
+    # held, the lock would let no tick through; far fewer are asked for than a free machine would count
+    assert ticks > 10
+
+
+def test_runs_in_several_threads_are_the_runs_made_alone():
+    def drive(t):
+        return 1 + np.sin(t) / 2
+
+    scene = rb.Scene(gravity=[0, 0, -1])
+    belt = rb.Rail(rb.Line([1, 0, 0]), friction=rb.Coulomb(1.0, 0.5), drive=drive)
+    block = scene.add(rb.Particle(1.0), belt, speed=1.0)
+    scene.connect(rb.Spring(1.0), block, [0, 0, 0])
+    alone = rb.simulate(scene, 50.0)
+    runs = []
+    threads = [threading.Thread(target=lambda: runs.append(rb.simulate(scene, 50.0))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(runs) == 4 and len(alone.events) > 5
+    t = np.linspace(0, 50, 101)
+    for run in runs:
+        np.testing.assert_array_equal(run.events.times("slip"), alone.events.times("slip"))
+        np.testing.assert_array_equal(run[block].position(t), alone[block].position(t))
+
+
+def test_progress_is_a_fraction_that_ends_at_one():
+    fractions = []
+    scene, _ = oscillator()
+    rb.simulate(scene, until=5e5, rtol=1e-12, keep="end", progress=fractions.append)
+    assert len(fractions) > 1 and fractions[-1] == 1.0
+    assert fractions == sorted(fractions) and fractions[0] > 0.0
+
+
+def test_a_progress_bar_is_a_line_on_stderr(capsys):
+    scene, _ = oscillator()
+    rb.simulate(scene, until=1.0, progress=True)
+    captured = capsys.readouterr()
+    assert "100" in captured.err and "%" in captured.err and captured.out == ""
+
+
+@pytest.fixture(scope="module")
+def price():
+    return rb.cost(oscillator()[0], until=3.0, errors=[1e-4, 1e-8], budget=1.0)
+
+
+def test_a_price_is_a_table_of_engines_over_tolerances(price):
+    assert {row.engine for row in price} == {"taylor", "cvode-adams", "cvode-bdf"}
+    assert len(price) == len(price.rows) and price[-1].engine == price.rows[-1].engine
+    assert all(row.seconds > 0 and row.steps > 0 and row.right_hand_sides > 0 for row in price)
+    assert str(price).startswith("engine") and not str(price).endswith("\n")
+    with pytest.raises(IndexError):
+        price[len(price)]
+
+
+def test_the_cheapest_row_is_the_quickest_that_is_good_enough(price):
+    best = price.cheapest(error=1e-8)
+    assert best.error <= 1e-8
+    assert best.seconds == min(row.seconds for row in price if row.error <= 1e-8)
+    with pytest.raises(rb.InvalidInput, match="most accurate row"):
+        price.cheapest(error=1e-30)
+
+
+def test_a_price_may_be_asked_of_one_engine():
+    price = rb.cost(oscillator()[0], until=1.0, errors=[1e-6], engines=["taylor"], budget=0.5)
+    assert {row.engine for row in price} == {"taylor"}
+    with pytest.raises(rb.InvalidInput, match="euler"):
+        rb.cost(oscillator()[0], until=1.0, engines=["euler"])
+    with pytest.raises(rb.InvalidInput, match="budget is 0"):
+        rb.cost(oscillator()[0], until=1.0, budget=0)
+
+
+def test_the_work_precision_diagram_has_a_line_an_engine(price, tmp_path):
+    figure = price.plot(tmp_path / "price.png")
+    (axes,) = figure.axes
+    assert [line.get_label() for line in axes.lines] == ["taylor", "cvode-adams", "cvode-bdf"]
+    assert (tmp_path / "price.png").stat().st_size > 10_000
