@@ -155,40 +155,55 @@ private:
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
     double step_length() const {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
-        const int p = order_;
-        double log_length = infinity;
-        std::array<double, max_order + 1> size;
+        double log_length = std::numeric_limits<double>::infinity();
+        Sizes size;
         for (const VariableGroup& group : equations_->groups) {
             size.fill(0.0);
-            double scale = scales_.scale(group);
-            for (int i = group.first; i < group.first + group.count; ++i) {
-                const double* c = series_->coefficients(i);
-                for (int k = 0; k <= p; ++k) size[at(k)] = std::max(size[at(k)], std::abs(c[k]));
-            }
-            // the last coefficients give the radius of convergence; all zero: a polynomial, exact at any length
-            int first = 1;
-            while (first < p - 3 && size[at(first)] == 0.0) ++first;
-            const double log_first = rough_log2(size[at(first)]);
-            std::array<double, 4> log_size;
-            double log_radius = infinity;
-            for (int j = 0; j < 4; ++j) {
-                log_size[at(j)] = rough_log2(size[at(p - j)]);
-                if (p - j > first) log_radius = std::min(log_radius, (log_first - log_size[at(j)]) / (p - j - first));
-            }
-            if (log_radius == infinity) continue;
-            // how far the motion goes within a fraction of the radius that is typical of a step
-            const double reach = 0.3 * std::exp2(log_radius);
-            scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
-            if (!(scale > 0.0)) continue;
-            // the last two terms meet the tolerance, earlier ones are on the way there from one
-            const double log_scale = rough_log2(scale);
-            for (int j = 0; j < 4; ++j) {
-                const double target = j < 2 ? log_tolerance_ : log_tolerance_ * (p - j) / p;
-                log_length = std::min(log_length, (target + log_scale - log_size[at(j)]) / (p - j));
-            }
+            for (int i = group.first; i < group.first + group.count; ++i) take(series_->coefficients(i), size);
+            log_length = std::min(log_length, log_step(size, scales_.scale(group)));
+        }
+        // guards are cut off like the state, or their zeros would not be its events
+        for (const Guard& guard : equations_->guards) {
+            const double* c = series_->output(guard.output);
+            if (equations_->is_variable(guard)) continue;
+            size.fill(0.0);
+            take(c, size);
+            log_length = std::min(log_length, log_step(size, size[0]));
         }
         return std::exp2(log_length);
+    }
+
+    using Sizes = std::array<double, max_order + 1>;
+
+    void take(const double* c, Sizes& size) const {
+        for (int k = 0; k <= order_; ++k) size[at(k)] = std::max(size[at(k)], std::abs(c[k]));
+    }
+
+    /// log2 of the step for coefficients of given sizes and a scale of their past; infinite for a polynomial of low
+    /// degree, which is exact at any length. Only ratios of sizes enter, so units do not.
+    double log_step(const Sizes& size, double scale) const {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        const int p = order_;
+        // the last coefficients against the first one give the radius of convergence
+        int first = 1;
+        while (first < p - 3 && size[at(first)] == 0.0) ++first;
+        double log_radius = infinity;
+        for (int k = p; k > p - 4; --k)
+            if (k > first && size[at(k)] > 0.0)
+                log_radius = std::min(log_radius, rough_log2(size[at(first)] / size[at(k)]) / (k - first));
+        if (log_radius == infinity) return infinity;
+        // how far the motion goes within a fraction of the radius that is typical of a step
+        const double reach = 0.3 * std::exp2(log_radius);
+        scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
+        if (!(scale > 0.0)) return infinity;
+        // the last two terms meet the tolerance, earlier ones are on the way there from one
+        double log_length = infinity;
+        for (int k = p; k > p - 4; --k) {
+            if (!(size[at(k)] > 0.0)) continue;
+            const double target = k >= p - 1 ? log_tolerance_ : log_tolerance_ * k / p;
+            log_length = std::min(log_length, (target + rough_log2(scale / size[at(k)])) / k);
+        }
+        return log_length;
     }
 
     /// What holds at the start of a mode alone holds no longer.

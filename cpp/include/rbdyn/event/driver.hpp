@@ -32,8 +32,15 @@ public:
     /// Called now and then with the time reached; false stops the run.
     using Monitor = std::function<bool(double)>;
 
-    Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {})
-        : model_(model), engine_(engine), max_steps_(max_steps), keep_(std::move(keep)), monitor_(std::move(monitor)) {}
+    /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there.
+    Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {},
+           double slack = 0.0)
+        : model_(model),
+          engine_(engine),
+          max_steps_(max_steps),
+          keep_(std::move(keep)),
+          monitor_(std::move(monitor)),
+          slack_(slack) {}
 
     Record run(double start, std::vector<double> x, double until) {
         Record record;
@@ -98,7 +105,7 @@ private:
             enter(record, mode, t, x);
             fresh = true;
         }
-        return finish(record, t, Status::reached_end);
+        return finish(record, {until, 0.0}, Status::reached_end);
     }
 
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -230,7 +237,7 @@ private:
         }
     }
 
-    /// A root at the very end of the run that rounding put just beyond it.
+    /// A root at the very end of the run that rounding or the engine's error put just beyond it.
     void at_the_end(const double* p, int degree) {
         double value = 0.0, sum = 0.0, slope = 0.0;
         for (int k = degree; k >= 0; --k) {
@@ -238,7 +245,10 @@ private:
             sum += std::abs(p[k]);
             slope += k * p[k];
         }
-        if (std::abs(value) <= 4.0 * epsilon * sum && value * slope < 0.0) roots_.push_back(1.0);
+        const Piece& piece = engine_.piece();
+        const double late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / piece.duration();
+        if (std::abs(value) <= 4.0 * epsilon * sum + late * std::abs(slope) && value * slope < 0.0)
+            roots_.push_back(1.0);
     }
 
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
@@ -254,6 +264,7 @@ private:
     std::int64_t max_steps_;
     Keep keep_;
     Monitor monitor_;
+    double slack_;
     std::vector<int> sides_;
     std::vector<double> ends_;   // values of watched guards at the end of the last piece
     std::vector<bool> handled_;  // guards whose zero began the mode

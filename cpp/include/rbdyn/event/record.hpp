@@ -68,15 +68,18 @@ public:
     /// The piece that holds time t; where two meet, the later one (after) or the earlier one (before).
     std::size_t find(double t, Side side) const {
         const auto later = [&](double time, const Entry& e) {
-            const double d = time - e.start;
-            return side == Side::after ? d < 0.0 : d <= 0.0;
+            return side == Side::after ? time < e.start.hi : time <= e.start.hi;
         };
         auto it = std::upper_bound(entries_.begin(), entries_.end(), t, later);
         return it == entries_.begin() ? 0 : static_cast<std::size_t>(it - entries_.begin()) - 1;
     }
 
-    /// tau of time t on a piece, not outside it.
-    static double tau(const Piece& piece, double t) { return std::clamp(piece.tau(t), 0.0, piece.length); }
+    /// tau of time t on a piece, not outside it; the times of its ends as doubles are its ends.
+    static double tau(const Piece& piece, double t) {
+        if (t == piece.start.hi) return 0.0;
+        if (t == piece.at(piece.length).hi) return piece.length;
+        return std::clamp(piece.tau(t), 0.0, piece.length);
+    }
 
     std::size_t memory() const { return coefficients_.size() * sizeof(double) + entries_.size() * sizeof(Entry); }
 

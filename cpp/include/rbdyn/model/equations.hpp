@@ -57,6 +57,8 @@ struct Equations {
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
 
     int variables() const { return program.inputs(); }
+    /// Whether a guard is a state variable itself.
+    bool is_variable(const Guard& guard) const { return program.output(guard.output) < program.inputs(); }
 };
 
 }  // namespace rbdyn

@@ -168,7 +168,7 @@ public:
                 }
                 default:
                     flipped.push_back(index);
-                    happenings.push_back({guard.kind, i, direction, guard.name});
+                    happenings.push_back({guard.kind, i, direction, i < 0 ? guard.name : std::string()});
                     break;
             }
         }
@@ -482,11 +482,9 @@ private:
             const Domain domain = b.curve->domain();
             if (!b.curve->closed() && !fixed[at(i)]) {
                 if (std::isfinite(domain.begin))
-                    guard(EventKind::rail_end, GuardRole::stop, i, q[at(b.first)] - S(domain.begin), -1,
-                          "beginning of the rail of " + b.name);
+                    guard(EventKind::rail_end, GuardRole::stop, i, q[at(b.first)] - S(domain.begin), -1, {});
                 if (std::isfinite(domain.end))
-                    guard(EventKind::rail_end, GuardRole::stop, i, S(domain.end) - q[at(b.first)], -1,
-                          "end of the rail of " + b.name);
+                    guard(EventKind::rail_end, GuardRole::stop, i, S(domain.end) - q[at(b.first)], -1, {});
             }
         }
         auto result = std::make_unique<Structure>();

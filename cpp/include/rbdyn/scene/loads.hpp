@@ -84,14 +84,37 @@ struct Spring {
     }
 
     /// Force on the first end; `d` and `v`: position and velocity of the first end relative to the second.
-    template <class S>
-    Vector3Of<S> operator()(const Vector3Of<S>& d, const Vector3Of<S>& v) const {
+    /// Along a straight way through the second end the direction is a sign, locked between passages; elsewhere the two
+    /// ends may not meet.
+    Vector3Of<Expression> operator()(const Vector3Of<Expression>& d, const Vector3Of<Expression>& v) const {
+        using S = Expression;
+        const double tension = stiffness * rest_length;
         Vector3Of<S> force = d * S(-stiffness);
-        if (rest_length * stiffness == 0.0 && damping == 0.0) return force;
+        if (tension == 0.0 && damping == 0.0) return force;
+        if (const int only = only_component(d); only >= 0) {
+            if (tension != 0.0) force[only] += S(tension) * locked_sign(d[only], "direction of a spring");
+            force[only] -= S(damping) * v[only];
+            return force;
+        }
         const S l = length(d, "length of a spring");
-        if (rest_length * stiffness != 0.0) force += d * (S(stiffness * rest_length) / l);
-        if (damping != 0.0) force -= d * (S(damping) * dot(d, v) / (l * l));
+        if (tension != 0.0) force += d * (S(tension) / l);
+        if (damping != 0.0) force -= d * (S(damping) * dot<S>(d, v) / (l * l));
         return force;
+    }
+    /// In numbers: where the ends meet, the direction is that of what comes next.
+    Vector3 operator()(const Vector3& d, const Vector3& v) const {
+        const double l = d.norm(), speed = v.norm();
+        const Vector3 along = l > 0.0 ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3::Zero().eval();
+        return -(stiffness * (l - rest_length) + damping * along.dot(v)) * along;
+    }
+
+private:
+    /// The one component of a recorded vector that does not vanish identically, or -1.
+    static int only_component(const Vector3Of<Expression>& d) {
+        int only = -1;
+        for (int i = 0; i < 3; ++i)
+            if (!d[i].is_zero()) only = only < 0 ? i : 3;
+        return only < 3 ? only : -1;
     }
 };
 

@@ -124,7 +124,7 @@ public:
     /// Force on the first end [N], world axes.
     Vector3 force(double t, Side side = Side::after) const {
         const auto [d, v] = relative(t, side);
-        return std::get<Spring>(connection().coupling).operator()<double>(d, v);
+        return std::get<Spring>(connection().coupling)(d, v);
     }
 
 private:
