@@ -106,6 +106,9 @@ public:
     int guard_order() const override { return order_; }
 
 private:
+    // log2 of how much more of a guard than of the state may be cut off
+    static constexpr double guard_slack = 5.0;
+
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
     /// 2^round(log2 x)
@@ -162,13 +165,13 @@ private:
             for (int i = group.first; i < group.first + group.count; ++i) take(series_->coefficients(i), size);
             log_length = std::min(log_length, log_step(size, scales_.scale(group)));
         }
-        // guards are cut off like the state, or their zeros would not be its events
+        // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow
         for (const Guard& guard : equations_->guards) {
             const double* c = series_->output(guard.output);
             if (equations_->is_variable(guard)) continue;
             size.fill(0.0);
             take(c, size);
-            log_length = std::min(log_length, log_step(size, size[0]));
+            log_length = std::min(log_length, log_step(size, size[0], guard_slack));
         }
         return std::exp2(log_length);
     }
@@ -181,7 +184,7 @@ private:
 
     /// log2 of the step for coefficients of given sizes and a scale of their past; infinite for a polynomial of low
     /// degree, which is exact at any length. Only ratios of sizes enter, so units do not.
-    double log_step(const Sizes& size, double scale) const {
+    double log_step(const Sizes& size, double scale, double slack = 0.0) const {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         const int p = order_;
         // the last coefficients against the first one give the radius of convergence
@@ -200,7 +203,7 @@ private:
         double log_length = infinity;
         for (int k = p; k > p - 4; --k) {
             if (!(size[at(k)] > 0.0)) continue;
-            const double target = k >= p - 1 ? log_tolerance_ : log_tolerance_ * k / p;
+            const double target = (k >= p - 1 ? log_tolerance_ : log_tolerance_ * k / p) + slack;
             log_length = std::min(log_length, (target + rough_log2(scale / size[at(k)])) / k);
         }
         return log_length;
