@@ -104,7 +104,7 @@ inline Timed integrate(const PointsModel& model, const SimulateOptions& o, const
     const auto before = std::chrono::steady_clock::now();
     const std::unique_ptr<Engine> engine = make_engine(name, tolerance);
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
-    Timed result{driver.run(o.start, model.start(o.start), o.until)};
+    Timed result{driver.run(o.start, model.start(), o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     return result;
 }

@@ -314,7 +314,7 @@ inline PointReport BodyMotion::report(double t, Side side) const {
         throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) + " to " +
                            text(end) + " s");
     if (record.empty()) {
-        const std::vector<double> x = data_->model->start(record.start);
+        const std::vector<double> x = data_->model->start();
         return data_->model->report(record.modes.front(), body_, t, x);
     }
     const std::size_t index = record.find(t, side);
