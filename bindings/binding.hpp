@@ -34,6 +34,10 @@ inline bool any_object(PyObject*) { return true; }
 class ArrayLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, any_object)
 };
+/// A vector for one time, rows for several.
+class Vectors : public py::object {
+    PYBIND11_OBJECT_DEFAULT(Vectors, py::object, any_object)
+};
 /// A float for one time, an array for several.
 class Values : public py::object {
     PYBIND11_OBJECT_DEFAULT(Values, py::object, any_object)
@@ -94,19 +98,20 @@ inline void write(double*& out, const Vector3& v) {
 
 /// f at one argument, or at each of an array of them; a vector's components come last.
 template <class F>
-Values over(const ArrayLike& argument, const char* object, const char* what, F&& f) {
+auto over(const ArrayLike& argument, const char* object, const char* what, F&& f) {
     using Result = std::invoke_result_t<F, double>;
-    if (PyFloat_Check(argument.ptr()))
-        return py::reinterpret_borrow<Values>(to_python(f(PyFloat_AS_DOUBLE(argument.ptr()))));
+    using Returned = std::conditional_t<std::is_same_v<Result, double>, Values, Vectors>;
+    const auto one = [&](double x) { return py::reinterpret_borrow<Returned>(to_python(f(x))); };
+    if (PyFloat_Check(argument.ptr())) return one(PyFloat_AS_DOUBLE(argument.ptr()));
     const Array x = doubles(argument, object, what);
-    if (x.ndim() == 0) return py::reinterpret_borrow<Values>(to_python(f(*x.data())));
+    if (x.ndim() == 0) return one(*x.data());
     std::vector<py::ssize_t> shape(x.shape(), x.shape() + x.ndim());
     if (!std::is_same_v<Result, double>) shape.push_back(3);
     py::array_t<double> result(shape);
     double* out = result.mutable_data();
     const double* in = x.data();
     for (py::ssize_t i = 0; i < x.size(); ++i) write(out, f(in[i]));
-    return py::reinterpret_borrow<Values>(result);
+    return py::reinterpret_borrow<Returned>(result);
 }
 
 /// What operator<< writes, without its last end of line.
@@ -139,6 +144,10 @@ namespace pybind11::detail {
 template <>
 struct handle_type_name<binding::ArrayLike> {
     static constexpr auto name = const_name("numpy.typing.ArrayLike");
+};
+template <>
+struct handle_type_name<binding::Vectors> {
+    static constexpr auto name = const_name("numpy.typing.NDArray[numpy.float64]");
 };
 template <>
 struct handle_type_name<binding::Values> {

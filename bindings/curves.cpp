@@ -19,7 +19,7 @@ struct CurveOf : Curve {
 };
 
 template <class F>
-Values at(const ArrayLike& u, F&& f) {
+auto at(const ArrayLike& u, F&& f) {
     return over(u, "Curve", "parameter", std::forward<F>(f));
 }
 

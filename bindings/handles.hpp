@@ -23,17 +23,23 @@ struct Handle {
     bool operator==(const Handle& other) const { return id == other.id; }
 };
 
+// one Python class for each, so that type checkers know what run[handle] is
+struct BodyHandle : Handle {};
+struct LoadHandle : Handle {};
+struct CouplingHandle : Handle {};
+
 /// The handles of a scene, by order of addition.
 struct Handles {
-    std::vector<Handle> bodies, loads, couplings;
+    std::vector<BodyHandle> bodies;
+    std::vector<LoadHandle> loads;
+    std::vector<CouplingHandle> couplings;
 
-    const std::vector<Handle>& of(Handle::Of kind) const {
-        return kind == Handle::Of::body ? bodies : kind == Handle::Of::load ? loads : couplings;
-    }
     bool has(const Handle& h) const {
-        const auto& known = of(h.of);
-        return h.index >= 0 && h.index < static_cast<int>(known.size()) &&
-               known[static_cast<std::size_t>(h.index)] == h;
+        const auto among = [&](const auto& known) {
+            const auto index = static_cast<std::size_t>(h.index);
+            return h.index >= 0 && index < known.size() && known[index] == h;
+        };
+        return h.of == Handle::Of::body ? among(bodies) : h.of == Handle::Of::load ? among(loads) : among(couplings);
     }
     /// Throws InvalidInput for a handle of another scene.
     void require(const Handle& h, const std::string& user) const {

@@ -29,8 +29,8 @@ void require_keywords(const py::kwargs& given, const std::vector<std::string>& a
     }
 }
 
-Handle add(BoundScene& self, const Particle& body, const std::variant<Free, Rail>& joint,
-           const std::optional<std::string>& name, const py::kwargs& initial) {
+BodyHandle add(BoundScene& self, const Particle& body, const std::variant<Free, Rail>& joint,
+               const std::optional<std::string>& name, const py::kwargs& initial) {
     if (name && name->empty()) throw InvalidInput("Scene.add: name is empty; give a name, or none");
     const std::string called = name.value_or("");
     const std::string object = called.empty() ? "Scene.add" : called;
@@ -51,7 +51,7 @@ Handle add(BoundScene& self, const Particle& body, const std::variant<Free, Rail
         added = self.scene.add(body, std::get<Rail>(joint), start, called);
     }
     const std::string& given = self.scene.bodies()[static_cast<std::size_t>(added.index)].name;
-    return self.handles.bodies.emplace_back(new_handle(Handle::Of::body, added.index, given));
+    return self.handles.bodies.emplace_back(BodyHandle{new_handle(Handle::Of::body, added.index, given)});
 }
 
 rbdyn::End end_of(const BoundScene& self, const py::object& end, const char* which) {
@@ -59,18 +59,18 @@ rbdyn::End end_of(const BoundScene& self, const py::object& end, const char* whi
     return vector3(end, "Scene.connect", which);
 }
 
-Handle connect(BoundScene& self, const rbdyn::Spring& coupling, const ArrayLike& a, const ArrayLike& b) {
+CouplingHandle connect(BoundScene& self, const rbdyn::Spring& coupling, const ArrayLike& a, const ArrayLike& b) {
     const auto added = self.scene.connect(coupling, end_of(self, a, "a"), end_of(self, b, "b"));
     const std::string name = "spring " + std::to_string(added.index + 1);
-    return self.handles.couplings.emplace_back(new_handle(Handle::Of::coupling, added.index, name));
+    return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, added.index, name)});
 }
 
-Handle apply(BoundScene& self, const std::variant<rbdyn::Drag, rbdyn::Force>& load, const Handle& handle) {
+LoadHandle apply(BoundScene& self, const std::variant<rbdyn::Drag, rbdyn::Force>& load, const Handle& handle) {
     const rbdyn::BodyHandle body = self.handles.body(handle, "Scene.apply");
     const auto added = std::visit([&](const auto& l) { return self.scene.apply(l, body); }, load);
     const char* kind = std::holds_alternative<rbdyn::Force>(load) ? "force " : "drag ";
     return self.handles.loads.emplace_back(
-        new_handle(Handle::Of::load, added.index, kind + std::to_string(added.index + 1)));
+        LoadHandle{new_handle(Handle::Of::load, added.index, kind + std::to_string(added.index + 1))});
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ Handle apply(BoundScene& self, const std::variant<rbdyn::Drag, rbdyn::Force>& lo
 void bind_scene(py::module_& m) {
     py::class_<Handle>(m, "Handle", R"(What a scene returns for a body, a load or a coupling it has taken.
 
-run[handle] is its motion. Good for its scene, for copies of that scene and for their runs; equal only to itself.)")
+Good for its scene, for copies of that scene and for their runs; equal only to itself.)")
         .def_readonly("name", &Handle::name)
         .def("__eq__", [](const Handle& a,
                           const py::object& b) { return py::isinstance<Handle>(b) && a == b.cast<const Handle&>(); })
@@ -87,6 +87,10 @@ run[handle] is its motion. Good for its scene, for copies of that scene and for 
         .def(
             "__deepcopy__", [](const py::object& self, const py::dict&) { return self; }, py::arg("memo"))
         .def("__repr__", [](const Handle& h) { return "<Handle: " + h.name + ">"; });
+
+    py::class_<BodyHandle, Handle>(m, "BodyHandle", "The handle of a body; run[handle] is a BodyMotion.");
+    py::class_<LoadHandle, Handle>(m, "LoadHandle", "The handle of a load.");
+    py::class_<CouplingHandle, Handle>(m, "CouplingHandle", "The handle of a coupling; run[handle] is a SpringMotion.");
 
     py::class_<BoundScene>(m, "Scene",
                            R"(What there is, as data: bodies with their joints, loads, couplings, a uniform field.

@@ -13,7 +13,7 @@ namespace {
 
 struct BoundEvent {
     Event event;
-    std::optional<Handle> subject;
+    std::optional<BodyHandle> subject;
 };
 
 struct BoundEvents {
@@ -261,16 +261,19 @@ body is free.)");
         .def("__repr__", [](const BoundSpring& s) { return "<SpringMotion: " + s.name + ">"; });
 }
 
-std::variant<BoundMotion, BoundSpring> motion(const BoundTrajectory& self, const Handle& handle) {
+BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle) {
     self.handles->require(handle, "Trajectory");
-    switch (handle.of) {
-        case Handle::Of::body: {
-            const auto& body = self.run.scene().bodies()[static_cast<std::size_t>(handle.index)];
-            return BoundMotion{self.run[rbdyn::BodyHandle{handle.index}], body.rail() != nullptr, handle.name};
-        }
-        case Handle::Of::coupling: return BoundSpring{self.run[rbdyn::CouplingHandle{handle.index}], handle.name};
-        case Handle::Of::load: break;
-    }
+    const auto& body = self.run.scene().bodies()[static_cast<std::size_t>(handle.index)];
+    return {self.run[rbdyn::BodyHandle{handle.index}], body.rail() != nullptr, handle.name};
+}
+
+BoundSpring motion_of_spring(const BoundTrajectory& self, const CouplingHandle& handle) {
+    self.handles->require(handle, "Trajectory");
+    return {self.run[rbdyn::CouplingHandle{handle.index}], handle.name};
+}
+
+py::typing::Never motion_of_load(const BoundTrajectory& self, const LoadHandle& handle) {
+    self.handles->require(handle, "Trajectory");
     throw InvalidInput("Trajectory: \"" + handle.name + "\" is a load, which has no motion; ask for its body's force");
 }
 
@@ -344,7 +347,9 @@ size of its terms.)")
                 return py::array_t<double>(static_cast<py::ssize_t>(t.size()), t.data());
             },
             "The ends of the integrator's pieces (n,) [s].")
-        .def("__getitem__", &motion, py::arg("handle"));
+        .def("__getitem__", &motion_of_body, py::arg("handle"))
+        .def("__getitem__", &motion_of_spring, py::arg("handle"))
+        .def("__getitem__", &motion_of_load, py::arg("handle"));
 
     const auto of_time_and_bodies = [&](const char* name, auto quantity, const char* doc) {
         run.def(name, of_bodies(quantity), py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), doc);
@@ -405,7 +410,7 @@ of: bodies, or loads and springs for theirs alone; a spring's is that on both it
             py::arg("times"), "All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.")
         .def(
             "plot",
-            [](const py::object& self, const py::object& path, const std::optional<Handle>& handle) {
+            [](const py::object& self, const py::object& path, const py::object& handle) {
                 return py::module_::import("rbdyn.plots").attr("plot_motion")(self, path, handle);
             },
             py::arg("path") = py::none(), py::arg("handle") = py::none(),

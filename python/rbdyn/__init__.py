@@ -4,10 +4,12 @@ SI units, radians, world axes unless a name says otherwise. A scene is data; sim
 """
 
 from rbdyn._core import (
+    BodyHandle,
     BodyMotion,
     Circle,
     CostRow,
     Coulomb,
+    CouplingHandle,
     Curve,
     Drag,
     Event,
@@ -18,6 +20,7 @@ from rbdyn._core import (
     Handle,
     Helix,
     Line,
+    LoadHandle,
     Omission,
     Particle,
     Plan,
@@ -40,10 +43,12 @@ from rbdyn.sample import Sample
 
 __all__ = [
     "AccuracyError",
+    "BodyHandle",
     "BodyMotion",
     "Circle",
     "CostRow",
     "Coulomb",
+    "CouplingHandle",
     "Curve",
     "Drag",
     "Error",
@@ -58,6 +63,7 @@ __all__ = [
     "IntegrationError",
     "InvalidInput",
     "Line",
+    "LoadHandle",
     "Omission",
     "Particle",
     "Plan",

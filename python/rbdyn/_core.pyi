@@ -8,7 +8,7 @@ import numpy.typing
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyMotion', 'Circle', 'CostRow', 'Coulomb', 'Curve', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Handle', 'Helix', 'Line', 'Omission', 'Particle', 'Plan', 'Polynomial', 'Price', 'Rail', 'Scene', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'cost', 'plan', 'simulate']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'Circle', 'CostRow', 'Coulomb', 'CouplingHandle', 'Curve', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Omission', 'Particle', 'Plan', 'Polynomial', 'Price', 'Rail', 'Scene', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'cost', 'plan', 'simulate']
 class Expression:
     """
     A number that is being recorded: what a function of the user's is called with, once.
@@ -122,7 +122,7 @@ class Curve:
         """
         Arc length from u0 to u1, negative if u1 < u0 [m]. Arrays are broadcast.
         """
-    def position(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    def position(self, u: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         r(u), (3,) or (n, 3) [m].
         """
@@ -371,7 +371,7 @@ class Handle:
     """
     What a scene returns for a body, a load or a coupling it has taken.
 
-    run[handle] is its motion. Good for its scene, for copies of that scene and for their runs; equal only to itself.
+    Good for its scene, for copies of that scene and for their runs; equal only to itself.
     """
     def __copy__(self) -> typing.Any:
         ...
@@ -386,6 +386,18 @@ class Handle:
     @property
     def name(self) -> str:
         ...
+class BodyHandle(Handle):
+    """
+    The handle of a body; run[handle] is a BodyMotion.
+    """
+class LoadHandle(Handle):
+    """
+    The handle of a load.
+    """
+class CouplingHandle(Handle):
+    """
+    The handle of a coupling; run[handle] is a SpringMotion.
+    """
 class Scene:
     """
     What there is, as data: bodies with their joints, loads, couplings, a uniform field.
@@ -402,7 +414,7 @@ class Scene:
         """
     def __repr__(self) -> str:
         ...
-    def add(self, body: Particle, joint: Free | Rail = ..., *, name: str | None = None, **kwargs) -> Handle:
+    def add(self, body: Particle, joint: Free | Rail = ..., *, name: str | None = None, **kwargs) -> BodyHandle:
         """
         Adds a body with the joint to the ground, and its initial state in the joint's words.
 
@@ -410,21 +422,21 @@ class Scene:
         ds/dt [m/s]. Zero by default. Returns a handle. Raises InvalidInput for numbers that break a rule, TypeError for
         another keyword.
         """
-    def apply(self, load: Drag | Force, handle: Handle) -> Handle:
+    def apply(self, load: Drag | Force, handle: Handle) -> LoadHandle:
         """
         Applies a load to a body. Returns a handle.
         """
-    def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> Handle:
+    def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> CouplingHandle:
         """
         Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.
         """
     @property
-    def bodies(self) -> list[Handle]:
+    def bodies(self) -> list[BodyHandle]:
         """
         Handles of the bodies, in order of addition.
         """
     @property
-    def couplings(self) -> list[Handle]:
+    def couplings(self) -> list[CouplingHandle]:
         """
         Handles of the couplings, in order of addition.
         """
@@ -437,7 +449,7 @@ class Scene:
     def gravity(self, arg1: numpy.typing.ArrayLike) -> None:
         ...
     @property
-    def loads(self) -> list[Handle]:
+    def loads(self) -> list[LoadHandle]:
         """
         Handles of the loads, in order of addition.
         """
@@ -525,7 +537,7 @@ class Event:
         Of the watch or of the subject.
         """
     @property
-    def subject(self) -> Handle | None:
+    def subject(self) -> BodyHandle | None:
         """
         Handle of the body, or None.
         """
@@ -618,7 +630,7 @@ class BodyMotion:
     """
     def __repr__(self) -> str:
         ...
-    def acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [m/s^2], from the model at the state.
         """
@@ -626,7 +638,7 @@ class BodyMotion:
         """
         From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.
         """
-    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         Resultant of the active forces [N].
         """
@@ -634,15 +646,15 @@ class BodyMotion:
         """
         The curve's parameter. On a rail.
         """
-    def position(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def position(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [m]
         """
-    def reaction(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def reaction(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         Reaction of the rail on the body [N]. On a rail.
         """
-    def reaction_frenet(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def reaction_frenet(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         The same along tangent, normal, binormal (eqs. 7.12-7.14) [N]. On a rail.
         """
@@ -654,7 +666,7 @@ class BodyMotion:
         """
         Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.
         """
-    def velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [m/s]
         """
@@ -669,7 +681,7 @@ class SpringMotion:
     """
     def __repr__(self) -> str:
         ...
-    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         On the first end [N], world axes.
         """
@@ -690,25 +702,32 @@ class Trajectory:
     or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
     bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.
     """
-    def __getitem__(self, handle: Handle) -> BodyMotion | SpringMotion:
+    @typing.overload
+    def __getitem__(self, handle: BodyHandle) -> BodyMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: CouplingHandle) -> SpringMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: LoadHandle) -> typing.Never:
         ...
     def __repr__(self) -> str:
         ...
     def __str__(self) -> str:
         ...
-    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         About a pole fixed in the world (3,) [m]: [kg m^2/s].
         """
-    def center_of_mass(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def center_of_mass(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [m]
         """
-    def center_of_mass_acceleration(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def center_of_mass_acceleration(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [m/s^2]
         """
-    def center_of_mass_velocity(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def center_of_mass_velocity(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [m/s]
         """
@@ -720,11 +739,11 @@ class Trajectory:
         """
         [J]
         """
-    def momentum(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    def momentum(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         [kg m/s]
         """
-    def plot(self, path: typing.Any = None, handle: Handle | None = None) -> typing.Any:
+    def plot(self, path: typing.Any = None, handle: typing.Any = None) -> typing.Any:
         """
         A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
 
@@ -760,7 +779,7 @@ class Trajectory:
         What to do about the status.
         """
     @property
-    def bodies(self) -> list[Handle]:
+    def bodies(self) -> list[BodyHandle]:
         """
         Handles of the bodies.
         """
@@ -770,7 +789,7 @@ class Trajectory:
         The time up to which the motion is as accurate as asked for [s].
         """
     @property
-    def couplings(self) -> list[Handle]:
+    def couplings(self) -> list[CouplingHandle]:
         """
         Handles of the couplings.
         """

@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn._core import BodyHandle
+from rbdyn.errors import InvalidInput
+
 if TYPE_CHECKING:
-    from rbdyn._core import Handle, Price, Trajectory
+    from rbdyn._core import Price, Trajectory
 
 # Okabe and Ito: told apart by every kind of colour vision, in print too
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
@@ -46,15 +49,13 @@ def plot_price(price: Price, path: str | os.PathLike[str] | None = None) -> Any:
     return figure
 
 
-def plot_motion(run: Trajectory, path: str | os.PathLike[str] | None = None, handle: Handle | None = None) -> Any:
+def plot_motion(run: Trajectory, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> Any:
     """Where the body is, how fast, what holds it, and the energies, over time; events are marked."""
     figure_class = _figure_class()
     handle = run.bodies[0] if handle is None else handle
-    motion = run[handle]
-    if not hasattr(motion, "position"):
-        from rbdyn.errors import InvalidInput
-
+    if not isinstance(handle, BodyHandle):
         raise InvalidInput(f'Trajectory.plot: "{handle.name}" is not a body; use the handle that add() returned')
+    motion = run[handle]
     times = np.unique(np.concatenate([np.linspace(run.start, run.end, POINTS), [e.time for e in run.events]]))
     panels: list[tuple[str, dict[str, Any]]] = []
     if "parameter" in motion.quantities:

@@ -20,8 +20,9 @@ class Sample:
     def __init__(self, run: Trajectory, times: npt.ArrayLike) -> None:
         self.t: npt.NDArray[np.float64] = np.atleast_1d(np.array(times, dtype=float))
         self._values: dict[Handle, dict[str, npt.NDArray[np.float64]]] = {}
-        for handle in [*run.bodies, *run.couplings]:
-            motion = run[handle]
+        motions: dict[Handle, Any] = {body: run[body] for body in run.bodies}
+        motions |= {coupling: run[coupling] for coupling in run.couplings}
+        for handle, motion in motions.items():
             self._values[handle] = {name: getattr(motion, name)(self.t) for name in motion.quantities}
 
     def __getitem__(self, handle: Handle) -> dict[str, npt.NDArray[np.float64]]:

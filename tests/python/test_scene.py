@@ -125,8 +125,8 @@ def test_both_ends_of_a_spring_cannot_be_the_world():
 def test_arc_length_places_a_bead_where_the_parameter_would():
     scene = rb.Scene()
     hoop = rb.Rail(rb.Circle(radius=2.0, start=[1, 0, 0], toward=[0, 1, 0]))
-    a = scene.add(rb.Particle(1), hoop, parameter=0.75)
-    b = scene.add(rb.Particle(1), hoop, arc_length=1.5)
+    a = scene.add(rb.Particle(1), hoop, parameter=0.75, speed=1.0)
+    b = scene.add(rb.Particle(1), hoop, arc_length=1.5, speed=1.0)
     run = rb.simulate(scene, 1.0)
     assert run[a].parameter(0.0) == run[b].parameter(0.0) == 0.75
     assert run[b].arc_length(0.0) == 1.5
