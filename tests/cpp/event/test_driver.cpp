@@ -1,0 +1,345 @@
+// One driver runs every hybrid model, a user's own included: balls, watched functions and fields written by hand.
+#include "rbdyn/event/driver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "rbdyn/engine/taylor.hpp"
+
+namespace rbdyn {
+namespace {
+
+constexpr double g = 9.81;
+
+/// Equations of a model written by hand: derivatives, then the values of its guards.
+Equations equations(int variables, const std::function<std::vector<Expression>(Recorder&)>& write,
+                    std::vector<Guard> guards) {
+    Recorder recorder;
+    const std::vector<Expression> outputs = write(recorder);
+    Equations result;
+    result.program = Program(recorder, outputs, variables);
+    for (std::size_t k = 0; k < guards.size(); ++k) guards[k].output = variables + static_cast<int>(k);
+    result.guards = std::move(guards);
+    for (int i = 0; i < variables; ++i) result.groups.push_back({i, 1, i == 0});
+    return result;
+}
+
+Mode mode_of(const Equations& e) {
+    Mode mode;
+    mode.equations = &e;
+    mode.parameters.assign(static_cast<std::size_t>(e.program.parameters()), 0.0);
+    return mode;
+}
+
+/// A ball over a plane at height zero; x = (height, speed upward).
+class BouncingBall : public HybridModel {
+public:
+    explicit BouncingBall(double restitution)
+        : restitution_(restitution),
+          flight_(equations(2,
+                            [](Recorder& r) {
+                                return std::vector<Expression>{r.input(1), r.constant(-g), r.input(0)};
+                            },
+                            {{.kind = EventKind::impact, .subject = 0, .name = "plane"}})) {}
+
+    int variables() const override { return 2; }
+    Mode begin(double, std::span<double>) const override { return mode_of(flight_); }
+    Mode next(const Mode& mode, std::span<const int>, double, std::span<double> x,
+              std::vector<Happening>& happenings) const override {
+        x[0] = 0.0;
+        x[1] = -restitution_ * x[1];
+        happenings.push_back({EventKind::impact, 0, Direction::falling, "plane"});
+        return mode;
+    }
+
+private:
+    double restitution_;
+    Equations flight_;
+};
+
+Record run(const HybridModel& model, std::vector<double> x, double until, double start = 0.0,
+           std::int64_t max_steps = 1'000'000, Keep keep = {}, Driver::Monitor monitor = {}) {
+    TaylorEngine engine(1e-16);
+    Driver driver(model, engine, max_steps, std::move(keep), std::move(monitor));
+    return driver.run(start, std::move(x), until);
+}
+
+/// Smooth motion with functions to watch.
+class Watched : public HybridModel {
+public:
+    Watched(int variables, const std::function<std::vector<Expression>(Recorder&)>& write, std::vector<Guard> guards)
+        : equations_(equations(variables, write, std::move(guards))) {}
+
+    int variables() const override { return equations_.variables(); }
+    Mode begin(double, std::span<double>) const override { return mode_of(equations_); }
+    Mode next(const Mode& mode, std::span<const int>, double, std::span<double>,
+              std::vector<Happening>&) const override {
+        return mode;
+    }
+
+private:
+    Equations equations_;
+};
+
+Guard watch(std::string name, Direction direction = Direction::either) {
+    return {.role = GuardRole::record, .direction = direction, .name = std::move(name)};
+}
+
+// --- the ball ---
+
+TEST(BouncingBall, meets_the_plane_when_the_closed_form_says) {
+    const double h = 10.0, e = 0.9;
+    const Record record = run(BouncingBall(e), {h, 0.0}, 20.0);
+    EXPECT_EQ(record.status, Status::reached_end);
+    double time = std::sqrt(2.0 * h / g), speed = std::sqrt(2.0 * g * h);
+    std::size_t count = 0;
+    for (; time < 20.0; ++count) {
+        ASSERT_LT(count, record.events.size());
+        EXPECT_EQ(record.events[count].kind, EventKind::impact);
+        EXPECT_NEAR(record.events[count].time, time, 1e-14 * static_cast<double>(count + 1) * time);
+        speed *= e;
+        time += 2.0 * speed / g;
+    }
+    EXPECT_EQ(record.events.size(), count);
+}
+
+TEST(BouncingBall, started_exactly_on_the_plane_bounces_next_when_it_comes_back) {
+    for (double speed : {1e-6, 0.3, 5.0, 1234.5}) {
+        const Record record = run(BouncingBall(0.5), {0.0, speed}, 2.5 * speed / g);
+        ASSERT_EQ(record.events.size(), 1u) << speed;
+        EXPECT_NEAR(record.events[0].time, 2.0 * speed / g, 1e-14 * speed);
+    }
+}
+
+TEST(BouncingBall, taken_up_again_at_each_bounce_loses_none_and_repeats_none) {
+    const Record whole = run(BouncingBall(0.9), {10.0, 0.0}, 20.0);
+    ASSERT_GE(whole.events.size(), 8u);
+    double speed = std::sqrt(2.0 * g * 10.0);
+    for (std::size_t k = 0; k < whole.events.size(); ++k) {
+        speed *= 0.9;
+        const Record rest = run(BouncingBall(0.9), {0.0, speed}, 20.0, whole.events[k].time);
+        ASSERT_EQ(rest.events.size(), whole.events.size() - k - 1) << "taken up at bounce " << k;
+        for (std::size_t j = 0; j < rest.events.size(); ++j)
+            EXPECT_NEAR(rest.events[j].time, whole.events[k + 1 + j].time, 1e-12);
+    }
+}
+
+TEST(BouncingBall, that_lies_still_without_a_mode_for_it_is_called_inconsistent_and_does_not_hang) {
+    const Record record = run(BouncingBall(0.5), {0.0, 0.0}, 1.0);
+    EXPECT_EQ(record.status, Status::inconsistent);
+    EXPECT_EQ(record.end.hi, 0.0);
+    EXPECT_LE(record.events.size(), 1000u);
+}
+
+TEST(BouncingBall, whose_bounces_accumulate_ends_at_their_limit_and_does_not_hang) {
+    const Record record = run(BouncingBall(0.9), {10.0, 0.0}, 30.0);
+    EXPECT_NE(record.status, Status::step_limit);
+    EXPECT_LE(record.events.size(), 2000u);
+    // sqrt(2 h/g) (1 + e)/(1 - e)
+    const double reached = record.events.back().time;
+    EXPECT_NEAR(reached, 27.129019335612225, 1e-9);
+    EXPECT_LE(reached, record.end.hi);
+}
+
+// --- watched functions ---
+
+TEST(Watching, a_graze_is_two_events_below_the_threshold_and_none_above) {
+    // x = (1 - t)^2, watched at x - threshold, in steps that know nothing of it
+    for (double gap : {1e-4, 1e-8, 1e-12}) {
+        for (double threshold : {gap, -gap}) {
+            const Watched model(2,
+                                [&](Recorder& r) {
+                                    return std::vector<Expression>{r.input(1), r.constant(2.0), r.input(0) - threshold};
+                                },
+                                {watch("graze")});
+            const Record record = run(model, {1.0, -2.0}, 2.0);
+            if (threshold < 0.0) {
+                EXPECT_TRUE(record.events.empty()) << threshold;
+                continue;
+            }
+            ASSERT_EQ(record.events.size(), 2u) << threshold;
+            // near a graze a value known to epsilon gives a time known to epsilon over the slope
+            const double apart = std::sqrt(gap), tolerance = 4e-16 / apart;
+            EXPECT_NEAR(record.events[0].time, 1.0 - apart, tolerance);
+            EXPECT_NEAR(record.events[1].time, 1.0 + apart, tolerance);
+            EXPECT_EQ(record.events[0].direction, Direction::falling);
+            EXPECT_EQ(record.events[1].direction, Direction::rising);
+        }
+    }
+}
+
+TEST(Watching, several_crossings_in_one_step_come_in_order_and_only_in_the_direction_asked_for) {
+    // x = -(t - 1)(t - 3)(t - 4): one step of a polynomial
+    const auto write = [](Recorder& r) {
+        const Expression t = r.time();
+        const Expression rate = -((t - 3.0) * (t - 4.0) + (t - 1.0) * (t - 4.0) + (t - 1.0) * (t - 3.0));
+        return std::vector<Expression>{rate, r.input(0), r.input(0), r.input(0)};
+    };
+    const Watched model(1, write, {watch("any"), watch("up", Direction::rising), watch("down", Direction::falling)});
+    const Record record = run(model, {12.0}, 5.0);
+    std::vector<double> any, up, down;
+    double before = 0.0;
+    for (const Event& e : record.events) {
+        EXPECT_GE(e.time, before);
+        before = e.time;
+        (e.name == "any" ? any : e.name == "up" ? up : down).push_back(e.time);
+    }
+    const auto expect_near = [](const std::vector<double>& found, const std::vector<double>& expected) {
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], expected[k], 1e-13);
+    };
+    expect_near(any, {1.0, 3.0, 4.0});
+    expect_near(up, {3.0});
+    expect_near(down, {1.0, 4.0});
+}
+
+TEST(Watching, a_value_that_starts_at_zero_fires_when_it_comes_back_and_not_before) {
+    // x = t^m (1 - t) leaves zero with multiplicity m
+    for (int m : {1, 2, 3, 4}) {
+        const auto write = [m](Recorder& r) {
+            const Expression t = r.time();
+            return std::vector<Expression>{m * pow(t, m - 1) - (m + 1) * pow(t, m), r.input(0)};
+        };
+        for (bool changes_mode : {false, true}) {
+            Guard guard = watch("back");
+            if (changes_mode) guard.role = GuardRole::stop;
+            const Record record = run(Watched(1, write, {guard}), {0.0}, 1.5);
+            ASSERT_EQ(record.events.size(), 1u) << m;
+            EXPECT_NEAR(record.events[0].time, 1.0, 1e-13) << m;
+            EXPECT_EQ(record.status, changes_mode ? Status::stopped_by_event : Status::reached_end);
+        }
+    }
+}
+
+TEST(Watching, a_value_that_stays_at_zero_never_fires) {
+    const Watched model(2,
+                        [](Recorder& r) {
+                            return std::vector<Expression>{r.input(1), -1.0 * r.input(0), r.input(0)};
+                        },
+                        {watch("still")});
+    EXPECT_TRUE(run(model, {0.0, 0.0}, 10.0).events.empty());
+}
+
+TEST(Watching, times_of_events_close_together_keep_their_order_after_a_long_run) {
+    // a clock started at t = 1e6 s, watched every 1e-8 s
+    std::vector<Guard> guards;
+    for (int k = 1; k <= 5; ++k) guards.push_back(watch("tick " + std::to_string(k)));
+    const auto write = [](Recorder& r) {
+        std::vector<Expression> outputs{r.constant(1.0)};
+        for (int k = 1; k <= 5; ++k) outputs.push_back(r.input(0) - 1e-8 * k);
+        return outputs;
+    };
+    const Record record = run(Watched(1, write, guards), {0.0}, 1e6 + 1e-6, 1e6);
+    ASSERT_EQ(record.events.size(), 5u);
+    for (int k = 1; k <= 5; ++k) {
+        const Event& e = record.events[static_cast<std::size_t>(k - 1)];
+        EXPECT_EQ(e.name, "tick " + std::to_string(k));
+        // the instant holds what a double of seconds cannot
+        const double after = e.instant - Instant{1e6, 0.0};
+        EXPECT_NEAR(after, 1e-8 * k, 1e-8 * 1e-12);
+    }
+}
+
+TEST(Watching, an_event_is_in_the_half_open_interval_after_the_start_up_to_the_end) {
+    // x = t - 1
+    const auto write = [](Recorder& r) { return std::vector<Expression>{r.constant(1.0), r.input(0)}; };
+    const Watched clock(1, write, {watch("one")});
+    EXPECT_EQ(run(clock, {-1.0}, 1.0).events.size(), 1u);
+    EXPECT_EQ(run(clock, {-1.0}, 1.0 - 1e-9).events.size(), 0u);
+    EXPECT_EQ(run(clock, {0.0}, 2.0, 1.0).events.size(), 0u);
+    EXPECT_EQ(run(clock, {-1.0}, 2.0).events.size(), 1u);
+}
+
+// --- ends of runs ---
+
+/// Two fields that point at each other, x' = -1 above zero and +1 below, without a sliding mode.
+class Chatter : public HybridModel {
+public:
+    Chatter()
+        : above_(equations(1,
+                           [](Recorder& r) {
+                               return std::vector<Expression>{r.constant(-1.0), r.input(0)};
+                           },
+                           {Guard{}})),
+          below_(equations(1,
+                           [](Recorder& r) {
+                               return std::vector<Expression>{r.constant(1.0), -r.input(0)};
+                           },
+                           {Guard{}})) {}
+    int variables() const override { return 1; }
+    Mode begin(double, std::span<double> x) const override { return mode_of(x[0] >= 0.0 ? above_ : below_); }
+    Mode next(const Mode& mode, std::span<const int>, double, std::span<double> x,
+              std::vector<Happening>& happenings) const override {
+        x[0] = 0.0;
+        happenings.push_back({EventKind::switching, 0, Direction::falling, {}});
+        return mode_of(mode.equations == &above_ ? below_ : above_);
+    }
+
+private:
+    Equations above_, below_;
+};
+
+TEST(Endings, chatter_is_called_inconsistent_where_it_begins_and_does_not_hang) {
+    const Record record = run(Chatter(), {1.0}, 5.0);
+    EXPECT_EQ(record.status, Status::inconsistent);
+    EXPECT_NEAR(record.end.hi, 1.0, 1e-12);
+    EXPECT_LE(record.events.size(), 1000u);
+}
+
+TEST(Endings, guards_that_stop_end_the_run_at_the_first_of_them) {
+    const auto write = [](Recorder& r) {
+        return std::vector<Expression>{r.input(1), -1.0 * r.input(0), 0.5 - r.input(0), 0.25 - r.input(0)};
+    };
+    Guard far{.role = GuardRole::stop, .name = "far"}, near{.role = GuardRole::stop, .name = "near"};
+    const Record record = run(Watched(2, write, {far, near}), {0.0, 1.0}, 5.0);
+    EXPECT_EQ(record.status, Status::stopped_by_event);
+    ASSERT_EQ(record.events.size(), 1u);
+    EXPECT_EQ(record.events[0].name, "near");
+    EXPECT_NEAR(record.end.hi, std::asin(0.25), 1e-15);
+}
+
+TEST(Endings, too_many_steps_and_a_user_s_wish_end_a_run_with_their_own_status) {
+    const Watched swing(2, [](Recorder& r) { return std::vector<Expression>{r.input(1), -1.0 * sin(r.input(0))}; }, {});
+    const Record limited = run(swing, {1.0, 0.0}, 1e6, 0.0, 10);
+    EXPECT_EQ(limited.status, Status::step_limit);
+    EXPECT_EQ(limited.work.steps, 10);
+    EXPECT_GT(limited.end.hi, 0.0);
+    const Record stopped = run(swing, {1.0, 0.0}, 1e6, 0.0, 1'000'000, {}, [](double t) { return t < 100.0; });
+    EXPECT_EQ(stopped.status, Status::stopped_by_user);
+    EXPECT_GE(stopped.end.hi, 100.0);
+    EXPECT_LT(stopped.end.hi, 1000.0);
+}
+
+TEST(Endings, a_right_hand_side_that_is_not_finite_ends_the_run_where_it_is_so) {
+    // x' = sqrt(1 - t), and one that is never finite
+    const Watched late(1, [](Recorder& r) { return std::vector<Expression>{sqrt(1.0 - r.time())}; }, {});
+    const Record record = run(late, {0.0}, 2.0);
+    EXPECT_EQ(record.status, Status::not_finite);
+    EXPECT_NEAR(record.end.hi, 1.0, 1e-6);
+    const Watched never(1, [](Recorder& r) { return std::vector<Expression>{1.0 / r.input(0)}; }, {});
+    const Record at_once = run(never, {0.0}, 2.0);
+    EXPECT_EQ(at_once.status, Status::not_finite);
+    EXPECT_EQ(at_once.end.hi, 0.0);
+}
+
+TEST(Endings, what_is_kept_is_what_was_asked_for) {
+    const BouncingBall ball(0.9);
+    const Record all = run(ball, {10.0, 0.0}, 15.0),
+                 end = run(ball, {10.0, 0.0}, 15.0, 0.0, 1000, {Keep::What::end, {}}),
+                 some = run(ball, {10.0, 0.0}, 15.0, 0.0, 1000, {Keep::What::times, {2.0, 9.0}});
+    EXPECT_EQ(end.entries().size(), 1u);
+    EXPECT_LT(some.entries().size(), all.entries().size());
+    EXPECT_EQ(end.events.size(), all.events.size());
+    const auto state = [](const Record& r, double t) {
+        const Piece piece = r.piece(r.find(t, Side::after));
+        std::vector<double> x(2);
+        piece.state(Record::tau(piece, t), x);
+        return x;
+    };
+    for (double t : {2.0, 9.0}) EXPECT_EQ(state(some, t), state(all, t));
+    EXPECT_EQ(state(end, 15.0), state(all, 15.0));
+}
+
+}  // namespace
+}  // namespace rbdyn

@@ -1,0 +1,140 @@
+// Long runs of the Taylor engine: time adds up exactly, and rounding grows no faster than it must.
+#include <gtest/gtest.h>
+
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <cmath>
+
+#include "rbdyn/engine/taylor.hpp"
+
+namespace rbdyn {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// u'' = -w2 sin u.
+Equations pendulum(double w2) {
+    Recorder r;
+    const Expression outputs[] = {r.input(1), -w2 * sin(r.input(0))};
+    Equations e;
+    e.program = Program(r, outputs, 2);
+    e.groups = {{0, 1, true}, {1, 1, false}};
+    return e;
+}
+
+/// From rest at `angle`: sin(u/2) = k sn(K - w t; k), in long double.
+struct ExactPendulum {
+    long double angle, w2;
+
+    std::pair<double, double> operator()(long double t) const {
+        const long double w = std::sqrt(w2), k = std::sin(angle / 2);
+        const long double quarter = boost::math::ellint_1(k);
+        const long double phase = std::remainder(quarter - w * t, 4 * quarter);
+        long double cn, dn;
+        const long double sn = boost::math::jacobi_elliptic(k, phase, &cn, &dn);
+        return {static_cast<double>(2 * std::asin(k * sn)), static_cast<double>(-2 * k * w * cn)};
+    }
+};
+
+TEST(LongRuns, a_pendulum_s_error_at_rounding_level_grows_no_faster_than_time_to_the_power_three_halves) {
+    const double angle = 1.5, w2 = 1.0;
+    const ExactPendulum exact{angle, w2};
+    const Equations equations = pendulum(w2);
+    TaylorEngine engine(1e-16);
+    const double start[] = {angle, 0.0};
+    engine.start(equations, {}, {0.0, 0.0}, start);
+    double checked = 1.0, worst = 0.0;
+    int steps = 0;
+    for (double until : {10.0, 100.0, 1000.0}) {
+        Instant t = engine.piece().coefficients == nullptr ? Instant{} : engine.piece().at(engine.piece().length);
+        while (until - t > 0.0) {
+            ASSERT_EQ(engine.step(until), StepStatus::ok);
+            t = engine.piece().at(engine.piece().length);
+            ++steps;
+        }
+        EXPECT_EQ(t.hi, until);
+        std::vector<double> x(2);
+        engine.state(engine.piece().length, x);
+        const auto [u, w] = exact(until);
+        worst = std::hypot((x[0] - u) / (2.0 * angle), (x[1] - w) / (2.0 * std::sin(angle / 2.0)));
+        RecordProperty("error_at_" + std::to_string(static_cast<int>(until)),
+                       std::to_string(worst / epsilon) + " epsilon");
+        // rounding of steps: the energy walks at random, by epsilon a step, and the phase adds that up in time
+        // (Brouwer's law); at this amplitude the frequency changes by 0.2 of the energy's relative change
+        EXPECT_LE(worst, epsilon * (4.0 + std::sqrt(steps) + 0.2 * until * std::sqrt(steps))) << "t = " << until;
+        checked = until;
+    }
+    EXPECT_EQ(checked, 1000.0);
+    EXPECT_LT(worst, 5e-12);
+    EXPECT_LT(steps, 3000);
+}
+
+TEST(LongRuns, the_steps_of_a_run_join_without_a_gap_and_their_times_are_exact) {
+    const Equations equations = pendulum(9.81);
+    TaylorEngine engine(1e-12);
+    const double start[] = {2.5, 0.0}, begin = 0.1;
+    engine.start(equations, {}, {begin, 0.0}, start);
+    Instant expected{begin, 0.0};
+    std::vector<double> before{2.5, 0.0}, x(2);
+    for (int k = 0; k < 2000; ++k) {
+        ASSERT_EQ(engine.step(1e6), StepStatus::ok);
+        const Piece& piece = engine.piece();
+        // a step starts where the one before ended, in time exactly and in state to its last digits
+        EXPECT_EQ(piece.start - expected, 0.0);
+        piece.state(0.0, x);
+        EXPECT_NEAR(x[0], before[0], 4.0 * epsilon * 2.5);
+        EXPECT_NEAR(x[1], before[1], 4.0 * epsilon * 8.0);
+        // a length that is exact in binary: the end is the start and the length, without rounding
+        const Instant end = piece.at(piece.length);
+        EXPECT_EQ(end.lo, piece.start.lo);
+        EXPECT_EQ(end.hi - piece.start.hi, piece.duration());
+        piece.state(piece.length, before);
+        expected = end;
+    }
+}
+
+TEST(LongRuns, a_smaller_tolerance_gives_a_smaller_error_down_to_rounding) {
+    const ExactPendulum exact{2.0L, 9.81};
+    const Equations equations = pendulum(9.81);
+    double last = 1.0;
+    for (double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14}) {
+        TaylorEngine engine(tolerance);
+        const double start[] = {2.0, 0.0};
+        engine.start(equations, {}, {}, start);
+        Instant t;
+        while (20.0 - t > 0.0) {
+            ASSERT_EQ(engine.step(20.0), StepStatus::ok);
+            t = engine.piece().at(engine.piece().length);
+        }
+        std::vector<double> x(2);
+        engine.state(engine.piece().length, x);
+        const double error = std::abs(x[0] - exact(20.0).first) / 4.0;
+        // some tens of steps a period, ten periods
+        EXPECT_LE(error, 1e3 * tolerance) << tolerance;
+        EXPECT_LE(error, last) << tolerance;
+        last = error;
+    }
+    EXPECT_LT(last, 1e-13);
+}
+
+TEST(LongRuns, a_motion_that_is_a_polynomial_is_one_step_of_any_length) {
+    Recorder r;
+    const Expression outputs[] = {r.input(1), Expression(-9.8125)};
+    Equations e;
+    e.program = Program(r, outputs, 2);
+    e.groups = {{0, 1, true}, {1, 1, false}};
+    for (double length : {1e-6, 1.0, 1e6}) {
+        TaylorEngine engine(1e-12);
+        const double start[] = {1.0, 2.0};
+        engine.start(e, {}, {}, start);
+        ASSERT_EQ(engine.step(length), StepStatus::ok);
+        EXPECT_EQ(engine.piece().duration(), length);
+        std::vector<double> x(2);
+        engine.state(engine.piece().length, x);
+        const double exact = 1.0 + 2.0 * length - 0.5 * 9.8125 * length * length;
+        EXPECT_NEAR(x[0], exact, 4.0 * epsilon * (1.0 + std::abs(exact)));
+    }
+}
+
+}  // namespace
+}  // namespace rbdyn
