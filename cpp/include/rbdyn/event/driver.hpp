@@ -12,10 +12,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
+#include <memory>
 
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/record.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/series/roots.hpp"
 
@@ -68,10 +69,11 @@ private:
             if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
                 return finish(record, t, Status::stopped_by_user);
             const StepStatus step = engine_.step(until);
+            if (step == StepStatus::not_finite && fresh && pass(record, mode, t, x, until)) continue;
             if (step != StepStatus::ok) return finish(record, t, Status::not_finite);
             const Piece& piece = engine_.piece();
             const bool is_last = !(until - piece.at(piece.length) > 0.0);
-            const double cut = examine(record, mode, fresh, is_last);
+            const double cut = polished(mode, examine(record, mode, fresh, is_last), x);
             if (cut < 0.0) {
                 store(record, piece, piece.length, fresh);
                 t = piece.at(piece.length);
@@ -140,6 +142,34 @@ private:
         if (keep_.what == Keep::What::end) record.keep_last();
     }
 
+    /// Past a point where the equations are not finite but the motion is (a spring through its anchor): a parabola so
+    /// short that its error is rounding, from the model's own slope.
+    bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until) {
+        const std::size_t n = x.size() / 2;
+        std::vector<double> slope(x.size());
+        if (!model_.slope(mode, t.hi, x, slope)) return false;
+        double time = until - t;
+        for (std::size_t i = 0; i < n; ++i)
+            if (slope[n + i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / slope[n + i]));
+        const double h = 0x1p-27 * time;
+        if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
+        std::vector<double> c(3 * x.size(), 0.0);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            c[3 * i] = x[i];
+            c[3 * i + 1] = slope[i] * h;
+            if (i < n) c[3 * i + 2] = 0.5 * slope[n + i] * h * h;
+        }
+        const Piece piece{t, h, 1.0, record.variables, 2, c.data(), 3};
+        store(record, piece, 1.0, true);
+        piece.state(1.0, x);
+        t = piece.at(1.0);
+        std::vector<Happening> none;
+        mode = model_.next(mode, {}, t.hi, x, none);
+        handled_.clear();
+        enter(record, mode, t, x);
+        return true;
+    }
+
     /// Nothing moves any more: one piece to the end.
     void rest(Record& record, Instant t, std::span<const double> x, double until) const {
         const Piece piece{t, until - t, 1.0, record.variables, 0, x.data(), 1};
@@ -185,6 +215,40 @@ private:
             }
         }
         return first <= 1.0 ? first * piece.length : -1.0;
+    }
+
+    /// A root of the first guard in fired_, whose series was cut off, at a root of the guard itself: what is done at an
+    /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better.
+    double polished(const Mode& mode, double cut, std::vector<double>& x) {
+        if (cut <= 0.0 || fired_.empty()) return cut;
+        const Guard& guard = mode.equations->guards[static_cast<std::size_t>(fired_.front())];
+        if (mode.equations->is_variable(guard)) return cut;
+        const Piece& piece = engine_.piece();
+        const double* c = engine_.guard(fired_.front());
+        double slope = 0.0;
+        for (int k = degree_; k >= 1; --k) slope = slope * cut + k * c[k];
+        Evaluator<double>& value = evaluator(*mode.equations);
+        value.set_parameters(mode.parameters);
+        double best = std::numeric_limits<double>::infinity(), place = cut;
+        for (int iteration = 0; iteration < 4; ++iteration) {
+            engine_.state(place, x);
+            value(piece.at(place).hi, x);
+            const double g = value.output(guard.output);
+            if (!(std::abs(g) < best)) break;
+            best = std::abs(g);
+            cut = place;
+            place = std::clamp(cut - g / slope, 0.0, piece.length);
+            if (!(std::abs(place - cut) < 1e-3 * piece.length) || place == cut || place == 0.0) break;
+        }
+        return cut;
+    }
+
+    Evaluator<double>& evaluator(const Equations& equations) {
+        if (evaluated_ != &equations) {
+            evaluator_ = std::make_unique<Evaluator<double>>(equations.program);
+            evaluated_ = &equations;
+        }
+        return *evaluator_;
     }
 
     /// Where guard g changes its sign on the piece, as places in [0, 1].
@@ -272,6 +336,8 @@ private:
     std::vector<Found> found_;
     std::vector<double> roots_;
     series::RootFinder finder_;
+    const Equations* evaluated_ = nullptr;
+    std::unique_ptr<Evaluator<double>> evaluator_;
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false;

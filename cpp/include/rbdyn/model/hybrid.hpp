@@ -38,6 +38,11 @@ public:
     /// The mode after the guards `fired` (indices into the equations' guards) fell through zero together at t.
     virtual Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                       std::vector<Happening>& happenings) const = 0;
+
+    /// x' where the equations are not finite but the motion is; false if there is none. Positions come first in x.
+    virtual bool slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/) const {
+        return false;
+    }
 };
 
 }  // namespace rbdyn

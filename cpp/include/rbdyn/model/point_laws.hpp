@@ -18,6 +18,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -43,8 +44,10 @@ struct Resultant {
 /// Motion and reaction of one particle at a time, world axes.
 struct PointReport {
     Vector3 position, velocity, acceleration, force, reaction;
-    double u = 0.0, w = 0.0, speed = 0.0;
+    double u = 0.0, w = 0.0, w_rate = 0.0, speed = 0.0;
     double tangential_force = 0.0;  // Q_s = F.t (eq. 7.15)
+    double rail_speed = 0.0;        // V, of the rail's surface along itself
+    double effort = 0.0;            // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
 };
 
 /// What sticking asks of a rail.
@@ -179,8 +182,13 @@ public:
             acceleration = c.first * w_rate + c.second * (p.w * p.w);
             reaction = acceleration * b.mass - force;
             const double norm = std::sqrt(c.speed_squared);
+            result.rail_speed = b.rough ? b.drive(t) : 0.0;
+            const double turn = result.rail_speed / norm;
+            result.effort =
+                force.norm() + b.mass * (acceleration.norm() + turn * turn * c.first_cross_second.norm() / norm);
             result.u = x[at(b.first)];
             result.w = p.w;
+            result.w_rate = w_rate;
             result.speed = stuck ? b.drive(t) : p.w * norm;
             result.tangential_force = (dot<double>(c.first, f.force) + f.along) / norm;
         }
@@ -191,6 +199,23 @@ public:
         result.reaction = view_.axes * reaction;
         return result;
     }
+    /// Derivatives of a body's position and velocity variables.
+    void slope(int index, signed char slip, double t, std::span<const double> x, std::span<double> dq,
+               std::span<double> dv) const {
+        const PointReport r = report(index, slip, t, x);
+        if (bodies_[at(index)].curve) {
+            dq[0] = r.w;
+            dv[0] = r.w_rate;
+            return;
+        }
+        const Vector3 velocity = view_.axes.transpose() * r.velocity,
+                      acceleration = view_.axes.transpose() * r.acceleration;
+        for (int k = 0; k < 3; ++k) {
+            dq[at(k)] = velocity[k];
+            dv[at(k)] = acceleration[k];
+        }
+    }
+
     // --- the laws, in any number type ---
 
     template <class S>
@@ -241,7 +266,11 @@ public:
             const auto [ra, va] = motion_of<S>(c.a, states);
             const auto [rb, vb] = motion_of<S>(c.b, states);
             const Vector3Of<S> d = ra - rb, v = va - vb;
-            const Vector3Of<S> force = c.spring(d, v);
+            Vector3Of<S> force;
+            if constexpr (std::is_same_v<S, double>)
+                force = c.spring(d, v, ra.norm() + rb.norm());
+            else
+                force = c.spring(d, v);
             if (c.a.body == i)
                 f.force += force;
             else

@@ -92,6 +92,17 @@ public:
         return after;
     }
 
+    bool slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope) const override {
+        const int n = laws_.freedoms();
+        for (int i = 0; i < bodies(); ++i) {
+            const PointLaws::Body& b = laws_.body(i);
+            laws_.slope(i, mode.slip[at(i)], t, x, slope.subspan(at(b.first)), slope.subspan(at(n + b.first)));
+        }
+        for (double s : slope)
+            if (!std::isfinite(s)) return false;
+        return true;
+    }
+
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }

@@ -58,7 +58,8 @@ inline Placement view_of(const Scene& scene) {
     if (across.isZero(0.0)) return view;
     Matrix3 axes;
     axes.col(0) = x;
-    axes.col(1) = across.normalized();
+    across.normalize();
+    axes.col(1) = (across - x * x.dot(across)).normalized();
     axes.col(2) = x.cross(axes.col(1)).normalized();
     view.axes = axes;
     return view;

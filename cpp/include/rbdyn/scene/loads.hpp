@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -101,10 +102,12 @@ struct Spring {
         if (damping != 0.0) force -= d * (S(damping) * dot<S>(d, v) / (l * l));
         return force;
     }
-    /// In numbers: where the ends meet, the direction is that of what comes next.
-    Vector3 operator()(const Vector3& d, const Vector3& v) const {
+    /// In numbers: where the ends meet, |d| within rounding of numbers of the given size, the direction is that of what
+    /// comes next.
+    Vector3 operator()(const Vector3& d, const Vector3& v, double size = 0.0) const {
         const double l = d.norm(), speed = v.norm();
-        const Vector3 along = l > 0.0 ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3::Zero().eval();
+        const bool apart = l > 8.0 * std::numeric_limits<double>::epsilon() * size;
+        const Vector3 along = apart ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3::Zero().eval();
         return -(stiffness * (l - rest_length) + damping * along.dot(v)) * along;
     }
 

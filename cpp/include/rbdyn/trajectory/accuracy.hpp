@@ -82,13 +82,16 @@ private:
     struct Scale {
         Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
         Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
-        double velocity = 0.0, reaction = 0.0;
+        double place = 0.0, velocity = 0.0, reaction = 0.0, effort = 0.0;
     };
 
+    /// A body that moves by rounding alone does not move; a reaction that is rounding of the forces is none.
     double relative(const Difference& d) const {
+        constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
         const Scale& s = scales_[static_cast<std::size_t>(d.body)];
         const double scale = d.kind == 0 ? (s.high - s.low).norm() : d.kind == 1 ? s.velocity : s.reaction;
-        return scale > 0.0 ? d.value / scale : 0.0;
+        const double whole = d.kind == 0 ? s.place : d.kind == 1 ? s.velocity : s.effort;
+        return scale > nothing * whole ? d.value / scale : 0.0;
     }
 
     void compare_motion(const Record& run, const Record& better, double until) {
@@ -123,18 +126,20 @@ private:
             Scale& s = scales_[static_cast<std::size_t>(body)];
             s.low = s.low.cwiseMin(b.position);
             s.high = s.high.cwiseMax(b.position);
-            s.velocity = std::max(s.velocity, b.velocity.norm());
+            s.place = std::max(s.place, b.position.norm());
+            s.velocity = std::max({s.velocity, b.velocity.norm(), std::abs(b.rail_speed)});
+            s.effort = std::max(s.effort, b.effort);
             s.reaction = std::max(s.reaction, b.reaction.norm());
             differences_.push_back({at.hi, (a.position - b.position).norm(), body, 0});
             differences_.push_back({at.hi, (a.velocity - b.velocity).norm(), body, 1});
             if (s.reaction > 0.0) differences_.push_back({at.hi, (a.reaction - b.reaction).norm(), body, 2});
             if (++samples_ % 8 != 1) continue;
-            // what one unit in the last place of the state does, which two runs may share
+            // what half a unit in the last place of the state does, which two runs may share
             for (double& x : y_) x = std::nextafter(x, 2.0 * x);
             const PointReport c = model_.report(better.mode(j), body, at.hi, y_);
-            differences_.push_back({at.hi, (c.position - b.position).norm(), body, 0});
-            differences_.push_back({at.hi, (c.velocity - b.velocity).norm(), body, 1});
-            differences_.push_back({at.hi, (c.reaction - b.reaction).norm(), body, 2});
+            differences_.push_back({at.hi, 0.5 * (c.position - b.position).norm(), body, 0});
+            differences_.push_back({at.hi, 0.5 * (c.velocity - b.velocity).norm(), body, 1});
+            differences_.push_back({at.hi, 0.5 * (c.reaction - b.reaction).norm(), body, 2});
         }
     }
 
