@@ -44,14 +44,19 @@ public:
         const Clock::time_point now = Clock::now();
         if (now - last_ < interval) return true;
         const py::gil_scoped_acquire lock;
+        look((t - start_) / (until_ - start_));
+        last_ = Clock::now();
+        return !raised_;
+    }
+    /// With the lock held: asks for signals, shows the fraction done.
+    void look(double fraction) {
+        if (raised_) return;
         try {
             if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-            if (show_) show_((t - start_) / (until_ - start_));
+            if (show_) show_(fraction);
         } catch (py::error_already_set& e) {
             raised_.emplace(e);
         }
-        last_ = Clock::now();
-        return !raised_;
     }
     rbdyn::Driver::Monitor monitor() {
         return [this](double t) { return goes_on(t); };
@@ -62,9 +67,6 @@ public:
         if (!raised_) return;
         if (run && PyObject_SetAttrString(raised_->value().ptr(), "run", py::cast(*run).ptr()) != 0) PyErr_Clear();
         throw py::error_already_set(*raised_);
-    }
-    void finished() const {
-        if (show_) show_(1.0);
     }
 
 private:
@@ -124,6 +126,8 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, do
             message = e.what();
         }
     }
+    // also what came since the last look
+    watch.look((run->run.end() - start) / (until - start));
     watch.raise_if_raised(run);
     if (!failure.empty()) {
         const py::object type = py::module_::import("rbdyn.errors").attr(failure.c_str());
@@ -132,7 +136,6 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, do
         PyErr_SetObject(type.ptr(), raised.ptr());
         throw py::error_already_set();
     }
-    watch.finished();
     return *run;
 }
 
