@@ -478,6 +478,31 @@ TEST(Resistance, a_spring_with_a_damper_pulls_a_bead_through_its_anchor_as_the_d
                     1e-11);
 }
 
+TEST(Resistance, a_spring_with_a_damper_pulls_a_bead_through_its_anchor_on_a_bend) {
+    // on r = (u, 0, u^2), anchored at u = 0: the rate of its length is finite there, (d.v)(d.r')/d^2 = w (1 + 2
+    // u^2)^2/(1 + u^2)
+    const double k = 4.0, c = 0.5;
+    Bead bead(none, Polynomial{.coefficients = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}}, std::nullopt, {.parameter = 1.0});
+    bead.scene.connect(Spring{.stiffness = k, .damping = c}, bead.handle, Vector3(none));
+    const Trajectory run = simulate(bead.scene, {.until = 5.0, .error = 1e-10});
+    ASSERT_EQ(run.end(), 5.0);
+    // the same by Runge and Kutta's steps in long double
+    const auto rate = [&](Real u, Real w) {
+        const Real bend = 1 + 2 * u * u, pull = k * (u + 2 * u * u * u) + c * w * bend * bend / (1 + u * u);
+        return -(pull + 4 * u * w * w) / (1 + 4 * u * u);
+    };
+    Real u = 1, w = 0;
+    const int steps = 20000;
+    const Real h = Real(5) / steps;
+    for (int i = 0; i < steps; ++i) {
+        const Real a1 = rate(u, w), w2 = w + h / 2 * a1, a2 = rate(u + h / 2 * w, w2), w3 = w + h / 2 * a2,
+                   a3 = rate(u + h / 2 * w2, w3), w4 = w + h * a3, a4 = rate(u + h * w3, w4);
+        u += h / 6 * (w + 2 * w2 + 2 * w3 + w4);
+        w += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    }
+    EXPECT_NEAR(run[bead.handle].parameter(5.0), static_cast<double>(u), 1e-9);
+}
+
 // --- several beads ---
 
 TEST(SeveralBeads, a_stuck_bead_lets_go_when_the_spring_pulls_as_hard_as_static_friction_holds) {
