@@ -58,7 +58,7 @@ private:
         Mode mode = model_.begin(start, x);
         enter(record, mode, t, x);
         bool fresh = true;
-        int crowded = 0;
+        int crowded = 0, passes = 0;
         while (until - t > 0.0) {
             if (mode.still) {
                 rest(record, t, x, until);
@@ -69,8 +69,13 @@ private:
             if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
                 return finish(record, t, Status::stopped_by_user);
             const StepStatus step = engine_.step(until);
-            if (step == StepStatus::not_finite && fresh && pass(record, mode, t, x, until)) continue;
-            if (step != StepStatus::ok) return finish(record, t, Status::not_finite);
+            if (step != StepStatus::ok) {
+                if (!fresh) record.last_state(x);
+                if (++passes > max_crowded || !pass(record, mode, t, x, until))
+                    return finish(record, t, Status::not_finite);
+                fresh = true;
+                continue;
+            }
             const Piece& piece = engine_.piece();
             const bool is_last = !(until - piece.at(piece.length) > 0.0);
             const double cut = polished(mode, examine(record, mode, fresh, is_last), x);

@@ -49,6 +49,8 @@ public:
             coefficients_.insert(coefficients_.end(), piece.variable(i), piece.variable(i) + piece.order + 1);
         entries_.push_back({piece.start, piece.unit, length, piece.order, mode, offset, after_event});
     }
+    /// The state at the end of the last piece.
+    void last_state(std::span<double> x) const { piece(entries_.size() - 1).state(entries_.back().length, x); }
     /// Forgets all pieces but the last.
     void keep_last() {
         if (entries_.size() < 2) return;

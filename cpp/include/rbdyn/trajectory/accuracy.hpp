@@ -40,23 +40,26 @@ public:
 
         // times of events
         double uncertain = std::numeric_limits<double>::infinity();
-        const std::size_t common = std::min(run.events.size(), better.events.size());
-        std::size_t k = 0;
-        for (; k < common; ++k) {
-            const Event &a = run.events[k], &b = better.events[k];
-            if (a.kind != b.kind || a.subject != b.subject) break;
+        std::size_t i = 0, j = 0;
+        for (; i < run.events.size() && j < better.events.size(); ++i, ++j) {
+            // a graze that one of them sees as a hold of no length changes nothing
+            while (differ(run, i, better, j) && is_graze(run, i)) i += 2;
+            while (differ(run, i, better, j) && is_graze(better, j)) j += 2;
+            if (differ(run, i, better, j)) break;
+            const Event &a = run.events[i], &b = better.events[j];
             const double error = std::abs(a.instant - b.instant) /
                                  std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
             differences_.push_back({a.time, error, -1, 0});
         }
-        const auto first_left = [&](const Record& r) { return k < r.events.size() ? r.events[k].time : uncertain; };
-        const double odd = std::min(first_left(run), first_left(better));
+        while (is_graze(run, i)) i += 2;
+        while (is_graze(better, j)) j += 2;
+        const double odd = std::min(i < run.events.size() ? run.events[i].time : uncertain,
+                                    j < better.events.size() ? better.events[j].time : uncertain);
         // one event more or less within the error of the end is no difference
         if (odd < run.end.hi - wanted_ * span) {
             result.same_events = false;
             uncertain = odd;
         }
-
         // beyond the end of the better run nothing is known
         if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
         compare_motion(run, better, uncertain);
@@ -141,6 +144,20 @@ private:
             differences_.push_back({at.hi, 0.5 * (c.velocity - b.velocity).norm(), body, 1});
             differences_.push_back({at.hi, 0.5 * (c.reaction - b.reaction).norm(), body, 2});
         }
+    }
+
+    static bool differ(const Record& a, std::size_t i, const Record& b, std::size_t j) {
+        if (i >= a.events.size() || j >= b.events.size()) return true;
+        return a.events[i].kind != b.events[j].kind || a.events[i].subject != b.events[j].subject;
+    }
+
+    /// A hold, from stick to slip, that lasts less than the accuracy can tell from none: slip touches zero with its
+    /// rate, as it does for equal coefficients, and a depth of the error is a time of its square root.
+    bool is_graze(const Record& r, std::size_t i) const {
+        if (i + 1 >= r.events.size()) return false;
+        const Event &a = r.events[i], &b = r.events[i + 1];
+        return a.kind == EventKind::stick && b.kind == EventKind::slip && a.subject == b.subject &&
+               b.time - a.time <= std::sqrt(wanted_) * (a.time - r.start);
     }
 
     static bool same_mode(const Mode& a, const Mode& b) { return a.slip == b.slip; }
