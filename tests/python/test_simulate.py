@@ -42,7 +42,6 @@ def test_a_run_may_start_at_any_time():
     assert run[ball].velocity(3.0)[0] == pytest.approx(4.0, rel=1e-9)
 
 
-@pytest.mark.xfail(strict=True, raises=rb.AccuracyError, reason="one body's rounding is taken for another's error")
 def test_particles_without_forces_stay_where_they_are_put():
     scene = rb.Scene()
     particles = [scene.add(rb.Particle(1.0), position=[x, 1, 0]) for x in (0.0, 0.75)]
