@@ -43,6 +43,8 @@ public:
     virtual StepStatus step(double limit) = 0;
 
     const Piece& piece() const { return piece_; }
+    /// The length, in units, that the last step would have had without a limit.
+    virtual double natural_length() const { return piece_.length; }
 
     /// The state at tau on the current piece, as exactly as the engine knows it.
     virtual void state(double tau, std::span<double> x) const { piece_.state(tau, x); }

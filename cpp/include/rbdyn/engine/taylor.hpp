@@ -57,6 +57,7 @@ public:
             if (!expand(n)) return StepStatus::not_finite;
             const bool is_finite = finite(n);
             length = is_finite ? step_length() : 0.0;
+            natural_ = length;
             if (length * unit_ > span) length = span / unit_;
             const bool capped = is_finite && length * unit_ >= span;
             if (is_finite && (capped || (length >= 1.0 / 256.0 && length <= 256.0))) break;
@@ -104,6 +105,7 @@ public:
         return series_->output(g.output);
     }
     int guard_order() const override { return order_; }
+    double natural_length() const override { return std::isfinite(natural_) ? natural_ : piece_.length; }
 
 private:
     // log2 of how much more of a guard than of the state may be cut off
@@ -225,7 +227,7 @@ private:
     SeriesEvaluator* series_ = nullptr;
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
     Instant t_;
-    double unit_ = 0.0;
+    double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, parameters_;
     MotionScales scales_;
 };

@@ -283,8 +283,7 @@ private:
             at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
         int leaves = starts;
         if (at_zero) {
-            int m = 1;
-            while (m <= degree && !(std::abs(q[static_cast<std::size_t>(m)]) > 1e-13 * size)) ++m;
+            const int m = leading(q.data(), degree);
             if (m > degree || size == 0.0) return;  // stays at zero
             p += m;
             degree -= m;
@@ -304,6 +303,21 @@ private:
             found_.push_back({place, g, leaves > 0});
             if (!is_watch) break;
         }
+    }
+
+    /// The order of the first term that is not rounding. A piece cut short by the end of a run tells too little, so the
+    /// terms are weighed over the length that the engine would have gone.
+    int leading(const double* q, int degree) const {
+        const double stretch = std::max(1.0, engine_.natural_length() / engine_.piece().length);
+        series::Coefficients sizes;
+        double size = 0.0, power = 1.0;
+        for (int k = 1; k <= degree; ++k) {
+            sizes[static_cast<std::size_t>(k)] = std::abs(q[k]) * (power *= stretch);
+            size = std::max(size, sizes[static_cast<std::size_t>(k)]);
+        }
+        int m = 1;
+        while (m <= degree && !(sizes[static_cast<std::size_t>(m)] > 1e-13 * size)) ++m;
+        return m;
     }
 
     /// A root at the very end of the run that rounding or the engine's error put just beyond it.

@@ -319,7 +319,8 @@ inline PointReport BodyMotion::report(double t, Side side) const {
     }
     const std::size_t index = record.find(t, side);
     const Piece piece = record.piece(index);
-    if (const double gap = t - piece.start; gap < -1e-9 * std::abs(t) || gap > piece.duration() * (1.0 + 1e-9))
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    if (const double gap = t - piece.start; gap < -rounding || gap > piece.duration() + rounding)
         throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
     std::vector<double> x(static_cast<std::size_t>(record.variables));
     piece.state(Record::tau(piece, t), x);
