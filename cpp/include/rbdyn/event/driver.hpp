@@ -90,6 +90,8 @@ private:
             store(record, piece, cut, fresh);
             engine_.state(cut, x);
             crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
+            // events that follow each other at one instant are made by rounding: look less closely
+            significant_ = std::ldexp(4e-12, 2 * std::min(crowded, 10));
             t = at;
             if (stops_) {
                 for (int index : fired_) note(record, mode.equations->guards[static_cast<std::size_t>(index)], t);
@@ -316,7 +318,7 @@ private:
             size = std::max(size, sizes[static_cast<std::size_t>(k)]);
         }
         int m = 1;
-        while (m <= degree && !(sizes[static_cast<std::size_t>(m)] > 1e-13 * size)) ++m;
+        while (m <= degree && !(sizes[static_cast<std::size_t>(m)] > significant_ * size)) ++m;
         return m;
     }
 
@@ -360,6 +362,7 @@ private:
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false;
+    double significant_ = 4e-12;  // of the largest term of a guard: less is rounding
     mutable std::size_t kept_ = 0;
 };
 
