@@ -33,6 +33,7 @@ struct Price {
             least = std::min(least, row.error);
             if (row.error <= error && (best == nullptr || row.seconds < best->seconds)) best = &row;
         }
+        if (rows.empty()) throw InvalidInput("Price: the table has 0 rows; give cost() a larger budget");
         if (best == nullptr)
             throw InvalidInput("Price: error is " + text(error) + "; the most accurate row of this table reaches " +
                                text(least));

@@ -180,7 +180,7 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
     }
     Timed run = integrate(*model, options, engine, tolerance, compared);
     ++runs;
-    AccuracyCheck check(*model, options.error, compared.times);
+    AccuracyCheck check(*model, options.error, compared.times, options.monitor);
     for (;;) {
         if (run.record.status == Status::stopped_by_user || run.record.status == Status::step_limit ||
             failed(run.record)) {
@@ -193,12 +193,17 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
             is_taylor ? std::max(tolerance * 1e-3, 1e-20) : std::clamp(options.error * 1e-3, 1e-18, 1e-13);
         Timed better = integrate(*model, options, "taylor", finer, compared);
         ++runs;
-        if (better.record.status == Status::stopped_by_user) {
-            run.record.status = Status::stopped_by_user;
+        if (better.record.status == Status::stopped_by_user || better.record.status == Status::step_limit) {
+            run.record.status = better.record.status;
             data.certain_until = run.record.start;
             return complete(std::move(run));
         }
         const Comparison comparison = check(run.record, better.record);
+        if (comparison.stopped) {
+            run.record.status = Status::stopped_by_user;
+            data.certain_until = run.record.start;
+            return complete(std::move(run));
+        }
         data.error = comparison.error;
         data.certain_until = comparison.certain_until;
         if (comparison.same_events && comparison.error <= options.error) break;

@@ -274,7 +274,7 @@ private:
         const double q0 = q[0];
         const int starts = q0 > 0.0 ? 1 : q0 < 0.0 ? -1 : 0;
         const bool is_watch = guard.role == GuardRole::record;
-        if (!fresh && starts == side && !is_watch && series::keeps_sign(q.data(), degree)) return;
+        if (!fresh && !is_last && starts == side && !is_watch && series::keeps_sign(q.data(), degree)) return;
         double size = 0.0;
         for (int k = 1; k <= degree; ++k) size = std::max(size, std::abs(q[static_cast<std::size_t>(k)]));
         // at zero where a mode begins, just handled or within rounding; or where two pieces meet, within their gap
@@ -299,7 +299,7 @@ private:
         }
         roots_.clear();
         finder_.find(p, degree, roots_);
-        if (is_last && roots_.empty()) at_the_end(p, degree);
+        if (is_last && roots_.empty()) at_the_end(mode, guard, sign, p, degree);
         for (double place : roots_) {
             leaves = -leaves;
             found_.push_back({place, g, leaves > 0});
@@ -323,17 +323,26 @@ private:
     }
 
     /// A root at the very end of the run that rounding or the engine's error put just beyond it.
-    void at_the_end(const double* p, int degree) {
-        double value = 0.0, sum = 0.0, slope = 0.0;
+    void at_the_end(const Mode& mode, const Guard& guard, double sign, const double* p, int degree) {
+        double sum = 0.0, slope = 0.0;
         for (int k = degree; k >= 0; --k) {
-            value += p[k];
             sum += std::abs(p[k]);
             slope += k * p[k];
         }
         const Piece& piece = engine_.piece();
         const double late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / piece.duration();
-        if (std::abs(value) <= 4.0 * epsilon * sum + late * std::abs(slope) && value * slope < 0.0)
-            roots_.push_back(1.0);
+        const double value = series::value(p, degree, 1.0), bound = 4.0 * epsilon * sum + late * std::abs(slope);
+        if (std::abs(value) > 1e-3 * sum || value * slope > 0.0) return;
+        if (std::abs(value) <= bound) return roots_.push_back(1.0);
+        // the series of the guard is cut off sooner than the state's: the guard itself decides
+        if (mode.equations->is_variable(guard)) return;
+        end_state_.resize(static_cast<std::size_t>(piece.variables));
+        engine_.state(piece.length, end_state_);
+        Evaluator<double>& exact = evaluator(*mode.equations);
+        exact.set_parameters(mode.parameters);
+        exact(piece.at(piece.length).hi, end_state_);
+        const double g = sign * exact.output(guard.output);
+        if (std::abs(g) <= bound && g * slope <= 0.0) roots_.push_back(1.0);
     }
 
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
@@ -355,7 +364,7 @@ private:
     std::vector<bool> handled_;  // guards whose zero began the mode
     std::vector<int> fired_;
     std::vector<Found> found_;
-    std::vector<double> roots_;
+    std::vector<double> roots_, end_state_;
     series::RootFinder finder_;
     const Equations* evaluated_ = nullptr;
     std::unique_ptr<Evaluator<double>> evaluator_;

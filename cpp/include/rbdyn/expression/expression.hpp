@@ -103,7 +103,8 @@ struct Switch {
     std::int32_t parameter;  // index of the sign (absolute value) or of the "starts at zero" flag (norm)
     bool is_norm;
     std::string name;
-    int tag;  // what the writer of the model makes of it; -1: nothing
+    int tag;      // what the writer of the model makes of it; -1: nothing
+    int subject;  // the body it was recorded for; -1: none
 };
 
 /// Holds the nodes of one recorded function.
@@ -115,6 +116,9 @@ public:
         if (index >= parameters_) parameters_ = index + 1;
         return {this, intern({Operation::parameter, index})};
     }
+    /// The body that what is recorded from now on belongs to.
+    void set_subject(int body) { subject_ = body; }
+
     /// A parameter that nothing else uses.
     int new_parameter() { return parameters_++; }
 
@@ -158,6 +162,7 @@ private:
     std::unordered_map<Node, std::int32_t, Hash> index_;
     std::vector<Switch> switches_;
     int parameters_ = 0;
+    int subject_ = -1;
 };
 
 namespace recording {
@@ -256,7 +261,7 @@ inline Expression Recorder::sign(const Expression& x, const std::string& name, i
     for (const Switch& known : switches_)
         if (!known.is_norm && known.argument == x.node()) return parameter(known.parameter);
     const int index = new_parameter();
-    switches_.push_back({x.node(), index, false, name, tag});
+    switches_.push_back({x.node(), index, false, name, tag, subject_});
     return parameter(index);
 }
 
@@ -283,7 +288,7 @@ inline Expression Recorder::norm(const Expression& x, const Expression& y, const
     }
     node.d = new_parameter();
     const Expression result(this, intern(node));
-    switches_.push_back({result.node(), node.d, true, name, tag});
+    switches_.push_back({result.node(), node.d, true, name, tag, subject_});
     return result;
 }
 

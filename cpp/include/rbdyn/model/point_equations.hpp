@@ -77,6 +77,7 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
         const PointLaws::Body& b = laws.body(i);
         const PointState<S>& p = states[at(i)];
         const bool slips = b.rough && !held[at(i)];
+        r.set_subject(i);
         const S sign = slips ? r.parameter(i) : S(1.0);
         // with a rail at rest, the sign of the slip is the sign of w
         const auto length_of_w = [&](const S& w) -> S {
@@ -130,7 +131,7 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
     e.guards = std::move(guards);
     for (std::size_t k = 0; k < e.program.switches().size(); ++k) {
         const Switch& s = e.program.switches()[k];
-        e.guards.push_back({s.tag >= 0 ? EventKind::normal_zero : EventKind::switching, GuardRole::mode, s.tag,
+        e.guards.push_back({s.tag >= 0 ? EventKind::normal_zero : EventKind::switching, GuardRole::mode, s.subject,
                             e.program.outputs() + static_cast<int>(k), s.is_norm ? -1 : s.parameter, Direction::falling,
                             s.name});
         if (s.is_norm) e.start_flags.push_back(s.parameter);

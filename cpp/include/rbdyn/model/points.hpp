@@ -86,7 +86,8 @@ public:
                     flipped.push_back(index);
                     // a variable that switches is zero, exactly
                     if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
-                    happenings.push_back({guard.kind, i, direction, i < 0 ? guard.name : std::string()});
+                    happenings.push_back(
+                        {guard.kind, i, direction, guard.kind == EventKind::switching ? guard.name : std::string()});
                     break;
             }
         }

@@ -5,8 +5,10 @@
 // (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", SIAM 2009, sec. 6.2 and 8.1).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace rbdyn::series {
@@ -100,6 +102,8 @@ public:
         g_ = g;
         degree_ = degree;
         visits_ = 0;
+        noise_ = 0.0;
+        for (int k = 0; k <= degree; ++k) noise_ += 4.0 * std::numeric_limits<double>::epsilon() * std::abs(g[k]);
         search(g, 0.0, 1.0, 0, roots);
     }
 
@@ -110,9 +114,10 @@ private:
             // monotone, or too narrow to tell: a change of sign is one root
             const double hi = lo + width;
             const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
-            if (at_hi == 0.0 && at_lo != 0.0)
-                roots.push_back(hi);
-            else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
+            if (depth >= max_depth && std::max(std::abs(at_lo), std::abs(at_hi)) <= noise_) return;
+            if (at_hi == 0.0 && at_lo != 0.0) {
+                if (sign_after(hi) * at_lo < 0.0) roots.push_back(hi);
+            } else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
                 roots.push_back(bracketed_root(g_, degree_, lo, hi));
             return;
         }
@@ -123,7 +128,20 @@ private:
         search(half.data(), lo + 0.5 * width, 0.5 * width, depth + 1, roots);
     }
 
-    // two roots 2^-40 of a step apart are told apart; closer ones are a graze within rounding
+    /// The sign of g just beyond x: that of its first derivative there that is not zero.
+    double sign_after(double x) const {
+        Coefficients c;
+        for (int k = 0; k <= degree_; ++k) c[static_cast<std::size_t>(k)] = g_[k];
+        for (int i = 0; i < degree_; ++i) {
+            for (int k = degree_ - 1; k >= i; --k)
+                c[static_cast<std::size_t>(k)] += x * c[static_cast<std::size_t>(k) + 1];
+            if (i > 0 && c[static_cast<std::size_t>(i)] != 0.0)
+                return c[static_cast<std::size_t>(i)] > 0.0 ? 1.0 : -1.0;
+        }
+        return c[static_cast<std::size_t>(degree_)] > 0.0 ? 1.0 : -1.0;
+    }
+
+    // two roots 2^-40 of a step apart are told apart; closer ones, where g is rounding, are a graze
     static constexpr int max_depth = 40;
     // 40 roots, each 40 halvings deep, never need more; only rounding noise around zero does
     static constexpr int max_visits = 4000;
@@ -131,6 +149,7 @@ private:
     const double* g_ = nullptr;
     int degree_ = 0;
     int visits_ = 0;
+    double noise_ = 0.0;  // of the values of g
 };
 
 }  // namespace rbdyn::series

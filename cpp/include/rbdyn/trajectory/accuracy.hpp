@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -21,13 +22,16 @@ struct Comparison {
     double error = 0.0;        // largest relative difference
     double certain_until = 0;  // s, up to where it is at most what was asked
     bool same_events = true;
+    bool stopped = false;  // by whoever was asked whether to proceed
 };
 
 class AccuracyCheck {
 public:
     /// `times`: where to compare; empty: at the middle and the end of every piece.
-    AccuracyCheck(const PointsModel& model, double wanted, std::vector<double> times = {})
-        : model_(model), wanted_(wanted), times_(std::move(times)) {}
+    /// `proceed`: asked now and then whether to go on; if not, the result says that nothing is certain.
+    AccuracyCheck(const PointsModel& model, double wanted, std::vector<double> times = {},
+                  std::function<bool(double)> proceed = {})
+        : model_(model), wanted_(wanted), times_(std::move(times)), proceed_(std::move(proceed)) {}
 
     Comparison operator()(const Record& run, const Record& better) {
         Comparison result;
@@ -74,6 +78,7 @@ public:
         if (uncertain < run.end.hi - wanted_ * span && better.end.hi < run.end.hi) result.same_events = false;
         if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
         result.certain_until = std::min(result.certain_until, uncertain);
+        result.stopped = stopped_;
         return result;
     }
 
@@ -111,6 +116,10 @@ private:
                 const Instant at = run.piece(i).at(fraction * run.entries()[i].length);
                 if (at.hi >= until) return;
                 compare_at(at, run, i, better, j);
+                if (proceed_ && (i & 255) == 255 && fraction == 1.0 && !proceed_(at.hi)) {
+                    stopped_ = true;
+                    return;
+                }
             }
     }
 
@@ -123,9 +132,9 @@ private:
         if (there > fine.length * (1.0 + 1e-9) || here > piece.length * (1.0 + 1e-9)) return;
         piece.state(std::clamp(here, 0.0, piece.length), x_);
         fine.state(std::clamp(there, 0.0, fine.length), y_);
+        const Mode &mode = run.mode(i), &fine_mode = better.mode(j);
         for (int body = 0; body < model_.bodies(); ++body) {
-            const PointReport a = model_.report(run.mode(i), body, at.hi, x_);
-            const PointReport b = model_.report(better.mode(j), body, at.hi, y_);
+            const PointReport a = model_.report(mode, body, at.hi, x_), b = model_.report(fine_mode, body, at.hi, y_);
             Scale& s = scales_[static_cast<std::size_t>(body)];
             s.low = s.low.cwiseMin(b.position);
             s.high = s.high.cwiseMax(b.position);
@@ -133,17 +142,21 @@ private:
             s.velocity = std::max({s.velocity, b.velocity.norm(), std::abs(b.rail_speed)});
             s.effort = std::max(s.effort, b.effort);
             s.reaction = std::max(s.reaction, b.reaction.norm());
-            differences_.push_back({at.hi, (a.position - b.position).norm(), body, 0});
-            differences_.push_back({at.hi, (a.velocity - b.velocity).norm(), body, 1});
-            if (s.reaction > 0.0) differences_.push_back({at.hi, (a.reaction - b.reaction).norm(), body, 2});
-            if (++samples_ % 8 != 1) continue;
-            // what half a unit in the last place of the state does, which two runs may share
-            for (double& x : y_) x = std::nextafter(x, 2.0 * x);
-            const PointReport c = model_.report(better.mode(j), body, at.hi, y_);
-            differences_.push_back({at.hi, 0.5 * (c.position - b.position).norm(), body, 0});
-            differences_.push_back({at.hi, 0.5 * (c.velocity - b.velocity).norm(), body, 1});
-            differences_.push_back({at.hi, 0.5 * (c.reaction - b.reaction).norm(), body, 2});
+            note(at.hi, body, a, b, 1.0);
         }
+        // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
+        if (++samples_ > 64 && samples_ % 8 != 0) return;
+        x_ = y_;
+        for (double& x : x_) x = std::nextafter(x, 2.0 * x);
+        for (int body = 0; body < model_.bodies(); ++body)
+            note(at.hi, body, model_.report(fine_mode, body, at.hi, x_), model_.report(fine_mode, body, at.hi, y_),
+                 0.5);
+    }
+
+    void note(double time, int body, const PointReport& a, const PointReport& b, double weight) {
+        differences_.push_back({time, weight * (a.position - b.position).norm(), body, 0});
+        differences_.push_back({time, weight * (a.velocity - b.velocity).norm(), body, 1});
+        if (model_.on_rail(body)) differences_.push_back({time, weight * (a.reaction - b.reaction).norm(), body, 2});
     }
 
     static bool differ(const Record& a, std::size_t i, const Record& b, std::size_t j) {
@@ -165,6 +178,8 @@ private:
     const PointsModel& model_;
     double wanted_;
     std::vector<double> times_, x_, y_;
+    std::function<bool(double)> proceed_;
+    bool stopped_ = false;
     int samples_ = 0;
     std::vector<Difference> differences_;
     std::vector<Scale> scales_;

@@ -255,6 +255,7 @@ public:
     double integral(const std::string& name, double t, Side side = Side::after) const {
         if (name == "energy") return energy(t, side);
         if (name.starts_with("momentum ")) return momentum(t, {}, side)[name.back() - 'x'];
+        if (name == "angular momentum") return angular_momentum(t, Vector3::Zero(), {}, side).norm();
         if (name == "angular momentum z") return angular_momentum(t, Vector3::Zero(), {}, side)[2];
         throw InvalidInput("Trajectory: no first integral is named \"" + name + "\" in this scene");
     }
