@@ -55,7 +55,8 @@ inline double microseconds() {
         double sum = 0.0;
         for (int i = 0; i < count; ++i) sum += step(0.01 + 1e-6 * i, 1.0, 0.02, 0.1);
         sink = sink + sum;
-        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / count * 1e6);
+        best = std::min(best,
+                        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / count * 1e6);
     }
     return best;
 }

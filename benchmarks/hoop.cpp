@@ -48,17 +48,20 @@ double event_error(const Record& run, const Record& exact) {
 
 int main() {
     Scene scene(Vector3(0.0, 0.0, -9.81));
-    const Rail hoop(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}, Coulomb{.mu_static = 0.15, .mu_dynamic = 0.1});
+    const Rail hoop(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}},
+                    Coulomb{.mu_static = 0.15, .mu_dynamic = 0.1});
     scene.add(Particle{.mass = 1.0}, hoop, {.parameter = 2.0, .speed = 6.0});
     const PointsModel model(scene, make_plan(scene).view);
     SimulateOptions options;
     options.until = 30.0;
 
     const double calibration = calibration::microseconds();
-    std::printf("calibration: %.3f us (a hand-written Taylor step; 0.72 to 0.90 us on the machine of the yardstick)\n\n", calibration);
+    std::printf(
+        "calibration: %.3f us (a hand-written Taylor step; 0.72 to 0.90 us on the machine of the yardstick)\n\n",
+        calibration);
     const Record exact = simulating::integrate(model, options, "taylor", 1e-19, {}).record;
-    std::printf("rough hoop, 9 events\n%-12s %10s %12s %11s %8s %8s %10s %18s\n", "engine", "wanted", "time [us]", "least [us]", "error",
-                "steps", "guards", "over calibration");
+    std::printf("rough hoop, 9 events\n%-12s %10s %12s %11s %8s %8s %10s %18s\n", "engine", "wanted", "time [us]",
+                "least [us]", "error", "steps", "guards", "over calibration");
     for (const std::string& engine : simulating::engines()) {
         for (double wanted : {1e-6, 1e-9, 1e-12}) {
             // the loosest tolerance, by tens, that reaches the error
@@ -68,19 +71,21 @@ int main() {
                 tolerance *= 0.1;
                 t = timed(model, options, engine, tolerance);
             }
-            std::printf("%-12s %10.0e %12.1f %11.1f %8.0e %8lld %10lld %18.0f\n", engine.c_str(), wanted, t.median, t.least,
-                        event_error(t.record, exact), static_cast<long long>(t.record.work.steps),
+            std::printf("%-12s %10.0e %12.1f %11.1f %8.0e %8lld %10lld %18.0f\n", engine.c_str(), wanted, t.median,
+                        t.least, event_error(t.record, exact), static_cast<long long>(t.record.work.steps),
                         static_cast<long long>(t.record.work.guard_evaluations), t.median / calibration);
         }
     }
     // a scene without guards
     Scene smooth(Vector3(0.0, 0.0, -9.81));
-    smooth.add(Particle{.mass = 1.0}, Rail(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}), {.parameter = 2.0, .speed = 0.0});
+    smooth.add(Particle{.mass = 1.0}, Rail(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}),
+               {.parameter = 2.0, .speed = 0.0});
     const PointsModel pendulum(smooth, make_plan(smooth).view);
     const Timing t = timed(pendulum, options, "taylor", 1e-12);
     std::printf("\nsmooth hoop, 30 s at tolerance 1e-12: %.1f us, %lld steps, %lld guard evaluations\n", t.median,
                 static_cast<long long>(t.record.work.steps), static_cast<long long>(t.record.work.guard_evaluations));
-    std::printf("\nwhole call of simulate(), estimate of the error included\n%10s %12s %10s\n", "error", "time [us]", "estimate");
+    std::printf("\nwhole call of simulate(), estimate of the error included\n%10s %12s %10s\n", "error", "time [us]",
+                "estimate");
     for (double wanted : {1e-6, 1e-9, 1e-12}) {
         std::vector<double> times;
         double estimate = 0.0;

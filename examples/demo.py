@@ -7,7 +7,6 @@ same answer costs; saves a figure.
 from pathlib import Path
 
 import numpy as np
-
 import rbdyn as rb
 
 RADIUS, GRAVITY, MU_STATIC, MU_DYNAMIC, MASS, SPEED = 0.5, 9.8125, 0.375, 0.125, 0.5, 7.0

@@ -59,7 +59,9 @@ private:
         enter(record, mode, t, x);
         bool fresh = true;
         int crowded = 0, passes = 0;
-        while (until - t > 0.0) {
+        // less than this from the end is the end
+        const double least = 2.0 * epsilon * std::abs(until);
+        while (until - t > least) {
             if (mode.still) {
                 rest(record, t, x, until);
                 t = {until, 0.0};
@@ -77,7 +79,7 @@ private:
                 continue;
             }
             const Piece& piece = engine_.piece();
-            const bool is_last = !(until - piece.at(piece.length) > 0.0);
+            const bool is_last = !(until - piece.at(piece.length) > least);
             const double cut = polished(mode, examine(record, mode, fresh, is_last), x);
             if (cut < 0.0) {
                 store(record, piece, piece.length, fresh);

@@ -111,10 +111,10 @@ private:
     void search(const double* d, double lo, double width, int depth, std::vector<double>& roots) {
         if (bounds(d, degree_).exclude_zero()) return;
         if (depth >= max_depth || ++visits_ > max_visits || slope_bounds(d, degree_).exclude_zero()) {
-            // monotone, or too narrow to tell: a change of sign is one root
+            // monotone, or too narrow to tell: a change of sign is one root, unless all of g here is rounding
             const double hi = lo + width;
             const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
-            if (depth >= max_depth && std::max(std::abs(at_lo), std::abs(at_hi)) <= noise_) return;
+            if (std::max(std::abs(at_lo), std::abs(at_hi)) <= noise_) return;
             if (at_hi == 0.0 && at_lo != 0.0) {
                 if (sign_after(hi) * at_lo < 0.0) roots.push_back(hi);
             } else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
