@@ -73,7 +73,10 @@ def first_zero(f, lo, hi):
 
 
 def duration(departing, lo, v2_lo, hi, v2_hi):
-    """Integral of |d theta| / v, whose ends may be inverse square roots: double exponential rule (Takahasi, Mori 1974)."""
+    """Integral of |d theta| / v, whose ends may be inverse square roots.
+
+    Double exponential rule: Takahasi and Mori, Publ. RIMS Kyoto 9 (1974) 721-741.
+    """
     half, h, total = (hi - lo) / 2, Real(1) / 64, Real(0)
     for k in range(-250, 251):
         u = Real(np.pi) / 2 * np.sinh(k * h)
@@ -109,7 +112,8 @@ def main():
         agree = digits(event.time, time, float(time)), digits(theta, angle), digits(speed**2, v2, SPEED**2)
         worst = max(worst, abs(float(Real(event.time) - time)) / float(time))
         assert event.kind == kind, (event.kind, kind)
-        print(f"  {event.time:20.16f}  {kind:<12} {theta:20.16f}  {speed**2:14.10f}   " + "  ".join(f"{d:4.1f}" for d in agree))
+        shown = "  ".join(f"{d:4.1f}" for d in agree)
+        print(f"  {event.time:20.16f}  {kind:<12} {theta:20.16f}  {speed**2:14.10f}   {shown}")
     print(f"Estimated error of the run {run.error:.1e}, true error of its event times {worst:.1e}\n")
 
     print("What the same answer costs")
@@ -118,43 +122,8 @@ def main():
 
     path = Path("build") if Path("build").is_dir() else Path()
     path = (path / "hoop.png").resolve()
-    figure(run, bead, path)
+    rb.simulate(scene, until=1.1 * run.events[-1].time, error=1e-12).plot(path)
     print(f"Figure: {path}")
-
-
-def figure(run, bead, path):
-    """Angle, reaction and energy over time, the events marked."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    end = run.events[-1].time
-    t = np.linspace(0.0, 1.08 * end, 1500)
-    energy = run.kinetic_energy(t) + run.potential_energy(t)
-    rows = [
-        ("angle [rad]", [("", run[bead].parameter(t))]),
-        ("reaction [N]", [("normal", run[bead].reaction_frenet(t)[:, 1]), ("tangential", run[bead].reaction_frenet(t)[:, 0])]),
-        ("energy [J]", [("kinetic", run.kinetic_energy(t)), ("potential", run.potential_energy(t)), ("sum", energy)]),
-    ]
-    marks = {"reverse": ("C0", "turns"), "normal-zero": ("C3", "normal reaction zero"), "stick": ("0.2", "sticks")}
-    fig, axes = plt.subplots(len(rows), 1, sharex=True, figsize=(8, 7), layout="constrained")
-    for axis, (label, curves) in zip(axes, rows, strict=True):
-        for event in run.events:
-            axis.axvline(event.time, color=marks[event.kind][0], lw=0.8, ls=":")
-        for name, values in curves:
-            axis.plot(t, values, lw=1.4, label=name or None)
-        if len(curves) > 1:
-            axis.legend(loc="upper right", fontsize=8, frameon=False)
-        axis.set_ylabel(label)
-        axis.spines[["top", "right"]].set_visible(False)
-    for kind, (color, label) in marks.items():
-        times = run.events.times(kind)
-        axes[0].plot(times, run[bead].parameter(times), "o", ms=4, color=color, label=label)
-    axes[0].legend(loc="upper right", fontsize=8, frameon=False)
-    axes[0].set_title("A bead on a rough vertical hoop: swings, sticks, stays", fontsize=10)
-    axes[-1].set_xlabel("time [s]")
-    fig.savefig(path, dpi=120)
 
 
 if __name__ == "__main__":

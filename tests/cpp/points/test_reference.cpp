@@ -282,6 +282,36 @@ TEST(ReferenceMotions, a_local_tolerance_gives_all_events_and_no_estimate) {
         }
 }
 
+#ifdef RBDYN_WITH_SUNDIALS
+/// The least error, by tens, that an engine reaches on a case by its own estimate; checks that one on the way.
+double floor_of(const char* id, const std::string& engine) {
+    double reached = 1.0;
+    for (double asked : {1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13}) {
+        try {
+            const Outcome outcome = measure(id, {.error = asked, .engine = engine});
+            EXPECT_EQ(outcome.found, outcome.expected) << id << ' ' << engine << ' ' << asked;
+            EXPECT_LE(outcome.error(), asked) << id << ' ' << engine;
+            EXPECT_LE(outcome.error(), 10.0 * *outcome.estimate) << id << ' ' << engine << ' ' << asked;
+            reached = asked;
+        } catch (const AccuracyError& e) {
+            EXPECT_EQ(e.run.status(), Status::accuracy_not_reached);
+            break;
+        }
+    }
+    return reached;
+}
+
+TEST(ReferenceMotions, cvode_keeps_the_same_promise_down_to_its_floor_and_says_where_that_is) {
+    for (const std::string engine : {"cvode-adams", "cvode-bdf"})
+        for (const char* id : cases) {
+            const double floor = floor_of(id, engine);
+            if (std::getenv("RBDYN_TEST_TABLE") != nullptr) std::cout << engine << ' ' << id << " reaches " << floor << '\n';
+            // stated in docs/accuracy.md
+            EXPECT_LE(floor, engine == "cvode-adams" ? 1e-10 : 1e-9) << engine << ' ' << id;
+        }
+}
+#endif
+
 TEST(ReferenceMotions, belt_has_the_period_of_the_limit_cycle) {
     for (const char* id : {"h_belt_stick_slip", "h_belt_overspeed"}) {
         const Reference reference(id);
