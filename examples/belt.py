@@ -1,7 +1,6 @@
 """Stick-slip on a conveyor that starts and stops: the drive of a rail as a function of time, written in NumPy."""
 
 import numpy as np
-
 import rbdyn as rb
 
 scene = rb.Scene(gravity=[0, 0, -9.81])

@@ -6,7 +6,8 @@
 int main() {
     rbdyn::Scene scene;
     scene.set_gravity({0.0, 0.0, -9.8125});
-    const rbdyn::Rail incline(rbdyn::Line{.direction = {4, 0, -3}}, rbdyn::Coulomb{.mu_static = 0.5, .mu_dynamic = 0.25});
+    const rbdyn::Rail incline(rbdyn::Line{.direction = {4, 0, -3}},
+                              rbdyn::Coulomb{.mu_static = 0.5, .mu_dynamic = 0.25});
     const auto bead = scene.add(rbdyn::Particle{.mass = 2.0}, incline, {.parameter = 0.0, .speed = -4.0});
     const rbdyn::Trajectory run = rbdyn::simulate(scene, {.until = 2.0, .error = 1e-12});
     std::cout << run << run.plan();

@@ -62,8 +62,8 @@ inline std::vector<std::string> engines() {
 #endif
 }
 
-inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance) {
-    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance);
+inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, int order = 0) {
+    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, order);
 #ifdef RBDYN_WITH_SUNDIALS
     if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
     if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
@@ -73,8 +73,11 @@ inline std::unique_ptr<Engine> make_engine(const std::string& name, double toler
     throw InvalidInput("simulate: engine is \"" + name + "\"; this build has auto, " + known);
 }
 
-/// The smallest tolerance that still makes an engine more accurate.
-inline double least_tolerance(const std::string& engine) { return engine == "taylor" ? 1e-18 : 2e-15; }
+/// The smallest tolerance that still makes an engine more accurate: below it, more steps mean more rounding.
+inline double least_tolerance(const std::string& engine) { return engine == "taylor" ? 1e-17 : 2e-15; }
+
+/// The order of a run that is held against one at the least tolerance: other steps, so other rounding.
+inline constexpr int other_order = 19;
 
 inline void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
@@ -102,7 +105,7 @@ struct Timed {
 inline Timed integrate(const PointsModel& model, const SimulateOptions& o, const std::string& name, double tolerance,
                        const Keep& keep) {
     const auto before = std::chrono::steady_clock::now();
-    const std::unique_ptr<Engine> engine = make_engine(name, tolerance);
+    const std::unique_ptr<Engine> engine = make_engine(name, tolerance, order);
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
     Timed result{driver.run(o.start, model.start(), o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -174,8 +177,12 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
     if (!keeps_all) {
         compared.what = Keep::What::times;
         compared.times = options.keep.times;
-        for (int i = 0; i <= compared_times; ++i)
-            compared.times.push_back(options.start + (options.until - options.start) * i / compared_times);
+        // spread by the golden section, so that no period of the motion hides from them
+        for (int i = 0; i < compared_times; ++i) {
+            const double place = (i + std::fmod(0.6180339887498949 * i, 1.0)) / compared_times;
+            compared.times.push_back(options.start + (options.until - options.start) * place);
+        }
+        compared.times.push_back(options.until);
         std::sort(compared.times.begin(), compared.times.end());
     }
     Timed run = integrate(*model, options, engine, tolerance, compared);
@@ -189,9 +196,10 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
             return complete(std::move(run));
         }
         // the better run is made by Taylor series, whatever made the first
-        const double finer =
-            is_taylor ? std::max(tolerance * 1e-3, 1e-20) : std::clamp(options.error * 1e-3, 1e-18, 1e-13);
-        Timed better = integrate(*model, options, "taylor", finer, compared);
+        const bool at_floor = tolerance <= least_tolerance(engine);
+        const double finer = is_taylor ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
+                                       : std::clamp(options.error * 1e-3, 1e-17, 1e-13);
+        Timed better = integrate(*model, options, "taylor", finer, compared, is_taylor && at_floor ? other_order : 0);
         ++runs;
         if (better.record.status == Status::stopped_by_user || better.record.status == Status::step_limit) {
             run.record.status = better.record.status;
@@ -207,7 +215,7 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
         data.error = comparison.error;
         data.certain_until = comparison.certain_until;
         if (comparison.same_events && comparison.error <= options.error) break;
-        if (tolerance <= least_tolerance(engine)) {
+        if (at_floor) {
             run.record.status = Status::accuracy_not_reached;
             const std::string reached = text(comparison.error), until = text(comparison.certain_until);
             throw AccuracyError("simulate: error " + text(options.error) + " was asked for and engine " + engine +
