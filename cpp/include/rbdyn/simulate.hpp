@@ -103,7 +103,7 @@ struct Timed {
 };
 
 inline Timed integrate(const PointsModel& model, const SimulateOptions& o, const std::string& name, double tolerance,
-                       const Keep& keep) {
+                       const Keep& keep, int order = 0) {
     const auto before = std::chrono::steady_clock::now();
     const std::unique_ptr<Engine> engine = make_engine(name, tolerance, order);
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
