@@ -68,7 +68,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     validate(base);
     const auto began = Clock::now();
     const Plan plan = make_plan(scene);
-    const PointsModel model(scene, plan.view);
+    const PointsModel& model = *plan.model;
     const Timed reference = integrate(model, base, "taylor", 1e-18, {});
     const std::vector<std::string> engines = options.engines.empty() ? simulating::engines() : options.engines;
     std::vector<double> errors = options.errors;

@@ -126,7 +126,7 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
     const std::string engine = options.engine == "auto" ? data.plan.engine : options.engine;
     (void)make_engine(engine, 1e-6);
     data.engine = engine;
-    auto model = std::make_shared<const PointsModel>(scene, data.plan.view);
+    const std::shared_ptr<const PointsModel> model = data.plan.model;
     data.model = model;
 
     int runs = 0;

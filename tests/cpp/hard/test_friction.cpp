@@ -570,5 +570,65 @@ TEST(SeveralBeads, two_identical_beads_that_know_nothing_of_each_other_do_all_at
         EXPECT_EQ(run[BodyHandle{0}].position(t), run[BodyHandle{1}].position(t));
 }
 
+TEST(Friction, a_reaction_that_dies_away_is_no_event_when_only_its_rounding_is_left) {
+    // a spring to the centre carries the bead at sqrt(k/m) R: friction brings it there, ever more slowly, and never
+    // past
+    Scene scene;
+    const BodyHandle bead = scene.add(
+        Particle{15.0}, Rail(Circle{.radius = 2.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}, Coulomb{1.0, 0.625}),
+        RailStart{.parameter = -0.375, .speed = 4.5});
+    scene.connect(Spring{.stiffness = 35.0}, bead, Vector3(0, 0, 0));
+    for (double error : {1e-6, 1e-9, 1e-12}) {
+        const Trajectory run = simulate(scene, {.until = 12.0, .error = error});
+        EXPECT_EQ(run.events().size(), 0u) << error;
+        EXPECT_NEAR(run[bead].speed(12.0), 2.0 * std::sqrt(35.0 / 15.0), 4.5 * (error + 2e-9)) << error;
+    }
+    // much later the reaction is less than any accuracy: nothing is certain, and nothing hangs or is called
+    // inconsistent
+    for (double tolerance : {2e-8, 2e-11, 2e-14})
+        EXPECT_EQ(simulate(scene, {.until = 40.0, .rtol = tolerance}).status(), Status::reached_end) << tolerance;
+}
+
+TEST(Springs, one_with_a_rest_length_pushes_the_other_way_beyond_its_anchor) {
+    // x'' = -(x - 0.3 sign x) from x = 1: zero at acos(-3/7), and every twice that after
+    Scene scene;
+    const BodyHandle bead = scene.add(Particle{1.0}, Rail(Line{.direction = {1, 2, -2}}), RailStart{.parameter = 1.0});
+    scene.connect(Spring{.stiffness = 1.0, .rest_length = 0.3}, bead, Vector3(0, 0, 0));
+    const Trajectory run = simulate(scene, {.until = 30.0, .error = 1e-12});
+    const std::vector<double> passages = run.events().times("switch", bead);
+    const double first = std::acos(-3.0 / 7.0);
+    ASSERT_GE(passages.size(), 7u);
+    for (std::size_t k = 0; k < passages.size(); ++k)
+        EXPECT_NEAR(passages[k], (2.0 * static_cast<double>(k) + 1.0) * first, 2e-12 * passages[k]);
+    EXPECT_LE(run.drift().at("energy"), 2e-12);
+}
+
+TEST(Springs, one_with_a_rest_length_keeps_its_energy_through_an_anchor_on_a_bend) {
+    Scene scene({0.0, 0.0, -1.0});
+    const BodyHandle bead =
+        scene.add(Particle{0.5}, Rail(Polynomial{.coefficients = {{0, 0, 0}, {1, 0, 0}, {0, 0.5, 0.5}}}),
+                  RailStart{.parameter = 0.75});
+    scene.connect(Spring{.stiffness = 3.0, .rest_length = 0.25}, bead, Vector3(0, 0, 0));
+    const Trajectory run = simulate(scene, {.until = 20.0, .error = 1e-10});
+    EXPECT_EQ(run.status(), Status::reached_end);
+    EXPECT_GE(run.events().times("switch").size(), 6u);
+    // near the anchor the direction of the spring is known to the rounding of the position over the distance only
+    EXPECT_LE(run.drift().at("energy"), 1e-9);
+}
+
+TEST(LongRuns, a_thousand_periods_kept_by_their_end_alone_are_estimated_honestly) {
+    Scene scene({0.0, 0.0, -9.81});
+    const BodyHandle bead =
+        scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}),
+                  RailStart{.parameter = std::numbers::pi / 2});
+    // the period from the horizontal (complete elliptic integral), to more digits than a double holds
+    const double until = 1000.0 * 2.3678419475762374493;
+    const Trajectory run = simulate(scene, {.until = until, .error = 1e-10, .keep = {Keep::What::end}});
+    const double error = std::abs(run[bead].speed(until)) / std::sqrt(2.0 * 9.81);
+    EXPECT_LE(error, 1e-10);
+    EXPECT_LE(error, 10.0 * *run.error());
+    EXPECT_LE(*run.error(), 1e-10);
+}
+
 }  // namespace
 }  // namespace rbdyn::test

@@ -17,4 +17,14 @@ using Matrix3 = Eigen::Matrix3d;
 template <class S>
 using Vector3Of = Eigen::Matrix<S, 3, 1>;
 
+/// Scalar and vector product, term by term, so that zero components leave nothing behind.
+template <class S>
+S dot(const Vector3Of<S>& a, const Vector3Of<S>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class S>
+Vector3Of<S> cross(const Vector3Of<S>& a, const Vector3Of<S>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 }  // namespace rbdyn

@@ -118,16 +118,4 @@ inline Placement seen_from(const Placement& view, const Placement& own) {
     return result;
 }
 
-/// a . b for any number type.
-template <class S>
-S dot(const Vector3Of<S>& a, const Vector3Of<S>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/// a x b for any number type.
-template <class S>
-Vector3Of<S> cross(const Vector3Of<S>& a, const Vector3Of<S>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 }  // namespace rbdyn::curves

@@ -82,9 +82,9 @@ public:
         p.position = horner(position_, u);
         p.first = horner(first_, u);
         p.second = horner(second_, u);
-        p.speed_squared = curves::dot<S>(p.first, p.first);
-        p.first_dot_second = curves::dot<S>(p.first, p.second);
-        p.first_cross_second = curves::cross<S>(p.first, p.second);
+        p.speed_squared = dot<S>(p.first, p.first);
+        p.first_dot_second = dot<S>(p.first, p.second);
+        p.first_cross_second = cross<S>(p.first, p.second);
         return p;
     }
     /// r''' in own axes.

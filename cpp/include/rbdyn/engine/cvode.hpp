@@ -61,7 +61,7 @@ public:
 
     StepStatus step(double limit) override {
         if (!(limit - t_ > 0.0)) return StepStatus::stalled;
-        if (!is_first_) drop_start_flags();
+        if (!is_first_ && drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
         if (!running_ && !begin(limit)) return StepStatus::not_finite;
         void* memory = integrator_->memory.get();
         const double stop = limit - integrator_->origin;
@@ -243,16 +243,6 @@ private:
             found = found || estimates_[g] > 0.0;
         }
         return found;
-    }
-
-    /// What holds at the start of a mode alone holds no longer.
-    void drop_start_flags() {
-        bool changed = false;
-        for (int flag : equations_->start_flags) {
-            changed = changed || parameters_[at(flag)] != 0.0;
-            parameters_[at(flag)] = 0.0;
-        }
-        if (changed) integrator_->set_parameters(parameters_);
     }
 
     bool slope_is_finite() {

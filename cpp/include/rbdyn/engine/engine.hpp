@@ -56,6 +56,17 @@ public:
     const Work& work() const { return work_; }
 
 protected:
+    /// What holds at the start of a mode alone holds no longer. Returns whether any parameter changed.
+    static bool drop_start_flags(const Equations& equations, std::vector<double>& parameters) {
+        bool changed = false;
+        for (int flag : equations.start_flags) {
+            double& parameter = parameters[static_cast<std::size_t>(flag)];
+            changed = changed || parameter != 0.0;
+            parameter = 0.0;
+        }
+        return changed;
+    }
+
     Piece piece_;
     Work work_;
 };

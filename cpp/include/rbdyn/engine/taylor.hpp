@@ -94,7 +94,7 @@ public:
         }
         t_ = end;
         scales_.widen(x_);
-        drop_start_flags();
+        if (drop_start_flags(*equations_, parameters_)) series_->set_parameters(parameters_);
         if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
         return StepStatus::ok;
     }
@@ -209,16 +209,6 @@ private:
             log_length = std::min(log_length, (target + rough_log2(scale / size[at(k)])) / k);
         }
         return log_length;
-    }
-
-    /// What holds at the start of a mode alone holds no longer.
-    void drop_start_flags() {
-        bool changed = false;
-        for (int flag : equations_->start_flags) {
-            changed = changed || parameters_[at(flag)] != 0.0;
-            parameters_[at(flag)] = 0.0;
-        }
-        if (changed) series_->set_parameters(parameters_);
     }
 
     double log_tolerance_;

@@ -94,6 +94,7 @@ private:
             crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
             // events that follow each other at one instant are made by rounding: look less closely
             significant_ = std::ldexp(4e-12, 2 * std::min(crowded, 10));
+            rounding_ = std::ldexp(64.0 * epsilon, 2 * std::min(crowded, 10));
             t = at;
             if (stops_) {
                 for (int index : fired_) note(record, mode.equations->guards[static_cast<std::size_t>(index)], t);
@@ -296,17 +297,31 @@ private:
         if (is_watch) ends_[g] = series::value(q.data(), static_cast<int>(engine_.guard_order()), 1.0);
         if (fresh) side = is_watch ? leaves : 1;
         if (leaves != side) {
+            if (is_rounding(mode, guard, std::max(std::abs(q0), size))) return;
             found_.push_back({0.0, g, leaves > 0});
             if (!is_watch) return;
         }
         roots_.clear();
         finder_.find(p, degree, roots_);
         if (is_last && roots_.empty()) at_the_end(mode, guard, sign, p, degree);
+        if (!roots_.empty() && is_rounding(mode, guard, std::max(std::abs(q0), size))) return;
         for (double place : roots_) {
             leaves = -leaves;
             found_.push_back({place, g, leaves > 0});
             if (!is_watch) break;
         }
+    }
+
+    /// Whether a guard is nothing but the rounding of its terms on the piece: a reaction that dies away, say.
+    bool is_rounding(const Mode& mode, const Guard& guard, double size) {
+        if (mode.equations->is_variable(guard)) return size == 0.0;
+        const Piece& piece = engine_.piece();
+        end_state_.resize(static_cast<std::size_t>(piece.variables));
+        engine_.state(0.0, end_state_);
+        Evaluator<double>& exact = evaluator(*mode.equations);
+        exact.set_parameters(mode.parameters);
+        exact(piece.start.hi, end_state_);
+        return size <= rounding_ * exact.magnitude(guard.output);
     }
 
     /// The order of the first term that is not rounding. A piece cut short by the end of a run tells too little, so the
@@ -373,7 +388,8 @@ private:
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false;
-    double significant_ = 4e-12;  // of the largest term of a guard: less is rounding
+    double rounding_ = 64.0 * epsilon;  // of the terms of a guard: one of this size is zero
+    double significant_ = 4e-12;        // of the largest term of a guard: less is rounding
     mutable std::size_t kept_ = 0;
 };
 

@@ -52,6 +52,26 @@ public:
     }
 
     T output(int index) const { return slots_[static_cast<std::size_t>(program_->output(index))]; }
+    /// The sum of the sizes of the terms that make up an output: its rounding is epsilon times this, or a little more.
+    T magnitude(int index) const {
+        using std::abs;
+        const int slot = program_->output(index);
+        for (const Instruction& i : program_->instructions()) {
+            if (i.out != slot || i.code != Code::combine) continue;
+            T sum = i.weight >= 0 ? abs(scalars_[static_cast<std::size_t>(i.weight)]) : T(0);
+            for (int k = 0; k < i.terms; ++k) {
+                const Term& t = program_->terms(i)[k];
+                sum += abs(scalars_[static_cast<std::size_t>(t.weight)] * slots_[static_cast<std::size_t>(t.slot)]);
+            }
+            for (int k = 0; k < i.products; ++k) {
+                const ProductTerm& t = program_->products(i)[k];
+                sum += abs(scalars_[static_cast<std::size_t>(t.weight)] * slots_[static_cast<std::size_t>(t.a)] *
+                           slots_[static_cast<std::size_t>(t.b)]);
+            }
+            return sum;
+        }
+        return abs(output(index));
+    }
     T switch_value(int index) const { return slots_[static_cast<std::size_t>(program_->switch_output(index))]; }
 
 protected:

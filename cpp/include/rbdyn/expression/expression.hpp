@@ -308,14 +308,4 @@ inline Expression length(const Vector3Of<Expression>& v, const std::string& name
 }
 inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
 
-/// Scalar and vector product, term by term, so that zero components leave nothing behind.
-template <class S>
-S dot(const Vector3Of<S>& a, const Vector3Of<S>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class S>
-Vector3Of<S> cross(const Vector3Of<S>& a, const Vector3Of<S>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 }  // namespace rbdyn

@@ -31,6 +31,9 @@ public:
     bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
     const PointLaws& laws() const { return laws_; }
 
+    /// The equations for given slips: 0 sticks, +1 or -1 slides.
+    const Equations& equations(const std::vector<signed char>& slip) const { return structure(slip).equations; }
+
     /// The state the scene starts in.
     std::vector<double> start() const { return laws_.start(); }
 
@@ -154,9 +157,15 @@ private:
         if (program.switches().empty()) return;
         const int first = static_cast<int>(s.equations.guards.size() - program.switches().size());
         if (before == mode.equations) {
-            // what did not switch goes on as it was
-            for (const Switch& w : program.switches())
-                mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : old[at(w.parameter)];
+            // what did not switch goes on as it was, but for a variable that the event set anew
+            for (std::size_t k = 0; k < program.switches().size(); ++k) {
+                const Switch& w = program.switches()[k];
+                const int slot = program.switch_output(static_cast<int>(k));
+                double& parameter = mode.parameters[at(w.parameter)];
+                parameter = w.is_norm ? 0.0 : old[at(w.parameter)];
+                if (!w.is_norm && slot < program.inputs() && x[at(slot)] != 0.0)
+                    parameter = x[at(slot)] > 0.0 ? 1.0 : -1.0;
+            }
             for (int index : flipped) {
                 const Switch& w = program.switches()[at(index - first)];
                 mode.parameters[at(w.parameter)] = w.is_norm ? 1.0 : -old[at(w.parameter)];

@@ -22,8 +22,9 @@ struct Plan {
     std::vector<std::string> guards;       // what is watched for
     std::string engine, reason;            // the automatic choice
     std::vector<Omission> omissions;
-    std::vector<std::string> integrals;  // first integrals of the scene
-    Placement view;                      // the axes the equations are written in
+    std::vector<std::string> integrals;        // first integrals of the scene
+    Placement view;                            // the axes the equations are written in
+    std::shared_ptr<const PointsModel> model;  // the equations of motion
 
     bool has(const std::string& effect) const {
         return std::find(effects.begin(), effects.end(), effect) != effects.end();
@@ -65,6 +66,26 @@ inline Placement view_of(const Scene& scene) {
     return view;
 }
 
+/// What the recorded equations watch for, with nothing that sticks and with all that can.
+inline std::vector<std::string> guards_of(const PointsModel& model) {
+    std::vector<std::string> lines;
+    for (const signed char slip : {1, 0}) {
+        const std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
+        for (const Guard& guard : model.equations(slips).guards) {
+            std::string line = guard.subject >= 0 ? model.laws().body(guard.subject).name + ": " : std::string();
+            switch (guard.kind) {
+                case EventKind::reverse: line += "its slip through zero (reverse, stick)"; break;
+                case EventKind::slip: line += "the static limit while it sticks (slip)"; break;
+                case EventKind::normal_zero: line += "its normal reaction through zero (normal-zero)"; break;
+                case EventKind::rail_end: line += "an end of its rail (rail-end)"; break;
+                default: line += guard.name + " through zero (switch)"; break;
+            }
+            if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+        }
+    }
+    return lines;
+}
+
 }  // namespace planning
 
 /// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
@@ -73,7 +94,7 @@ inline Plan make_plan(const Scene& scene) {
     Plan plan;
     plan.view = planning::view_of(scene);
     bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
-         damper = false, is_rough = false, free = false, user_velocity = false, quadratic = false;
+         damper = false, is_rough = false, free = false, user_velocity = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
         plan.omissions.push_back({what, why});
     };
@@ -87,18 +108,11 @@ inline Plan make_plan(const Scene& scene) {
         }
         any_rail = true;
         plan.coordinates.push_back(b.name + ": parameter u of its " + rail->curve().name());
-        const Domain domain = rail->curve().domain();
-        if (!rail->curve().closed() && (std::isfinite(domain.begin) || std::isfinite(domain.end)))
-            plan.guards.push_back(b.name + ": the ends of its rail (rail-end)");
         if (const auto friction = rail->friction()) {
             is_rough = true;
             statics = statics || friction->mu_static > 0.0;
             dynamic = dynamic || friction->dynamic() > 0.0;
             drive = drive || !rail->drive().is_zero();
-            plan.guards.push_back(b.name + ": its slip through zero (reverse, stick)");
-            if (friction->dynamic() > 0.0)
-                plan.guards.push_back(b.name + ": its normal reaction through zero (normal-zero)");
-            plan.guards.push_back(b.name + ": the static limit while it sticks (slip)");
         } else if (!rail->drive().is_zero()) {
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
@@ -109,7 +123,6 @@ inline Plan make_plan(const Scene& scene) {
             if (!force->is_constant()) user_velocity = true;
         } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
             drag = drag || d->present();
-            quadratic = quadratic || d->quadratic > 0.0;
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         }
     }
@@ -129,7 +142,8 @@ inline Plan make_plan(const Scene& scene) {
                                                     {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
-    if (quadratic) plan.guards.push_back("the speed under quadratic drag through zero (switch)");
+    plan.model = std::make_shared<const PointsModel>(scene, plan.view);
+    plan.guards = planning::guards_of(*plan.model);
     if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
     leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
     if (any_rail && !is_rough)
