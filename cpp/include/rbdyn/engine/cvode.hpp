@@ -26,6 +26,7 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/series/step_length.hpp"
 
 namespace rbdyn {
 
@@ -54,12 +55,15 @@ public:
         t_ = t;
         x_.assign(x.begin(), x.end());
         running_ = false;
+        pending_ = false;
+        offset_ = 0.0;
         is_first_ = true;
         std::fill(estimates_.begin(), estimates_.end(), 0.0);
         widen();
     }
 
     StepStatus step(double limit) override {
+        if (pending_ && offset_ + piece_.length < 1.0 - 1e-12) return next_part();
         if (!(limit - t_ > 0.0)) return StepStatus::stalled;
         if (!is_first_ && drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
         if (!running_ && !begin(limit)) return StepStatus::not_finite;
@@ -94,12 +98,16 @@ public:
             }
         }
         ++work_.steps;
+        pending_ = false;
         const Instant end = at_limit ? Instant{limit, 0.0} : integrator_->origin + clock;
         fill_piece(end);
         is_first_ = false;
         t_ = end;
         clock_ = clock;
         widen();
+        whole_ = piece_;
+        pending_ = true;
+        shorten();
         return StepStatus::ok;
     }
 
@@ -107,21 +115,13 @@ public:
         if (tau == 0.0) return piece_.state(tau, x);
         const int row = piece_.order + 1;
         for (int i = 0; i < piece_.variables; ++i)
-            x[at(i)] = polynomial(from_end_.data() + i * row, piece_.order, tau - 1.0);
+            x[at(i)] = polynomial(from_end_.data() + i * row, piece_.order, offset_ + tau - 1.0);
     }
 
     const double* guard(int index) override {
         ++work_.guard_evaluations;
-        SeriesEvaluator& series = integrator_->series;
-        if (!has_guards_) {
-            series.begin(piece_.start.hi, piece_.unit);
-            for (int i = 0; i < piece_.variables; ++i)
-                for (int k = 0; k <= guard_order(); ++k)
-                    series.set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
-            for (int k = 0; k <= guard_order(); ++k) series.advance(k);
-            has_guards_ = true;
-        }
-        return series.output(equations_->guards[at(index)].output);
+        expand_guards();
+        return integrator_->series.output(equations_->guards[at(index)].output);
     }
     /// Guards with a singularity near the motion, 1 / (1.1 + sin u) on a pendulum through sin u = -1, are then cut off
     /// below the error of the method for tolerances from 1e-6 on, smooth ones at rounding.
@@ -293,7 +293,58 @@ private:
     }
 
     /// The piece from t_, x_ to the end: the same polynomial about its start.
+    /// Series of the guards along the piece's polynomial.
+    void expand_guards() {
+        if (has_guards_) return;
+        SeriesEvaluator& series = integrator_->series;
+        series.begin(piece_.start.hi, piece_.unit);
+        for (int i = 0; i < piece_.variables; ++i)
+            for (int k = 0; k <= guard_order(); ++k)
+                series.set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
+        for (int k = 0; k <= guard_order(); ++k) series.advance(k);
+        has_guards_ = true;
+    }
+
+    /// Cuts the piece where the series of its guards would be cut off too soon: CVODE's steps know nothing of guards,
+    /// and a bead that is carried at a constant speed takes very long ones.
+    void shorten() {
+        double log_length = 0.0;
+        for (const Guard& guard : equations_->guards) {
+            if (equations_->is_variable(guard)) continue;
+            expand_guards();
+            const double* c = integrator_->series.output(guard.output);
+            std::array<double, 32> size{};
+            for (int k = 0; k <= guard_order(); ++k) size[at(k)] = std::abs(c[k]);
+            log_length = std::min(
+                log_length, series::log_step(size.data(), guard_order(), size[0], std::log2(rtol_) + guard_slack));
+        }
+        // a guard that is not finite is the driver's to judge
+        if (!(log_length > -10.0)) log_length = std::isnan(log_length) ? 0.0 : -10.0;
+        piece_.length = std::min(piece_.length, std::exp2(log_length));
+    }
+
+    /// The next part of a step that was cut.
+    StepStatus next_part() {
+        offset_ += piece_.length;
+        if (drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
+        const int n = piece_.variables, row = piece_.order + 1;
+        part_.resize(at(n * row));
+        for (int i = 0; i < n; ++i) {
+            double* c = part_.data() + i * row;
+            std::copy_n(coefficients_.data() + i * row, row, c);
+            for (int j = 0; j < row - 1; ++j)
+                for (int k = row - 2; k >= j; --k) c[k] += offset_ * c[k + 1];
+            c[0] = polynomial(from_end_.data() + i * row, row - 1, offset_ - 1.0);
+        }
+        piece_ = {whole_.at(offset_), whole_.unit, 1.0 - offset_, n, row - 1, part_.data()};
+        if (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
+        has_guards_ = false;
+        shorten();
+        return StepStatus::ok;
+    }
+
     void fill_piece(Instant end) {
+        offset_ = 0.0;
         const int n = integrator_->n, row = order_ + 1;
         coefficients_ = from_end_;
         for (int i = 0; i < n; ++i) {
@@ -312,6 +363,10 @@ private:
 
     Method method_;
     double rtol_;
+    Piece whole_;           // the whole step, where guards cut it
+    bool pending_ = false;  // parts of it may be left
+    double offset_ = 0.0;   // where the piece begins on it
+    std::vector<double> part_;
     cvode::Owned<SUNContext> context_;
     std::vector<std::pair<const Equations*, std::unique_ptr<cvode::Integrator>>> integrators_;
     const Equations* equations_ = nullptr;

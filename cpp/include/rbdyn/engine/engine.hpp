@@ -56,6 +56,10 @@ public:
     const Work& work() const { return work_; }
 
 protected:
+    // log2 of how much more of a guard than of the state may be cut off: an error there moves one event and does not
+    // grow
+    static constexpr double guard_slack = 5.0;
+
     /// What holds at the start of a mode alone holds no longer. Returns whether any parameter changed.
     static bool drop_start_flags(const Equations& equations, std::vector<double>& parameters) {
         bool changed = false;

@@ -9,12 +9,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/series/step_length.hpp"
 
 namespace rbdyn {
 
@@ -108,9 +108,6 @@ public:
     double natural_length() const override { return std::isfinite(natural_) ? natural_ : piece_.length; }
 
 private:
-    // log2 of how much more of a guard than of the state may be cut off
-    static constexpr double guard_slack = 5.0;
-
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
     /// 2^round(log2 x)
@@ -118,12 +115,6 @@ private:
         int exponent = 0;
         const double mantissa = std::frexp(x, &exponent);
         return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
-    }
-
-    /// log2 x within 0.09, enough for a step length, from the bits of x; -infinity for 0.
-    static double rough_log2(double x) {
-        if (!(x > 0.0)) return -std::numeric_limits<double>::infinity();
-        return static_cast<double>(std::bit_cast<std::int64_t>(x)) * 0x1p-52 - 1023.0;
     }
 
     SeriesEvaluator& evaluator_for(const Equations& equations) {
@@ -165,7 +156,8 @@ private:
         for (const VariableGroup& group : equations_->groups) {
             size.fill(0.0);
             for (int i = group.first; i < group.first + group.count; ++i) take(series_->coefficients(i), size);
-            log_length = std::min(log_length, log_step(size, scales_.scale(group)));
+            log_length =
+                std::min(log_length, series::log_step(size.data(), order_, scales_.scale(group), log_tolerance_));
         }
         // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow
         for (const Guard& guard : equations_->guards) {
@@ -173,7 +165,8 @@ private:
             if (equations_->is_variable(guard)) continue;
             size.fill(0.0);
             take(c, size);
-            log_length = std::min(log_length, log_step(size, size[0], guard_slack));
+            log_length =
+                std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance_ + guard_slack));
         }
         return std::exp2(log_length);
     }
@@ -182,33 +175,6 @@ private:
 
     void take(const double* c, Sizes& size) const {
         for (int k = 0; k <= order_; ++k) size[at(k)] = std::max(size[at(k)], std::abs(c[k]));
-    }
-
-    /// log2 of the step for coefficients of given sizes and a scale of their past; infinite for a polynomial of low
-    /// degree, which is exact at any length. Only ratios of sizes enter, so units do not.
-    double log_step(const Sizes& size, double scale, double slack = 0.0) const {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
-        const int p = order_;
-        // the last coefficients against the first one give the radius of convergence
-        int first = 1;
-        while (first < p - 3 && size[at(first)] == 0.0) ++first;
-        double log_radius = infinity;
-        for (int k = p; k > p - 4; --k)
-            if (k > first && size[at(k)] > 0.0)
-                log_radius = std::min(log_radius, rough_log2(size[at(first)] / size[at(k)]) / (k - first));
-        if (log_radius == infinity) return infinity;
-        // how far the motion goes within a fraction of the radius that is typical of a step
-        const double reach = 0.3 * std::exp2(log_radius);
-        scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
-        if (!(scale > 0.0)) return infinity;
-        // the last two terms meet the tolerance, earlier ones are on the way there from one
-        double log_length = infinity;
-        for (int k = p; k > p - 4; --k) {
-            if (!(size[at(k)] > 0.0)) continue;
-            const double target = (k >= p - 1 ? log_tolerance_ : log_tolerance_ * k / p) + slack;
-            log_length = std::min(log_length, (target + rough_log2(scale / size[at(k)])) / k);
-        }
-        return log_length;
     }
 
     double log_tolerance_;

@@ -1,0 +1,47 @@
+// How far a truncated Taylor series may be used.
+//
+// Source: Jorba and Zou, Experimental Mathematics 14 (2005) 99-117, sec. 3: the step from the last coefficients.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace rbdyn::series {
+
+/// log2 x within 0.09, enough for a step length, from the bits of x; -infinity for 0.
+inline double rough_log2(double x) {
+    if (!(x > 0.0)) return -std::numeric_limits<double>::infinity();
+    return static_cast<double>(std::bit_cast<std::int64_t>(x)) * 0x1p-52 - 1023.0;
+}
+
+/// log2 of the longest step on which a series whose coefficients 0 .. p have given sizes is cut off below a tolerance
+/// (its log2) times `scale`, or times the motion within the step where that is larger; infinite for a polynomial of low
+/// degree, which is exact at any length. Only ratios of sizes enter, so units do not. p >= 4.
+inline double log_step(const double* size, int p, double scale, double log_tolerance) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    // the last coefficients against the first one give the radius of convergence
+    int first = 1;
+    while (first < p - 3 && size[first] == 0.0) ++first;
+    double log_radius = infinity;
+    for (int k = p; k > p - 4; --k)
+        if (k > first && size[k] > 0.0)
+            log_radius = std::min(log_radius, rough_log2(size[first] / size[k]) / (k - first));
+    if (log_radius == infinity) return infinity;
+    // how far the motion goes within a fraction of the radius that is typical of a step
+    const double reach = 0.3 * std::exp2(log_radius);
+    scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
+    if (!(scale > 0.0)) return infinity;
+    // the last two terms meet the tolerance, earlier ones are on the way there from one
+    double log_length = infinity;
+    for (int k = p; k > p - 4; --k) {
+        if (!(size[k] > 0.0)) continue;
+        const double target = k >= p - 1 ? log_tolerance : log_tolerance * k / p;
+        log_length = std::min(log_length, (target + rough_log2(scale / size[k])) / k);
+    }
+    return log_length;
+}
+
+}  // namespace rbdyn::series
