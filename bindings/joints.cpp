@@ -63,7 +63,9 @@ it reverse, stick and slip events, is speed - drive.)")
         .def(
             py::init([](const Curve& curve, const std::optional<Coulomb>& friction, const NumberOrFunction& drive,
                         const std::string& ends) {
-                if (ends != "stop") throw InvalidInput("Rail: ends is \"" + ends + "\"; it is \"stop\"");
+                if (ends != "stop")
+                    throw InvalidInput("Rail: ends is \"" + ends +
+                                       "\"; the end of a curve stops the run, so it is \"stop\"");
                 const TimeFunction speed = PyCallable_Check(drive.ptr()) != 0
                                                ? recorded_time_function(drive, "Rail: drive")
                                                : TimeFunction(number(drive, "Rail", "drive"));
