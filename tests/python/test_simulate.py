@@ -125,11 +125,13 @@ def test_a_motion_that_cannot_go_on_carries_what_there_is():
 
 @pytest.fixture
 def interrupt():
-    """Sends SIGINT after a while."""
+    """Sends SIGINT after a while; Python's own handler, also where the tests were started in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     yield timer.start
     timer.cancel()
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_ctrl_c_stops_a_run_within_a_second_and_keeps_it(interrupt):

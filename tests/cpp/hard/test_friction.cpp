@@ -630,5 +630,18 @@ TEST(LongRuns, a_thousand_periods_kept_by_their_end_alone_are_estimated_honestly
     EXPECT_LE(*run.error(), 1e-10);
 }
 
+TEST(Resistance, a_bead_at_rest_on_a_running_rail_starts_under_drag_without_an_event) {
+    // the sign of its speed to come depends on the side of its normal reaction
+    Scene scene;
+    const BodyHandle bead =
+        scene.add(Particle{1.0}, Rail(Line{.direction = {1, 0, 0}}, Coulomb{0.75}, RailOptions{.drive = 0.125}),
+                  RailStart{.parameter = 0.375});
+    scene.connect(Spring{.stiffness = 0.75, .rest_length = 0.625}, bead, Vector3(-0.25, 1.375, 0.5));
+    scene.apply(Drag{.quadratic = 1.0}, bead);
+    const Trajectory run = simulate(scene, {.until = 0.5, .error = 1e-9});
+    EXPECT_TRUE(run.events().empty());
+    EXPECT_GT(run[bead].speed(0.25), 0.0);
+}
+
 }  // namespace
 }  // namespace rbdyn::test

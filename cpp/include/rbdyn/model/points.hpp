@@ -178,11 +178,14 @@ private:
         values(t, x);
         for (std::size_t k = 0; k < program.switches().size(); ++k) {
             const Switch& w = program.switches()[k];
-            if (w.is_norm) continue;
-            const double value = values.switch_value(static_cast<int>(k));
-            const bool is_negative =
-                value < 0.0 || (value == 0.0 && leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0);
-            mode.parameters[at(w.parameter)] = is_negative ? -1.0 : 1.0;
+            if (!w.is_norm && values.switch_value(static_cast<int>(k)) < 0.0) mode.parameters[at(w.parameter)] = -1.0;
+        }
+        // what starts at zero takes the sign of its first change, which may depend on the signs of the others
+        for (std::size_t k = 0; k < program.switches().size(); ++k) {
+            const Switch& w = program.switches()[k];
+            if (w.is_norm || values.switch_value(static_cast<int>(k)) != 0.0) continue;
+            if (leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0)
+                mode.parameters[at(w.parameter)] = -1.0;
         }
     }
 
