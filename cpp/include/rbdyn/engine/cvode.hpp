@@ -115,7 +115,7 @@ public:
         if (tau == 0.0) return piece_.state(tau, x);
         const int row = piece_.order + 1;
         for (int i = 0; i < piece_.variables; ++i)
-            x[at(i)] = polynomial(from_end_.data() + i * row, piece_.order, offset_ + tau - 1.0);
+            x[at(i)] = series::value(from_end_.data() + i * row, piece_.order, offset_ + tau - 1.0);
     }
 
     const double* guard(int index) override {
@@ -334,7 +334,7 @@ private:
             std::copy_n(coefficients_.data() + i * row, row, c);
             for (int j = 0; j < row - 1; ++j)
                 for (int k = row - 2; k >= j; --k) c[k] += offset_ * c[k + 1];
-            c[0] = polynomial(from_end_.data() + i * row, row - 1, offset_ - 1.0);
+            c[0] = series::value(from_end_.data() + i * row, row - 1, offset_ - 1.0);
         }
         piece_ = {whole_.at(offset_), whole_.unit, 1.0 - offset_, n, row - 1, part_.data()};
         if (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);

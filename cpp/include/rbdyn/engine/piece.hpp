@@ -8,15 +8,9 @@
 #include <vector>
 
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/series/polynomial.hpp"
 
 namespace rbdyn {
-
-/// sum_k c[k] tau^k, k = 0 .. order.
-inline double polynomial(const double* c, int order, double tau) {
-    double sum = c[order];
-    for (int k = order - 1; k >= 0; --k) sum = sum * tau + c[k];
-    return sum;
-}
 
 /// State variables on [start, start + length * unit]: x_i = sum_k c[i][k] tau^k with tau = (t - start) / unit.
 struct Piece {
@@ -35,7 +29,7 @@ struct Piece {
     double duration() const { return length * unit; }
 
     void state(double tau_, std::span<double> x) const {
-        for (int i = 0; i < variables; ++i) x[static_cast<std::size_t>(i)] = polynomial(variable(i), order, tau_);
+        for (int i = 0; i < variables; ++i) x[static_cast<std::size_t>(i)] = series::value(variable(i), order, tau_);
     }
 };
 

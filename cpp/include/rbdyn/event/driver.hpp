@@ -80,7 +80,7 @@ private:
             }
             const Piece& piece = engine_.piece();
             const bool is_last = !(until - piece.at(piece.length) > least);
-            const double cut = polished(mode, examine(record, mode, fresh, is_last), x);
+            const double cut = polished(mode, examine(record, mode, fresh, is_last));
             if (cut < 0.0) {
                 store(record, piece, piece.length, fresh);
                 t = piece.at(piece.length);
@@ -229,7 +229,7 @@ private:
 
     /// A root of the first guard in fired_, whose series was cut off, at a root of the guard itself: what is done at an
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better.
-    double polished(const Mode& mode, double cut, std::vector<double>& x) {
+    double polished(const Mode& mode, double cut) {
         if (cut <= 0.0 || fired_.empty()) return cut;
         const Guard& guard = mode.equations->guards[static_cast<std::size_t>(fired_.front())];
         if (mode.equations->is_variable(guard)) return cut;
@@ -237,13 +237,9 @@ private:
         const double* c = engine_.guard(fired_.front());
         double slope = 0.0;
         for (int k = degree_; k >= 1; --k) slope = slope * cut + k * c[k];
-        Evaluator<double>& value = evaluator(*mode.equations);
-        value.set_parameters(mode.parameters);
         double best = std::numeric_limits<double>::infinity(), place = cut;
         for (int iteration = 0; iteration < 4; ++iteration) {
-            engine_.state(place, x);
-            value(piece.at(place).hi, x);
-            const double g = value.output(guard.output);
+            const double g = evaluated(mode, place).output(guard.output);
             if (!(std::abs(g) < best)) break;
             best = std::abs(g);
             cut = place;
@@ -253,11 +249,17 @@ private:
         return cut;
     }
 
-    Evaluator<double>& evaluator(const Equations& equations) {
-        if (evaluated_ != &equations) {
-            evaluator_ = std::make_unique<Evaluator<double>>(equations.program);
-            evaluated_ = &equations;
+    /// The equations themselves, evaluated on the engine's piece.
+    const Evaluator<double>& evaluated(const Mode& mode, double place) {
+        if (evaluated_ != mode.equations) {
+            evaluator_ = std::make_unique<Evaluator<double>>(mode.equations->program);
+            evaluated_ = mode.equations;
         }
+        const Piece& piece = engine_.piece();
+        state_.resize(static_cast<std::size_t>(piece.variables));
+        engine_.state(place, state_);
+        evaluator_->set_parameters(mode.parameters);
+        (*evaluator_)(piece.at(place).hi, state_);
         return *evaluator_;
     }
 
@@ -315,13 +317,7 @@ private:
     /// Whether a guard is nothing but the rounding of its terms on the piece: a reaction that dies away, say.
     bool is_rounding(const Mode& mode, const Guard& guard, double size) {
         if (mode.equations->is_variable(guard)) return size == 0.0;
-        const Piece& piece = engine_.piece();
-        end_state_.resize(static_cast<std::size_t>(piece.variables));
-        engine_.state(0.0, end_state_);
-        Evaluator<double>& exact = evaluator(*mode.equations);
-        exact.set_parameters(mode.parameters);
-        exact(piece.start.hi, end_state_);
-        return size <= rounding_ * exact.magnitude(guard.output);
+        return size <= rounding_ * evaluated(mode, 0.0).magnitude(guard.output);
     }
 
     /// The order of the first term that is not rounding. A piece cut short by the end of a run tells too little, so the
@@ -353,12 +349,7 @@ private:
         if (std::abs(value) <= bound) return roots_.push_back(1.0);
         // the series of the guard is cut off sooner than the state's: the guard itself decides
         if (mode.equations->is_variable(guard)) return;
-        end_state_.resize(static_cast<std::size_t>(piece.variables));
-        engine_.state(piece.length, end_state_);
-        Evaluator<double>& exact = evaluator(*mode.equations);
-        exact.set_parameters(mode.parameters);
-        exact(piece.at(piece.length).hi, end_state_);
-        const double g = sign * exact.output(guard.output);
+        const double g = sign * evaluated(mode, piece.length).output(guard.output);
         if (std::abs(g) <= bound && g * slope <= 0.0) roots_.push_back(1.0);
     }
 
@@ -381,7 +372,7 @@ private:
     std::vector<bool> handled_;  // guards whose zero began the mode
     std::vector<int> fired_;
     std::vector<Found> found_;
-    std::vector<double> roots_, end_state_;
+    std::vector<double> roots_, state_;
     series::RootFinder finder_;
     const Equations* evaluated_ = nullptr;
     std::unique_ptr<Evaluator<double>> evaluator_;

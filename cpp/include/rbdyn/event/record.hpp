@@ -83,8 +83,6 @@ public:
         return std::clamp(piece.tau(t), 0.0, piece.length);
     }
 
-    std::size_t memory() const { return coefficients_.size() * sizeof(double) + entries_.size() * sizeof(Entry); }
-
 private:
     std::vector<Entry> entries_;
     std::vector<double> coefficients_;

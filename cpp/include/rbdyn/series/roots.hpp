@@ -11,17 +11,13 @@
 #include <limits>
 #include <vector>
 
+#include "rbdyn/series/polynomial.hpp"
+
 namespace rbdyn::series {
 
 /// Highest degree whose roots are sought.
 inline constexpr int max_degree = 40;
 using Coefficients = std::array<double, max_degree + 1>;
-
-inline double value(const double* c, int degree, double x) {
-    double sum = c[degree];
-    for (int k = degree - 1; k >= 0; --k) sum = sum * x + c[k];
-    return sum;
-}
 
 /// Bounds of sum_k weight_k c_k x^k on [0, 1], weight_k = 1, or k for the slope (x g').
 struct Bounds {
