@@ -1,6 +1,7 @@
 // Runs a program in plain numbers: values in any floating type, and the exact Jacobian in doubles.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -20,7 +21,7 @@ public:
     void set_parameters(std::span<const T> parameters) { program_->set_parameters(parameters, scalars_); }
 
     void operator()(T t, std::span<const T> x) {
-        using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt;
+        using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
         T* s = slots_.data();
         const T* w = scalars_.data();
         for (std::size_t i = 0; i < x.size(); ++i) s[i] = x[i];
@@ -44,6 +45,13 @@ public:
                     s[i.out] = sin(s[i.a]);
                     s[i.out2] = cos(s[i.a]);
                     break;
+                case Code::hyperbolic:
+                    s[i.out] = sinh(s[i.a]);
+                    s[i.out2] = cosh(s[i.a]);
+                    break;
+                case Code::tangent: s[i.out] = tanh(s[i.a]); break;
+                case Code::angle: s[i.out] = atan2(s[i.a], s[i.b]); break;
+                case Code::call: call(program_->calls()[static_cast<std::size_t>(i.extra)]); break;
                 case Code::exponential: s[i.out] = exp(s[i.a]); break;
                 case Code::logarithm: s[i.out] = log(s[i.a]); break;
                 case Code::power: s[i.out] = pow(s[i.a], T(i.value)); break;
@@ -75,9 +83,21 @@ public:
     T switch_value(int index) const { return slots_[static_cast<std::size_t>(program_->switch_output(index))]; }
 
 protected:
+    /// A function of the user's, in doubles whatever T is.
+    void call(const Program::Call& call) {
+        arguments_.resize(call.arguments.size());
+        results_.resize(call.results.size());
+        for (std::size_t i = 0; i < call.arguments.size(); ++i)
+            arguments_[i] = static_cast<double>(slots_[static_cast<std::size_t>(call.arguments[i])]);
+        (*call.function)(arguments_.data(), results_.data());
+        for (std::size_t i = 0; i < call.results.size(); ++i)
+            slots_[static_cast<std::size_t>(call.results[i])] = T(results_[i]);
+    }
+
     const Program* program_;
     std::vector<T> slots_;
     std::vector<T> scalars_;
+    std::vector<double> arguments_, results_;  // of a call
 };
 
 /// Derivatives of the outputs with respect to the state, by forward propagation of all directions at once.
@@ -122,6 +142,13 @@ public:
                     chain(out, s[i.out2], at(i.a));
                     chain(at(i.out2), -s[i.out], at(i.a));
                     break;
+                case Code::hyperbolic:
+                    chain(out, s[i.out2], at(i.a));
+                    chain(at(i.out2), s[i.out], at(i.a));
+                    break;
+                case Code::tangent: chain(out, 1.0 - s[i.out] * s[i.out], at(i.a)); break;
+                case Code::angle: chain(out, s[i.b] / s[i.c], at(i.a), -s[i.a] / s[i.c], at(i.b)); break;
+                case Code::call: differences(program_->calls()[static_cast<std::size_t>(i.extra)]); break;
                 case Code::exponential: chain(out, s[i.out], at(i.a)); break;
                 case Code::logarithm: chain(out, 1.0 / s[i.a], at(i.a)); break;
                 case Code::power: chain(out, i.value * std::pow(s[i.a], i.value - 1.0), at(i.a)); break;
@@ -135,6 +162,29 @@ public:
     }
 
 private:
+    /// Of an opaque function there are differences only: one more call for each argument that varies.
+    void differences(const Program::Call& c) {
+        for (const int result : c.results)
+            for (int d = 0; d < n_; ++d) at(result)[d] = 0.0;
+        std::vector<double> x, y(c.results.size()), moved(c.results.size());
+        for (const int argument : c.arguments) x.push_back(slots_[static_cast<std::size_t>(argument)]);
+        for (std::size_t i = 0; i < c.results.size(); ++i) y[i] = slots_[static_cast<std::size_t>(c.results[i])];
+        double size = 0.0;
+        for (const double value : x) size = std::max(size, std::abs(value));
+        for (std::size_t k = 0; k < x.size(); ++k) {
+            const double* direction = at(c.arguments[k]);
+            bool varies = false;
+            for (int d = 0; d < n_; ++d) varies = varies || direction[d] != 0.0;
+            if (!varies) continue;
+            // half the digits: sqrt(epsilon) of the argument, or of the others where it is zero
+            const double kept = x[k], h = 1.5e-8 * (kept != 0.0 ? std::abs(kept) : size > 0.0 ? size : 1.0);
+            x[k] = kept + h;
+            (*c.function)(x.data(), moved.data());
+            for (std::size_t i = 0; i < y.size(); ++i)
+                add(at(c.results[i]), (moved[i] - y[i]) / (x[k] - kept), direction);
+            x[k] = kept;
+        }
+    }
     double* at(int slot) { return tangents_.data() + static_cast<std::ptrdiff_t>(slot) * n_; }
     void add(double* out, double factor, const double* direction) const {
         for (int d = 0; d < n_; ++d) out[d] += factor * direction[d];

@@ -5,19 +5,32 @@
 // Jacobians and extended precision alike. Constants are folded and equal subexpressions shared while recording, so
 // what a scene does not call for (a zero component, a coefficient of zero, an absent effect) is not in the program.
 //
+// A recorder serves one of two purposes. As a function it keeps everything, case distinctions included, so that the
+// function can be applied again (function.hpp). As a model of one smooth mode it keeps one side of every distinction:
+// signs become parameters of the program with the argument as guard (`Switch`), choices between formulas are made
+// by the state the mode begins in, or by whoever knows better (`Branch`).
+//
 // Conventions: an expression is a constant or a node of one Recorder. `parameter` nodes are numbers that are fixed
-// during smooth motion and may change between pieces (the sign of a slip, a coefficient of a sweep).
+// during smooth motion and may change between pieces (the sign of a slip).
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/callback.hpp"
 
 namespace rbdyn {
 
@@ -29,6 +42,7 @@ enum class Operation : std::uint8_t {
     input,      // a: index of the state variable
     time,       //
     parameter,  // a: index of the parameter
+    cell,       // a: index of a number of the user's that may be changed later (functions only)
     add,        // a + b
     multiply,   // a * b
     divide,     // a / b
@@ -36,9 +50,17 @@ enum class Operation : std::uint8_t {
     norm,  // sqrt(a^2 + b^2 + c^2), the sign lost at a zero handled by a switch; d: its switch
     sine,
     cosine,
+    hyperbolic_sine,
+    hyperbolic_cosine,
+    hyperbolic_tangent,
     exponential,
     logarithm,
-    power,  // a ^ value
+    power,   // a ^ value
+    angle,   // of the point (b, a): arctan2(a, b), away from its cut
+    call,    // a: index of the call; result d of it
+    sign,    // of a (functions only; a parameter in models); d: index of its name
+    select,  // b where a > 0, else c (functions only; chosen in models); d: index of its name
+    whole,   // the largest whole number <= a (functions only; chosen in models); d: index of its name
 };
 
 /// A recorded number: a constant, or a node of a recorder.
@@ -94,6 +116,19 @@ struct Node {
     double value = 0.0;
 
     bool operator==(const Node&) const = default;
+
+    /// The nodes it computes with, those of calls apart.
+    std::array<std::int32_t, 3> operands() const {
+        switch (operation) {
+            case Operation::constant:
+            case Operation::input:
+            case Operation::time:
+            case Operation::parameter:
+            case Operation::cell:
+            case Operation::call: return {-1, -1, -1};
+            default: return {a, b, c};
+        }
+    }
 };
 
 /// Where a recorded function is not smooth: an absolute value or a norm at its zero.
@@ -103,13 +138,78 @@ struct Switch {
     std::int32_t parameter;  // index of the sign (absolute value) or of the "starts at zero" flag (norm)
     bool is_norm;
     std::string name;
-    int tag;      // what the writer of the model makes of it; -1: nothing
-    int subject;  // the body it was recorded for; -1: none
+    int tag;           // what the writer of the model makes of it; -1: nothing
+    int subject;       // the body it was recorded for; -1: none
+    std::uint64_t id;  // the same for the same argument in every recording
+};
+
+/// A choice between formulas, made for one smooth mode: valid while lower <= argument <= upper.
+struct Branch {
+    std::int32_t argument;
+    long choice;           // of two: 1 where the argument is positive, else 0; of many: the whole number below it
+    bool is_select;        // of two formulas, at zero
+    long lowest, highest;  // choices there are; nothing lies beyond them
+    std::string name;      // of the event where it changes; empty: silent
+    int subject;
+    std::uint64_t id;  // the same for the same argument in every recording
+
+    double lower() const { return is_select ? 0.0 : static_cast<double>(choice); }
+    double upper() const { return is_select ? 0.0 : static_cast<double>(choice) + 1.0; }
+    bool has_lower() const { return choice > lowest; }
+    bool has_upper() const { return choice < highest; }
+};
+
+/// A number of the user's, used in recorded functions by reference: it may be changed between runs.
+class Parameter {
+public:
+    explicit Parameter(double value, std::string name = {})
+        : cell_(std::make_shared<Cell>(Cell{value, std::move(name)})) {
+        require(std::isfinite(value), "parameter", cell_->name.empty() ? "its value" : cell_->name, value,
+                "it is finite");
+    }
+    double value() const { return cell_->value; }
+    const std::string& name() const { return cell_->name; }
+    void set(double value) {
+        require(std::isfinite(value), "parameter", name().empty() ? "its value" : name(), value, "it is finite");
+        cell_->value = value;
+    }
+    /// In the function that is being recorded. Throws Error if none is.
+    operator Expression() const;
+
+    /// Whether they are one parameter.
+    bool is(const Parameter& other) const { return cell_ == other.cell_; }
+
+private:
+    struct Cell {
+        double value;
+        std::string name;
+    };
+    std::shared_ptr<Cell> cell_;
 };
 
 /// Holds the nodes of one recorded function.
 class Recorder {
 public:
+    /// A function of the user's being kept whole, or the model of one smooth mode.
+    enum class Purpose { function, model };
+
+    explicit Recorder(Purpose purpose = Purpose::model) : purpose_(purpose) {}
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+
+    Purpose purpose() const { return purpose_; }
+
+    /// A model whose choices follow from a state: the numbers of time, inputs and parameters from here on. Choices in
+    /// `forced`, by id, are made so whatever the state.
+    void follow(double t, std::span<const double> inputs, std::span<const double> parameters,
+                std::map<std::uint64_t, long> forced = {}) {
+        follows_ = true;
+        time_ = t;
+        inputs_.assign(inputs.begin(), inputs.end());
+        parameter_values_.assign(parameters.begin(), parameters.end());
+        forced_ = std::move(forced);
+    }
+
     Expression input(int index) { return {this, intern({Operation::input, index})}; }
     Expression time() { return {this, intern({Operation::time})}; }
     Expression parameter(int index) {
@@ -134,15 +234,49 @@ public:
     Expression record(Operation operation, std::int32_t a, std::int32_t b = -1, double value = 0.0) {
         return {this, intern({operation, a, b, -1, -1, value})};
     }
+    /// A node as another recording has it.
+    Expression record(const Node& node) { return {this, intern(node)}; }
 
-    /// The sign of x, locked: a parameter, +1 or -1, chosen by whoever runs the program; zeros of x are switches.
+    /// The sign of x, locked in a model: a parameter, +1 or -1, chosen by whoever runs the program; zeros of x are
+    /// switches.
     Expression sign(const Expression& x, const std::string& name, int tag = -1);
     /// sqrt(x^2 + y^2 + z^2), smooth up to and beyond a zero; zeros are switches. One component alone: sign(x) x.
     Expression norm(const Expression& x, const Expression& y, const Expression& z, const std::string& name,
                     int tag = -1);
+    /// Whether x > 0 (1) or not (0), in a model that follows a state.
+    long side(const Expression& x, const std::string& name);
+    /// The whole number below x, kept within [lowest, highest], in a model that follows a state.
+    long whole(const Expression& x, long lowest, long highest, const std::string& name);
+    /// What a function of the user's that is called back gives for these arguments.
+    std::vector<Expression> call(const std::shared_ptr<const Callback>& function,
+                                 std::span<const Expression> arguments);
+    /// A number of the user's.
+    Expression cell(const Parameter& parameter) {
+        std::int32_t index = 0;
+        while (index < static_cast<std::int32_t>(cells_.size()) &&
+               !cells_[static_cast<std::size_t>(index)].is(parameter))
+            ++index;
+        if (index == static_cast<std::int32_t>(cells_.size())) cells_.push_back(parameter);
+        return {this, intern({Operation::cell, index})};
+    }
+    const std::vector<Parameter>& cells() const { return cells_; }
 
-    std::vector<Switch>& switches() { return switches_; }
+    /// A name kept with nodes of a function.
+    std::int32_t name_index(const std::string& name) {
+        const auto found = std::find(names_.begin(), names_.end(), name);
+        if (found != names_.end()) return static_cast<std::int32_t>(found - names_.begin());
+        names_.push_back(name);
+        return static_cast<std::int32_t>(names_.size()) - 1;
+    }
+    const std::vector<std::string>& names() const { return names_; }
+
+    struct Call {
+        std::shared_ptr<const Callback> function;
+        std::vector<std::int32_t> arguments;
+    };
+    const std::vector<Call>& calls() const { return calls_; }
     const std::vector<Switch>& switches() const { return switches_; }
+    const std::vector<Branch>& branches() const { return branches_; }
 
 private:
     struct Hash {
@@ -154,15 +288,38 @@ private:
     };
     std::int32_t intern(const Node& node) {
         auto [found, is_new] = index_.try_emplace(node, static_cast<std::int32_t>(nodes_.size()));
-        if (is_new) nodes_.push_back(node);
+        if (is_new) {
+            nodes_.push_back(node);
+            if (follows_) values_.push_back(value_of(node));
+        }
         return found->second;
     }
+    static std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
+    /// The number a new node stands for in the state that is followed.
+    double value_of(const Node& n) const;
+    /// What a node stands for, whatever its index: the same in every recording that writes it so.
+    std::uint64_t identity(std::int32_t index);
+    long choose(Branch branch, long by_state);
+
+    Purpose purpose_;
     std::vector<Node> nodes_;
+    std::vector<std::uint64_t> identities_;
     std::unordered_map<Node, std::int32_t, Hash> index_;
     std::vector<Switch> switches_;
+    std::vector<Branch> branches_;
+    std::vector<Call> calls_;
+    std::vector<Parameter> cells_;
+    std::vector<std::string> names_;
     int parameters_ = 0;
     int subject_ = -1;
+
+    // the state a model follows
+    bool follows_ = false;
+    double time_ = 0.0;
+    std::vector<double> inputs_, parameter_values_, values_;
+    std::vector<std::vector<double>> results_;  // of calls
+    std::map<std::uint64_t, long> forced_;
 };
 
 namespace recording {
@@ -215,53 +372,78 @@ inline Expression& Expression::operator-=(const Expression& other) { return *thi
 inline Expression& Expression::operator*=(const Expression& other) { return *this = *this * other; }
 inline Expression& Expression::operator/=(const Expression& other) { return *this = *this / other; }
 
-inline Expression sqrt(const Expression& x) {
-    return x.is_constant() ? Expression(std::sqrt(x.value())) : x.recorder()->record(Operation::square_root, x.node());
-}
-inline Expression sin(const Expression& x) {
-    return x.is_constant() ? Expression(std::sin(x.value())) : x.recorder()->record(Operation::sine, x.node());
-}
-inline Expression cos(const Expression& x) {
-    return x.is_constant() ? Expression(std::cos(x.value())) : x.recorder()->record(Operation::cosine, x.node());
-}
-inline Expression tan(const Expression& x) { return sin(x) / cos(x); }
-inline Expression exp(const Expression& x) {
-    return x.is_constant() ? Expression(std::exp(x.value())) : x.recorder()->record(Operation::exponential, x.node());
-}
-inline Expression log(const Expression& x) {
-    return x.is_constant() ? Expression(std::log(x.value())) : x.recorder()->record(Operation::logarithm, x.node());
-}
-inline Expression tanh(const Expression& x) {
-    if (x.is_constant()) return std::tanh(x.value());
-    const Expression e = exp(Expression(2.0) * x);
-    return 1.0 - 2.0 / (e + 1.0);
+// --- switching operations of a recorder ---
+
+inline std::uint64_t Recorder::identity(std::int32_t index) {
+    // operands come before what uses them
+    while (static_cast<std::int32_t>(identities_.size()) <= index) {
+        const Node& n = node(static_cast<std::int32_t>(identities_.size()));
+        std::uint64_t h = 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(n.operation);
+        const auto mix = [&](std::uint64_t x) {
+            h = (h ^ (x + 0x9e3779b97f4a7c15u + (h << 6) + (h >> 2))) * 0xff51afd7ed558ccdu;
+        };
+        const auto operands = n.operands();
+        if (n.operation == Operation::add || n.operation == Operation::multiply) {
+            // written in any order
+            const std::uint64_t x = identities_[at(n.a)], y = identities_[at(n.b)];
+            mix(std::min(x, y));
+            mix(std::max(x, y));
+        } else if (n.operation == Operation::call) {
+            mix(static_cast<std::uint64_t>(n.d));
+            for (const std::int32_t argument : calls_[at(n.a)].arguments) mix(identities_[at(argument)]);
+        } else if (operands[0] < 0) {
+            mix(static_cast<std::uint64_t>(n.a + 1));
+            // the sign of a switch goes by its argument, not by the order of recording
+            if (n.operation == Operation::parameter)
+                for (const Switch& s : switches_)
+                    if (s.parameter == n.a) h = s.id;
+        } else {
+            for (const std::int32_t operand : operands)
+                if (operand >= 0) mix(identities_[at(operand)]);
+        }
+        mix(std::hash<double>{}(n.value));
+        identities_.push_back(h);
+    }
+    return identities_[at(index)];
 }
 
-/// x^n for a constant n; small whole powers become products.
-inline Expression pow(const Expression& x, double n) {
-    if (x.is_constant()) return std::pow(x.value(), n);
-    if (n == 0.0) return 1.0;
-    if (n == 0.5) return sqrt(x);
-    if (n == std::floor(n) && std::abs(n) <= 16.0) {
-        Expression result = 1.0, base = x;
-        for (int k = static_cast<int>(std::abs(n)); k > 0; k /= 2) {
-            if (k % 2 == 1) result = result * base;
-            if (k > 1) base = base * base;
-        }
-        return n < 0.0 ? 1.0 / result : result;
+inline double Recorder::value_of(const Node& n) const {
+    const auto value = [&](std::int32_t index) { return values_[at(index)]; };
+    switch (n.operation) {
+        case Operation::constant: return n.value;
+        case Operation::input: return inputs_[at(n.a)];
+        case Operation::time: return time_;
+        case Operation::parameter: return at(n.a) < parameter_values_.size() ? parameter_values_[at(n.a)] : 0.0;
+        case Operation::add: return value(n.a) + value(n.b);
+        case Operation::multiply: return value(n.a) * value(n.b);
+        case Operation::divide: return value(n.a) / value(n.b);
+        case Operation::square_root: return std::sqrt(value(n.a));
+        case Operation::norm: return std::hypot(value(n.a), value(n.b), value(n.c));
+        case Operation::sine: return std::sin(value(n.a));
+        case Operation::cosine: return std::cos(value(n.a));
+        case Operation::hyperbolic_sine: return std::sinh(value(n.a));
+        case Operation::hyperbolic_cosine: return std::cosh(value(n.a));
+        case Operation::hyperbolic_tangent: return std::tanh(value(n.a));
+        case Operation::exponential: return std::exp(value(n.a));
+        case Operation::logarithm: return std::log(value(n.a));
+        case Operation::power: return std::pow(value(n.a), n.value);
+        case Operation::angle: return std::atan2(value(n.a), value(n.b));
+        case Operation::call: return results_[at(n.a)][at(n.d)];
+        default: return std::numeric_limits<double>::quiet_NaN();
     }
-    return x.recorder()->record(Operation::power, x.node(), -1, n);
-}
-inline Expression pow(const Expression& x, const Expression& n) {
-    return n.is_constant() ? pow(x, n.value()) : exp(n * log(x));
 }
 
 inline Expression Recorder::sign(const Expression& x, const std::string& name, int tag) {
     if (x.is_constant()) return x.value() < 0.0 ? -1.0 : 1.0;
+    if (purpose_ == Purpose::function) return record({Operation::sign, x.node(), -1, -1, name_index(name)});
     for (const Switch& known : switches_)
         if (!known.is_norm && known.argument == x.node()) return parameter(known.parameter);
     const int index = new_parameter();
-    switches_.push_back({x.node(), index, false, name, tag, subject_});
+    if (follows_) {
+        parameter_values_.resize(at(index) + 1, 0.0);
+        parameter_values_[at(index)] = values_[at(x.node())] < 0.0 ? -1.0 : 1.0;
+    }
+    switches_.push_back({x.node(), index, false, name, tag, subject_, identity(x.node())});
     return parameter(index);
 }
 
@@ -282,30 +464,63 @@ inline Expression Recorder::norm(const Expression& x, const Expression& y, const
     if (present == 1) return sign(*alone, name, tag) * *alone;
     if (constant) return std::sqrt(x.value() * x.value() + y.value() * y.value() + z.value() * z.value());
     Node node{Operation::norm, node_of(x), node_of(y), node_of(z)};
+    if (purpose_ == Purpose::function) return record(node);
     for (const Switch& known : switches_) {
         const Node& other = this->node(known.argument);
         if (known.is_norm && other.a == node.a && other.b == node.b && other.c == node.c) return {this, known.argument};
     }
     node.d = new_parameter();
     const Expression result(this, intern(node));
-    switches_.push_back({result.node(), node.d, true, name, tag, subject_});
+    switches_.push_back({result.node(), node.d, true, name, tag, subject_, identity(result.node())});
     return result;
 }
 
-/// The sign of x, locked during smooth motion; its zeros are switching points of the recorded function.
-inline Expression locked_sign(const Expression& x, const std::string& name = "sign") {
-    return x.is_constant() ? Expression(x.value() < 0.0 ? -1.0 : 1.0) : x.recorder()->sign(x, name);
+inline long Recorder::choose(Branch branch, long by_state) {
+    branch.id = identity(branch.argument) + (branch.is_select ? 1 : 2);
+    for (const Branch& known : branches_)
+        if (known.id == branch.id && known.argument == branch.argument && known.is_select == branch.is_select)
+            return known.choice;
+    const auto forced = forced_.find(branch.id);
+    branch.choice = forced != forced_.end() ? forced->second : by_state;
+    branches_.push_back(std::move(branch));
+    return branches_.back().choice;
 }
-inline double locked_sign(double x, const std::string& = {}) { return x < 0.0 ? -1.0 : 1.0; }
 
-inline Expression abs(const Expression& x) { return locked_sign(x, "abs") * x; }
-
-/// The length of a vector; for expressions, its zeros are switching points of the recorded function.
-inline Expression length(const Vector3Of<Expression>& v, const std::string& name = "norm", int tag = -1) {
-    for (int i = 0; i < 3; ++i)
-        if (!v[i].is_constant()) return v[i].recorder()->norm(v[0], v[1], v[2], name, tag);
-    return std::sqrt(v[0].value() * v[0].value() + v[1].value() * v[1].value() + v[2].value() * v[2].value());
+inline long Recorder::side(const Expression& x, const std::string& name) {
+    if (x.is_constant()) return x.value() > 0.0 ? 1 : 0;
+    if (!follows_) throw Error("a choice between formulas was recorded where no state says which");
+    return choose({x.node(), 0, true, 0, 1, name, subject_, 0}, values_[at(x.node())] > 0.0 ? 1 : 0);
 }
-inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
+
+inline long Recorder::whole(const Expression& x, long lowest, long highest, const std::string& name) {
+    const auto below = [&](double value) {
+        const double least = static_cast<double>(lowest), most = static_cast<double>(highest);
+        return value > least ? static_cast<long>(std::min(std::floor(value), most)) : lowest;
+    };
+    if (x.is_constant()) return below(x.value());
+    if (!follows_) throw Error("a choice between formulas was recorded where no state says which");
+    return choose({x.node(), 0, false, lowest, highest, name, subject_, 0}, below(values_[at(x.node())]));
+}
+
+inline std::vector<Expression> Recorder::call(const std::shared_ptr<const Callback>& function,
+                                              std::span<const Expression> arguments) {
+    Call call{function, {}};
+    for (const Expression& x : arguments) call.arguments.push_back(node_of(x));
+    const auto same = [&](const Call& c) { return c.function == function && c.arguments == call.arguments; };
+    const auto known = std::find_if(calls_.begin(), calls_.end(), same);
+    const auto index = static_cast<std::int32_t>(known - calls_.begin());
+    if (known == calls_.end()) {
+        if (follows_) {
+            std::vector<double> x, y(at(function->outputs));
+            for (const std::int32_t argument : call.arguments) x.push_back(values_[at(argument)]);
+            (*function)(x.data(), y.data());
+            results_.push_back(std::move(y));
+        }
+        calls_.push_back(std::move(call));
+    }
+    std::vector<Expression> result;
+    for (int i = 0; i < function->outputs; ++i) result.push_back(record({Operation::call, index, -1, -1, i}));
+    return result;
+}
 
 }  // namespace rbdyn

@@ -3,10 +3,15 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
-#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/condition.hpp"
+#include "rbdyn/expression/recording.hpp"
 
 namespace rbdyn {
 
@@ -18,13 +23,15 @@ public:
     /// Records `f(std::vector<Expression> inputs) -> std::vector<Expression>`.
     template <class F>
     static Function record(int inputs, F&& f) {
-        Function result;
-        auto recorder = std::make_shared<Recorder>();
+        auto recorder = std::make_shared<Recorder>(Recorder::Purpose::function);
+        const recording::Active active(*recorder);
         std::vector<Expression> x;
         for (int i = 0; i < inputs; ++i) x.push_back(recorder->input(i));
+        Function result;
         for (const Expression& y : f(x)) result.outputs_.push_back(recorder->node_of(y));
         result.inputs_ = inputs;
         result.recorder_ = std::move(recorder);
+        result.prepare();
         return result;
     }
 
@@ -32,15 +39,26 @@ public:
     int inputs() const { return inputs_; }
     int outputs() const { return static_cast<int>(outputs_.size()); }
 
+    /// The numbers of the user's that it uses by reference.
+    const std::vector<Parameter>& parameters() const { return recorder_->cells(); }
+    /// The same function with the numbers of the user's as they are now, whatever becomes of them.
+    Function frozen() const {
+        Function result = *this;
+        if (!recorder_ || values_ || recorder_->cells().empty()) return result;
+        auto values = std::make_shared<std::vector<double>>();
+        for (const Parameter& p : recorder_->cells()) values->push_back(p.value());
+        result.values_ = std::move(values);
+        return result;
+    }
+
     /// Whether any result depends on an input.
     bool depends_on(int input) const {
         std::vector<bool> depends(static_cast<std::size_t>(recorder_->size()), false);
         for (std::int32_t n = 0; n < recorder_->size(); ++n) {
             const Node& node = recorder_->node(n);
             bool d = node.operation == Operation::input && node.a == input;
-            if (node.operation != Operation::input && node.operation != Operation::parameter)
-                for (std::int32_t operand : {node.a, node.b, node.c})
-                    if (operand >= 0) d = d || depends[static_cast<std::size_t>(operand)];
+            for (std::int32_t operand : node.operands())
+                if (operand >= 0) d = d || depends[static_cast<std::size_t>(operand)];
             depends[static_cast<std::size_t>(n)] = d;
         }
         for (std::int32_t out : outputs_)
@@ -51,160 +69,304 @@ public:
     /// The results for given inputs, in numbers of type S; expressions are recorded where the inputs were.
     template <class S>
     std::vector<S> operator()(std::span<const S> x) const {
-        using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt;
         std::vector<S> y(static_cast<std::size_t>(recorder_->size()));
-        const auto at = [&](std::int32_t n) -> S& { return y[static_cast<std::size_t>(n)]; };
-        for (std::int32_t n = 0; n < recorder_->size(); ++n) {
-            const Node& node = recorder_->node(n);
-            switch (node.operation) {
-                case Operation::constant: at(n) = node.value; break;
-                case Operation::input: at(n) = x[static_cast<std::size_t>(node.a)]; break;
-                case Operation::time: throw Error("a recorded function takes time as one of its inputs");
-                case Operation::parameter: at(n) = locked(node.a, y); break;
-                case Operation::add: at(n) = at(node.a) + at(node.b); break;
-                case Operation::multiply: at(n) = at(node.a) * at(node.b); break;
-                case Operation::divide: at(n) = at(node.a) / at(node.b); break;
-                case Operation::square_root: at(n) = sqrt(at(node.a)); break;
-                case Operation::norm: {
-                    const Vector3Of<S> v{at(node.a), at(node.b), at(node.c)};
-                    at(n) = length(v, "norm");
-                    break;
-                }
-                case Operation::sine: at(n) = sin(at(node.a)); break;
-                case Operation::cosine: at(n) = cos(at(node.a)); break;
-                case Operation::exponential: at(n) = exp(at(node.a)); break;
-                case Operation::logarithm: at(n) = log(at(node.a)); break;
-                case Operation::power: at(n) = pow(at(node.a), node.value); break;
-            }
+        if (!distinguishes_) {
+            for (std::int32_t n = 0; n < recorder_->size(); ++n) y[at(n)] = applied<S>(n, x, y);
+        } else {
+            // what is needed, in the order in which it is needed: the other side of a case is not looked at
+            std::vector<char> known(y.size(), 0);
+            for (const std::int32_t out : outputs_) need<S>(out, x, y, known);
         }
         std::vector<S> result;
-        for (std::int32_t out : outputs_) result.push_back(at(out));
+        for (std::int32_t out : outputs_) result.push_back(y[at(out)]);
         return result;
     }
 
     /// The derivatives of all results with respect to one input, as another recorded function.
     Function derivative(int input) const {
-        Function self = *this;
-        return record(inputs_, [&](const std::vector<Expression>& x) { return self.differentiated(x, input); });
+        Function result = record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
+        if (values_) result = result.frozen();
+        return result;
+    }
+
+    // --- as data ---
+
+    /// Node i of the recorded operations, which come before what uses them.
+    std::int32_t size() const { return recorder_->size(); }
+    const Node& node(std::int32_t i) const { return recorder_->node(i); }
+    const std::vector<std::int32_t>& output_nodes() const { return outputs_; }
+    const std::vector<std::string>& names() const { return recorder_->names(); }
+    /// A function from its data. Throws InvalidInput if they are none.
+    static Function from_data(int inputs, const std::vector<Node>& nodes, const std::vector<std::int32_t>& outputs,
+                              const std::vector<std::string>& names, const std::vector<Parameter>& parameters);
+    /// The operations, one a line.
+    std::string text() const;
+
+    /// Whether they do the same with their inputs, with the same parameters.
+    bool operator==(const Function& other) const {
+        if (recorder_ == other.recorder_) return true;
+        if (!recorder_ || !other.recorder_) return false;
+        if (inputs_ != other.inputs_ || outputs_ != other.outputs_ || size() != other.size() ||
+            names() != other.names() || parameters().size() != other.parameters().size())
+            return false;
+        for (std::int32_t n = 0; n < size(); ++n)
+            if (!(node(n) == other.node(n))) return false;
+        for (std::size_t i = 0; i < parameters().size(); ++i) {
+            const Parameter &a = parameters()[i], &b = other.parameters()[i];
+            if (!a.is(b) && (a.value() != b.value() || a.name() != b.name())) return false;
+        }
+        return true;
     }
 
 private:
-    /// The locked sign that parameter `index` stands for.
-    template <class S>
-    S locked(int index, const std::vector<S>& y) const {
-        for (const Switch& s : recorder_->switches())
-            if (s.parameter == index && !s.is_norm) return locked_sign(y[static_cast<std::size_t>(s.argument)], s.name);
-        return S(0.0);
+    static std::size_t at(std::int32_t n) { return static_cast<std::size_t>(n); }
+
+    void prepare() {
+        for (std::int32_t n = 0; n < recorder_->size(); ++n) {
+            const Operation o = recorder_->node(n).operation;
+            distinguishes_ = distinguishes_ || o == Operation::select || o == Operation::whole;
+        }
     }
 
-    std::vector<Expression> differentiated(const std::vector<Expression>& x, int input) const {
-        const auto size = static_cast<std::size_t>(recorder_->size());
-        std::vector<Expression> y(size), d(size);
-        const auto at = [](std::int32_t n) { return static_cast<std::size_t>(n); };
-        for (std::int32_t n = 0; n < recorder_->size(); ++n) {
-            const Node& node = recorder_->node(n);
-            const auto a = [&] { return y[at(node.a)]; };
-            const auto b = [&] { return y[at(node.b)]; };
-            const auto da = [&] { return d[at(node.a)]; };
-            const auto db = [&] { return d[at(node.b)]; };
-            Expression &v = y[at(n)], &dv = d[at(n)];
-            dv = 0.0;
-            switch (node.operation) {
-                case Operation::constant: v = node.value; break;
-                case Operation::input:
-                    v = x[at(node.a)];
-                    dv = node.a == input ? 1.0 : 0.0;
-                    break;
-                case Operation::time: break;
-                case Operation::parameter: v = locked(node.a, y); break;
-                case Operation::add:
-                    v = a() + b();
-                    dv = da() + db();
-                    break;
-                case Operation::multiply:
-                    v = a() * b();
-                    dv = da() * b() + a() * db();
-                    break;
-                case Operation::divide:
-                    v = a() / b();
-                    dv = (da() - v * db()) / b();
-                    break;
-                case Operation::square_root:
-                    v = sqrt(a());
-                    dv = da() / (2.0 * v);
-                    break;
-                case Operation::norm: {
-                    const Vector3Of<Expression> u{y[at(node.a)], y[at(node.b)], y[at(node.c)]};
-                    const Vector3Of<Expression> du{d[at(node.a)], d[at(node.b)], d[at(node.c)]};
-                    v = length(u, "norm");
-                    dv = dot(u, du) / v;
-                    break;
-                }
-                case Operation::sine:
-                    v = sin(a());
-                    dv = cos(a()) * da();
-                    break;
-                case Operation::cosine:
-                    v = cos(a());
-                    dv = -(sin(a()) * da());
-                    break;
-                case Operation::exponential:
-                    v = exp(a());
-                    dv = v * da();
-                    break;
-                case Operation::logarithm:
-                    v = log(a());
-                    dv = da() / a();
-                    break;
-                case Operation::power:
-                    v = pow(a(), node.value);
-                    dv = node.value * pow(a(), node.value - 1.0) * da();
-                    break;
-            }
-        }
-        std::vector<Expression> result;
-        for (std::int32_t out : outputs_) result.push_back(d[at(out)]);
-        return result;
+    double cell(std::int32_t index) const {
+        return values_ ? (*values_)[at(index)] : recorder_->cells()[at(index)].value();
     }
+    const std::string& name(std::int32_t index) const { return recorder_->names()[at(index)]; }
+
+    template <class S>
+    void need(std::int32_t wanted, std::span<const S> x, std::vector<S>& y, std::vector<char>& known) const {
+        std::vector<std::int32_t> todo{wanted};
+        while (!todo.empty()) {
+            const std::int32_t n = todo.back();
+            if (known[at(n)]) {
+                todo.pop_back();
+                continue;
+            }
+            const Node& node = recorder_->node(n);
+            const std::size_t before = todo.size();
+            if (node.operation == Operation::select) {
+                if (!known[at(node.a)]) {
+                    todo.push_back(node.a);
+                    continue;
+                }
+                const std::int32_t side = above(y[at(node.a)], name(node.d)) ? node.b : node.c;
+                if (!known[at(side)]) {
+                    todo.push_back(side);
+                    continue;
+                }
+                y[at(n)] = y[at(side)];
+            } else {
+                for (const std::int32_t operand : node.operands())
+                    if (operand >= 0 && !known[at(operand)]) todo.push_back(operand);
+                if (todo.size() > before) continue;
+                y[at(n)] = applied<S>(n, x, y);
+            }
+            known[at(n)] = 1;
+            todo.pop_back();
+        }
+    }
+
+    template <class S>
+    static bool above(const S& x, const std::string& name) {
+        if constexpr (std::is_same_v<S, Expression>)
+            return x.is_constant() ? x.value() > 0.0 : x.recorder()->side(x, name) > 0;
+        else
+            return x > S(0.0);
+    }
+    template <class S>
+    static S whole_of(const S& x) {
+        using std::floor;
+        return floor(x);
+    }
+
+    /// What node n is, its operands known.
+    template <class S>
+    S applied(std::int32_t n, std::span<const S> x, const std::vector<S>& y) const {
+        using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt, std::sinh, std::cosh, std::tanh;
+        const Node& node = recorder_->node(n);
+        const auto a = [&]() -> const S& { return y[at(node.a)]; };
+        const auto b = [&]() -> const S& { return y[at(node.b)]; };
+        switch (node.operation) {
+            case Operation::constant: return S(node.value);
+            case Operation::input: return x[at(node.a)];
+            case Operation::cell: return S(cell(node.a));
+            case Operation::add: return a() + b();
+            case Operation::multiply: return a() * b();
+            case Operation::divide: return a() / b();
+            case Operation::square_root: return sqrt(a());
+            case Operation::norm: {
+                const Vector3Of<S> v{a(), b(), y[at(node.c)]};
+                return length(v, "norm");
+            }
+            case Operation::sine: return sin(a());
+            case Operation::cosine: return cos(a());
+            case Operation::hyperbolic_sine: return sinh(a());
+            case Operation::hyperbolic_cosine: return cosh(a());
+            case Operation::hyperbolic_tangent: return tanh(a());
+            case Operation::exponential: return exp(a());
+            case Operation::logarithm: return log(a());
+            case Operation::power: return pow(a(), node.value);
+            case Operation::angle: return angle_of(a(), b());
+            case Operation::sign: return locked_sign(a(), name(node.d));
+            case Operation::whole: return whole_of(a());
+            default: throw Error("a recorded function takes time, and what is called back, as its inputs");
+        }
+    }
+
+    static double angle_of(double y, double x) { return std::atan2(y, x); }
+    static long double angle_of(long double y, long double x) { return std::atan2(y, x); }
+    static Expression angle_of(const Expression& y, const Expression& x) {
+        if (x.is_constant() && y.is_constant()) return std::atan2(y.value(), x.value());
+        Recorder* r = recording::common(x, y);
+        return r->record(Operation::angle, r->node_of(y), r->node_of(x));
+    }
+
+    std::vector<Expression> differentiated(const std::vector<Expression>& x, int input) const;
 
     int inputs_ = 0;
     std::vector<std::int32_t> outputs_;
     std::shared_ptr<Recorder> recorder_;
+    bool distinguishes_ = false;                         // between cases
+    std::shared_ptr<const std::vector<double>> values_;  // of the parameters, frozen
 };
 
-/// A number, or a number that changes in time.
-class TimeFunction {
-public:
-    TimeFunction(double constant = 0.0) : constant_(constant) {}
-    TimeFunction(Function function) : function_(std::move(function)), rate_(function_.derivative(0)) {
-        if (!function_.depends_on(0)) {
-            const double zero = 0.0;
-            constant_ = function_(std::span<const double>(&zero, 1))[0];
-            function_ = {};
+inline std::vector<Expression> Function::differentiated(const std::vector<Expression>& x, int input) const {
+    const auto size = static_cast<std::size_t>(recorder_->size());
+    std::vector<Expression> y(size), d(size);
+    Recorder* r = x[0].recorder();
+    for (std::int32_t n = 0; n < recorder_->size(); ++n) {
+        const Node& node = recorder_->node(n);
+        const auto a = [&] { return y[at(node.a)]; };
+        const auto b = [&] { return y[at(node.b)]; };
+        const auto da = [&] { return d[at(node.a)]; };
+        const auto db = [&] { return d[at(node.b)]; };
+        Expression &v = y[at(n)], &dv = d[at(n)];
+        dv = 0.0;
+        // the same operation in the new recording; cases and cells are kept as such
+        switch (node.operation) {
+            case Operation::cell: v = r->cell(recorder_->cells()[at(node.a)]); break;
+            case Operation::select:
+                v = select(
+                    a(), [&] { return b(); }, [&] { return y[at(node.c)]; }, name(node.d));
+                dv = select(
+                    a(), [&] { return db(); }, [&] { return d[at(node.c)]; }, name(node.d));
+                break;
+            default: v = applied<Expression>(n, x, y); break;
+        }
+        switch (node.operation) {
+            case Operation::input: dv = node.a == input ? 1.0 : 0.0; break;
+            case Operation::add: dv = da() + db(); break;
+            case Operation::multiply: dv = da() * b() + a() * db(); break;
+            case Operation::divide: dv = (da() - v * db()) / b(); break;
+            case Operation::square_root: dv = da() / (2.0 * v); break;
+            case Operation::norm: {
+                const Vector3Of<Expression> u{a(), b(), y[at(node.c)]};
+                const Vector3Of<Expression> du{da(), db(), d[at(node.c)]};
+                const Expression along = dot(u, du);
+                dv = along.is_zero() ? Expression(0.0) : along / v;
+                break;
+            }
+            case Operation::sine: dv = cos(a()) * da(); break;
+            case Operation::cosine: dv = -(sin(a()) * da()); break;
+            case Operation::hyperbolic_sine: dv = cosh(a()) * da(); break;
+            case Operation::hyperbolic_cosine: dv = sinh(a()) * da(); break;
+            case Operation::hyperbolic_tangent: dv = (1.0 - v * v) * da(); break;
+            case Operation::exponential: dv = v * da(); break;
+            case Operation::logarithm: dv = da() / a(); break;
+            case Operation::power: dv = node.value * pow(a(), node.value - 1.0) * da(); break;
+            case Operation::angle: {
+                const Expression turn = b() * da() - a() * db();
+                dv = turn.is_zero() ? turn : turn / (a() * a() + b() * b());
+                break;
+            }
+            default: break;
         }
     }
-    /// Any callable over the number type: [](const auto& t) { return 0.5 * sin(t); }
-    template <class F>
-    requires(std::is_invocable_v<F, const Expression&> && !std::is_same_v<std::decay_t<F>, Function>) TimeFunction(F f)
-        : TimeFunction(Function::record(
-              1, [&](const std::vector<Expression>& x) { return std::vector<Expression>{f(x[0])}; })) {}
+    std::vector<Expression> result;
+    for (std::int32_t out : outputs_) result.push_back(d[at(out)]);
+    return result;
+}
 
-    bool is_constant() const { return !function_; }
-    bool is_zero() const { return is_constant() && constant_ == 0.0; }
-    double constant() const { return constant_; }
-
-    template <class S>
-    S operator()(const S& t) const {
-        return function_ ? function_(std::span<const S>(&t, 1))[0] : S(constant_);
+inline Function Function::from_data(int inputs, const std::vector<Node>& nodes,
+                                    const std::vector<std::int32_t>& outputs, const std::vector<std::string>& names,
+                                    const std::vector<Parameter>& parameters) {
+    const auto check = [&](bool good, double number) {
+        require(good, "Function", "index in its data", number,
+                "a node uses earlier nodes, inputs, names and parameters");
+    };
+    auto recorder = std::make_shared<Recorder>(Recorder::Purpose::function);
+    for (const std::string& name : names) recorder->name_index(name);
+    for (const Parameter& p : parameters) recorder->cell(p);
+    // nodes of cells come first in the new recording, so that the others move
+    std::vector<std::int32_t> moved;
+    for (Node node : nodes) {
+        switch (node.operation) {
+            case Operation::constant:
+            case Operation::input: break;
+            case Operation::cell: check(node.a >= 0 && at(node.a) < parameters.size(), node.a); break;
+            case Operation::time:
+            case Operation::parameter:
+            case Operation::call: check(false, static_cast<double>(moved.size())); break;
+            case Operation::sign:
+            case Operation::select:
+            case Operation::whole: check(node.d >= 0 && at(node.d) < names.size(), node.d); break;
+            default: break;
+        }
+        if (node.operation == Operation::input) check(node.a >= 0 && node.a < inputs, node.a);
+        const auto used = node.operands();
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (used[i] < 0) continue;
+            check(at(used[i]) < moved.size(), used[i]);
+            (i == 0 ? node.a : i == 1 ? node.b : node.c) = moved[at(used[i])];
+        }
+        moved.push_back(recorder->record(node).node());
     }
-    template <class S>
-    S rate(const S& t) const {
-        return function_ ? rate_(std::span<const S>(&t, 1))[0] : S(0.0);
+    Function result;
+    result.inputs_ = inputs;
+    for (const std::int32_t out : outputs) {
+        check(out >= 0 && at(out) < moved.size(), out);
+        result.outputs_.push_back(moved[at(out)]);
     }
+    result.recorder_ = std::move(recorder);
+    result.prepare();
+    return result;
+}
 
-private:
-    double constant_ = 0.0;
-    Function function_, rate_;
-};
+inline std::string Function::text() const {
+    static const char* words[] = {"",     "input", "time",    "parameter", "",     "+",     "*",    "/",
+                                  "sqrt", "norm",  "sin",     "cos",       "sinh", "cosh",  "tanh", "exp",
+                                  "log",  "^",     "arctan2", "call",      "sign", "where", "floor"};
+    std::string out = std::to_string(inputs_) + " inputs, " + std::to_string(outputs()) + " results\n";
+    for (std::int32_t n = 0; n < size(); ++n) {
+        const Node& i = node(n);
+        out += "  n" + std::to_string(n) + " = ";
+        const auto operand = [](std::int32_t k) { return "n" + std::to_string(k); };
+        switch (i.operation) {
+            case Operation::constant: out += rbdyn::text(i.value); break;
+            case Operation::input: out += "input " + std::to_string(i.a); break;
+            case Operation::cell:
+                out += "parameter " + recorder_->cells()[at(i.a)].name() + " = " + rbdyn::text(cell(i.a));
+                break;
+            case Operation::add:
+            case Operation::multiply:
+            case Operation::divide:
+                out += operand(i.a) + " " + words[static_cast<int>(i.operation)] + " " + operand(i.b);
+                break;
+            case Operation::power: out += operand(i.a) + " ^ " + rbdyn::text(i.value); break;
+            case Operation::select:
+                out += operand(i.b) + " where " + operand(i.a) + " > 0, else " + operand(i.c);
+                break;
+            default:
+                out += words[static_cast<int>(i.operation)];
+                for (const std::int32_t k : i.operands())
+                    if (k >= 0) out += " " + operand(k);
+                break;
+        }
+        out += '\n';
+    }
+    for (std::size_t k = 0; k < outputs_.size(); ++k)
+        out += "  result " + std::to_string(k) + " = n" + std::to_string(outputs_[k]) + '\n';
+    return out;
+}
 
 }  // namespace rbdyn

@@ -8,15 +8,30 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
-#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/elementary.hpp"
 
 namespace rbdyn {
 
-enum class Code : std::uint8_t { combine, divide, square_root, norm, sine_cosine, exponential, logarithm, power };
+enum class Code : std::uint8_t {
+    combine,
+    divide,
+    square_root,
+    norm,
+    sine_cosine,
+    hyperbolic,  // sinh and cosh
+    tangent,     // tanh
+    exponential,
+    logarithm,
+    power,
+    angle,
+    call
+};
 
 /// weight * slot
 struct Term {
@@ -29,12 +44,12 @@ struct ProductTerm {
 
 struct Instruction {
     Code code;
-    int out = -1, out2 = -1;        // slots written (out2: cosine)
+    int out = -1, out2 = -1;        // slots written (out2: cosine; 1 - tanh^2)
     int a = -1, b = -1, c = -1;     // operand slots
     int first_term = 0, terms = 0;  // combine
     int first_product = 0, products = 0;
     int weight = -1;     // combine: constant part; norm: its "starts at zero" flag; -1: none
-    int extra = -1;      // scratch slot (slopes) or index of the instruction's integer state
+    int extra = -1;      // scratch slot (slopes), index of the instruction's integer state, or of its call
     double value = 0.0;  // exponent of power
 };
 
@@ -60,6 +75,15 @@ public:
     const Term* terms(const Instruction& i) const { return terms_.data() + i.first_term; }
     const ProductTerm* products(const Instruction& i) const { return products_.data() + i.first_product; }
 
+    /// A function that is called back: where its arguments are and where its results go.
+    struct Call {
+        std::shared_ptr<const Callback> function;
+        std::vector<int> arguments, results;
+    };
+    const std::vector<Call>& calls() const { return calls_; }
+    /// Whether part of it is opaque: there are values, but no series and no exact derivatives.
+    bool has_calls() const { return !calls_.empty(); }
+
     /// The weights for given parameters, in the number type of the evaluation.
     template <class T>
     void set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const;
@@ -70,7 +94,7 @@ public:
 private:
     struct ScalarStep {
         Operation operation;
-        int out, a, b;
+        int out, a, b, c;
         double value;
     };
     friend class Lowering;
@@ -82,6 +106,7 @@ private:
     std::vector<ProductTerm> products_;
     std::vector<int> output_slots_;
     std::vector<Switch> switches_;
+    std::vector<Call> calls_;
     std::vector<double> constants_;  // initial contents of the scalars
     std::vector<ScalarStep> scalar_steps_;
 };
@@ -122,7 +147,8 @@ private:
             case Operation::constant:
             case Operation::parameter: return true;
             case Operation::input:
-            case Operation::time: return false;
+            case Operation::time:
+            case Operation::call: return false;
             default: break;
         }
         auto found = parametric_.find(n);
@@ -153,9 +179,11 @@ private:
             if (count == 0) continue;
             const Node& node = r_.node(n);
             if (node.operation == Operation::parameter) parameter_used_[static_cast<std::size_t>(node.a)] = true;
-            if (node.operation == Operation::input || node.operation == Operation::parameter) continue;
+            if (node.operation == Operation::call)
+                for (const std::int32_t argument : r_.calls()[static_cast<std::size_t>(node.a)].arguments)
+                    uses_[static_cast<std::size_t>(argument)]++;
             const bool is_multiple = scaled(n);
-            for (std::int32_t operand : {node.a, node.b, node.c})
+            for (std::int32_t operand : node.operands())
                 if (operand >= 0)
                     uses_[static_cast<std::size_t>(operand)] += is_multiple && !parametric(operand) ? count : 1;
         }
@@ -202,6 +230,46 @@ private:
                 slots_[r_.record(Operation::sine, node.a).node()] = i.out;
                 slots_[r_.record(Operation::cosine, node.a).node()] = i.out2;
                 slot = node.operation == Operation::sine ? i.out : i.out2;
+                break;
+            }
+            case Operation::hyperbolic_sine:
+            case Operation::hyperbolic_cosine: {
+                Instruction i{Code::hyperbolic, new_slot(), new_slot(), slot_of(node.a)};
+                i.extra = new_slot();
+                emit(i);
+                slots_[r_.record(Operation::hyperbolic_sine, node.a).node()] = i.out;
+                slots_[r_.record(Operation::hyperbolic_cosine, node.a).node()] = i.out2;
+                slot = node.operation == Operation::hyperbolic_sine ? i.out : i.out2;
+                break;
+            }
+            case Operation::hyperbolic_tangent: {
+                Instruction i{Code::tangent, new_slot(), new_slot(), slot_of(node.a)};
+                i.extra = new_slot();
+                slot = emit(i);
+                break;
+            }
+            case Operation::angle: {
+                // the square of the distance from the origin is its derivative's denominator
+                const Expression y(&r_, node.a), x(&r_, node.b);
+                const std::int32_t square = r_.node_of(x * x + y * y);
+                Instruction i{Code::angle, new_slot(), -1, slot_of(node.a), slot_of(node.b), slot_of(square)};
+                i.extra = new_slot();
+                slot = emit(i);
+                break;
+            }
+            case Operation::call: {
+                const Recorder::Call& recorded = r_.calls()[static_cast<std::size_t>(node.a)];
+                Program::Call call{recorded.function, {}, {}};
+                for (const std::int32_t argument : recorded.arguments) call.arguments.push_back(slot_of(argument));
+                for (int i = 0; i < call.function->outputs; ++i) {
+                    call.results.push_back(new_slot());
+                    slots_[r_.record({Operation::call, node.a, -1, -1, i}).node()] = call.results.back();
+                }
+                slot = call.results[static_cast<std::size_t>(node.d)];
+                Instruction i{Code::call, slot};
+                i.extra = static_cast<int>(p_.calls_.size());
+                p_.calls_.push_back(std::move(call));
+                emit(i);
                 break;
             }
             case Operation::exponential:
@@ -299,11 +367,12 @@ private:
         p_.constants_.push_back(node.operation == Operation::constant ? node.value : 0.0);
         scalars_[n] = out;
         if (node.operation == Operation::parameter) {
-            p_.scalar_steps_.push_back({node.operation, out, node.a, -1, 0.0});
+            p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
         } else if (node.operation != Operation::constant) {
             const int a = scalar_of({&r_, node.a});
             const int b = node.b >= 0 ? scalar_of({&r_, node.b}) : -1;
-            p_.scalar_steps_.push_back({node.operation, out, a, b, node.value});
+            const int c = node.c >= 0 ? scalar_of({&r_, node.c}) : -1;
+            p_.scalar_steps_.push_back({node.operation, out, a, b, c, node.value});
         }
         return out;
     }
@@ -323,7 +392,7 @@ inline Program::Program(Recorder& recorder, std::span<const Expression> outputs,
 
 template <class T>
 void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const {
-    using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt;
+    using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
     scalars.assign(constants_.begin(), constants_.end());
     for (const ScalarStep& s : scalar_steps_) {
         T& out = scalars[static_cast<std::size_t>(s.out)];
@@ -338,8 +407,17 @@ void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scal
             case Operation::multiply: out = a * b; break;
             case Operation::divide: out = a / b; break;
             case Operation::square_root: out = sqrt(a); break;
+            case Operation::norm: {
+                const T c = scalars[static_cast<std::size_t>(s.c)];
+                out = sqrt(a * a + b * b + c * c);
+                break;
+            }
             case Operation::sine: out = sin(a); break;
             case Operation::cosine: out = cos(a); break;
+            case Operation::hyperbolic_sine: out = sinh(a); break;
+            case Operation::hyperbolic_cosine: out = cosh(a); break;
+            case Operation::hyperbolic_tangent: out = tanh(a); break;
+            case Operation::angle: out = atan2(a, b); break;
             case Operation::exponential: out = exp(a); break;
             case Operation::logarithm: out = log(a); break;
             case Operation::power: out = pow(a, T(s.value)); break;
@@ -349,7 +427,8 @@ void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scal
 }
 
 inline std::string Program::text() const {
-    static const char* names[] = {"combine", "divide", "sqrt", "norm", "sincos", "exp", "log", "pow"};
+    static const char* names[] = {"combine", "divide", "sqrt", "norm", "sincos", "sinhcosh",
+                                  "tanh",    "exp",    "log",  "pow",  "angle",  "call"};
     std::ostringstream out;
     out << inputs_ << " state variables, " << parameters_ << " parameters, " << slots_ << " slots\n";
     for (const Instruction& i : instructions_) {
@@ -358,6 +437,10 @@ inline std::string Program::text() const {
         for (int slot : {i.a, i.b, i.c})
             if (slot >= 0) out << " s" << slot;
         if (i.code == Code::power) out << " ^ " << i.value;
+        if (i.code == Code::call) {
+            out << " back " << calls_[static_cast<std::size_t>(i.extra)].function->name << " with";
+            for (const int slot : calls_[static_cast<std::size_t>(i.extra)].arguments) out << " s" << slot;
+        }
         if (i.code == Code::combine) {
             if (i.weight >= 0) out << " w" << i.weight;
             for (int k = 0; k < i.terms; ++k) out << " + w" << terms(i)[k].weight << " s" << terms(i)[k].slot;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -84,6 +85,51 @@ public:
                     out.set(k, s_k);
                     break;
                 }
+                case Code::hyperbolic: {
+                    const series::View &a = i.a, &cosine = i.out2;
+                    double* slope = i.slope;
+                    slope[k] = k * a[k];
+                    if (k == 0) {
+                        out.set(0, std::sinh(a[0]));
+                        cosine.set(0, std::cosh(a[0]));
+                        break;
+                    }
+                    const double s_k = series::integral_of_slope(slope, cosine, k);
+                    cosine.set(k, series::integral_of_slope(slope, out, k));
+                    out.set(k, s_k);
+                    break;
+                }
+                case Code::tangent: {
+                    // t' = (1 - t^2) a'
+                    const series::View &a = i.a, &rest = i.out2;
+                    double* slope = i.slope;
+                    slope[k] = k * a[k];
+                    if (k == 0) {
+                        const double t = std::tanh(a[0]), c = std::cosh(a[0]);
+                        out.set(0, t);
+                        rest.set(0, 1.0 / (c * c));
+                        break;
+                    }
+                    out.set(k, series::integral_of_slope(slope, rest, k));
+                    rest.set(k, -series::square(out, k));
+                    break;
+                }
+                case Code::angle: {
+                    // (x^2 + y^2) p' = x y' - y x'
+                    const series::View &y = i.a, &x = i.b, &square = i.c;
+                    double* slope = i.slope;
+                    if (k == 0) {
+                        out.set(0, std::atan2(y[0], x[0]));
+                        break;
+                    }
+                    double turn = 0.0;
+                    for (int j = 1; j <= k; ++j) turn += j * (y[j] * x[k - j] - x[j] * y[k - j]);
+                    const double sum = series::dot(slope + 1, square.from(k - 1), k - 1);
+                    slope[k] = (turn - sum) / square[0];
+                    out.set(k, slope[k] / k);
+                    break;
+                }
+                case Code::call: out.set(k, std::numeric_limits<double>::quiet_NaN()); break;
                 case Code::exponential: {
                     const series::View& a = i.a;
                     double* slope = i.slope;

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "rbdyn/curve/curve.hpp"
-#include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/time_function.hpp"
 
 namespace rbdyn {
 

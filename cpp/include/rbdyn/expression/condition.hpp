@@ -1,0 +1,102 @@
+// Comparisons of expressions, and functions that distinguish cases.
+//
+// A recorded function has no value to compare while it is recorded: a comparison gives a Condition, and where() takes
+// it. In a model each side of a condition is a formula of its own, the change from one to the other a located event.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "rbdyn/expression/elementary.hpp"
+
+namespace rbdyn {
+
+/// A statement about expressions: a comparison, or several joined.
+class Condition {
+public:
+    Condition(bool known) : kind_(known ? Kind::always : Kind::never) {}
+    /// margin > 0
+    static Condition positive(const Expression& margin) {
+        if (margin.is_constant()) return margin.value() > 0.0;
+        Condition c(true);
+        c.kind_ = Kind::positive;
+        c.margin_ = margin;
+        return c;
+    }
+
+    friend Condition operator!(const Condition& c) {
+        if (c.kind_ == Kind::always) return false;
+        if (c.kind_ == Kind::never) return true;
+        return joined(Kind::negation, c, c);
+    }
+    friend Condition operator&(const Condition& a, const Condition& b) {
+        if (a.kind_ == Kind::never || b.kind_ == Kind::always) return a;
+        if (b.kind_ == Kind::never || a.kind_ == Kind::always) return b;
+        return joined(Kind::both, a, b);
+    }
+    friend Condition operator|(const Condition& a, const Condition& b) { return !((!a) & (!b)); }
+    friend Condition operator&&(const Condition& a, const Condition& b) { return a & b; }
+    friend Condition operator||(const Condition& a, const Condition& b) { return a | b; }
+
+    /// The recorder of what is compared; none if it is known.
+    Recorder* recorder() const {
+        if (kind_ == Kind::positive) return margin_.recorder();
+        if (a_ == nullptr) return nullptr;
+        Recorder* r = a_->recorder();
+        return r != nullptr ? r : b_->recorder();
+    }
+
+    /// b() where it holds, else c().
+    template <class B, class C>
+    Expression choose(const B& b, const C& c, const std::string& name = "where") const {
+        switch (kind_) {
+            case Kind::always: return b();
+            case Kind::never: return c();
+            case Kind::positive: return select(margin_, b, c, name);
+            case Kind::negation: return a_->choose_between(c, b, name);
+            default: return a_->choose_between([&]() -> Expression { return b_->choose_between(b, c, name); }, c, name);
+        }
+    }
+
+private:
+    enum class Kind { always, never, positive, negation, both };
+
+    // the two sides behind one type, so that joined conditions do not nest types without end
+    Expression choose_between(const std::function<Expression()>& b, const std::function<Expression()>& c,
+                              const std::string& name) const {
+        return choose<std::function<Expression()>, std::function<Expression()>>(b, c, name);
+    }
+    static Condition joined(Kind kind, const Condition& a, const Condition& b) {
+        Condition c(true);
+        c.kind_ = kind;
+        c.a_ = std::make_shared<const Condition>(a);
+        c.b_ = std::make_shared<const Condition>(b);
+        return c;
+    }
+
+    Kind kind_;
+    Expression margin_;
+    std::shared_ptr<const Condition> a_, b_;
+};
+
+// where both sides are equal, each keeps its word: a > b does not hold, a >= b does
+inline Condition operator>(const Expression& a, const Expression& b) { return Condition::positive(a - b); }
+inline Condition operator<(const Expression& a, const Expression& b) { return Condition::positive(b - a); }
+inline Condition operator>=(const Expression& a, const Expression& b) { return !(b > a); }
+inline Condition operator<=(const Expression& a, const Expression& b) { return !(a > b); }
+
+/// b where the condition holds, else c. In doubles as in expressions.
+inline Expression where(const Condition& condition, const Expression& b, const Expression& c) {
+    return condition.choose([&] { return b; }, [&] { return c; });
+}
+inline double where(bool condition, double b, double c) { return condition ? b : c; }
+
+inline Expression max(const Expression& a, const Expression& b) {
+    return (a > b).choose([&] { return a; }, [&] { return b; }, "maximum");
+}
+inline Expression min(const Expression& a, const Expression& b) {
+    return (a < b).choose([&] { return a; }, [&] { return b; }, "minimum");
+}
+
+}  // namespace rbdyn

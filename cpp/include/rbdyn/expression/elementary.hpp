@@ -1,0 +1,156 @@
+// Elementary functions of expressions.
+#pragma once
+
+#include "rbdyn/expression/expression.hpp"
+
+namespace rbdyn {
+
+namespace recording {
+
+template <class F>
+Expression unary(const Expression& x, Operation operation, F&& f) {
+    return x.is_constant() ? Expression(f(x.value())) : x.recorder()->record(operation, x.node());
+}
+
+}  // namespace recording
+
+inline Expression sqrt(const Expression& x) {
+    return recording::unary(x, Operation::square_root, [](double v) { return std::sqrt(v); });
+}
+inline Expression sin(const Expression& x) {
+    return recording::unary(x, Operation::sine, [](double v) { return std::sin(v); });
+}
+inline Expression cos(const Expression& x) {
+    return recording::unary(x, Operation::cosine, [](double v) { return std::cos(v); });
+}
+inline Expression tan(const Expression& x) { return sin(x) / cos(x); }
+inline Expression sinh(const Expression& x) {
+    return recording::unary(x, Operation::hyperbolic_sine, [](double v) { return std::sinh(v); });
+}
+inline Expression cosh(const Expression& x) {
+    return recording::unary(x, Operation::hyperbolic_cosine, [](double v) { return std::cosh(v); });
+}
+inline Expression tanh(const Expression& x) {
+    return recording::unary(x, Operation::hyperbolic_tangent, [](double v) { return std::tanh(v); });
+}
+inline Expression exp(const Expression& x) {
+    return recording::unary(x, Operation::exponential, [](double v) { return std::exp(v); });
+}
+inline Expression log(const Expression& x) {
+    return recording::unary(x, Operation::logarithm, [](double v) { return std::log(v); });
+}
+
+/// x^n for a constant n; small whole powers become products.
+inline Expression pow(const Expression& x, double n) {
+    if (x.is_constant()) return std::pow(x.value(), n);
+    if (n == 0.0) return 1.0;
+    if (n == 0.5) return sqrt(x);
+    if (n == std::floor(n) && std::abs(n) <= 16.0) {
+        Expression result = 1.0, base = x;
+        for (int k = static_cast<int>(std::abs(n)); k > 0; k /= 2) {
+            if (k % 2 == 1) result = result * base;
+            if (k > 1) base = base * base;
+        }
+        return n < 0.0 ? 1.0 / result : result;
+    }
+    return x.recorder()->record(Operation::power, x.node(), -1, n);
+}
+inline Expression pow(const Expression& x, const Expression& n) {
+    return n.is_constant() ? pow(x, n.value()) : exp(n * log(x));
+}
+
+/// The sign of x, locked during smooth motion; its zeros are switching points of the recorded function.
+inline Expression locked_sign(const Expression& x, const std::string& name = "sign") {
+    return x.is_constant() ? Expression(x.value() < 0.0 ? -1.0 : 1.0) : x.recorder()->sign(x, name);
+}
+inline double locked_sign(double x, const std::string& = {}) { return x < 0.0 ? -1.0 : 1.0; }
+
+inline Expression abs(const Expression& x) { return locked_sign(x, "abs") * x; }
+
+/// The length of a vector; for expressions, its zeros are switching points of the recorded function.
+inline Expression length(const Vector3Of<Expression>& v, const std::string& name = "norm", int tag = -1) {
+    for (int i = 0; i < 3; ++i)
+        if (!v[i].is_constant()) return v[i].recorder()->norm(v[0], v[1], v[2], name, tag);
+    return std::sqrt(v[0].value() * v[0].value() + v[1].value() * v[1].value() + v[2].value() * v[2].value());
+}
+inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
+
+/// b where x > 0, else c; its change is a switching point of the recorded function, silent if the name is empty.
+/// `b` and `c` are called for what is needed only.
+template <class B, class C>
+Expression select(const Expression& x, B&& b, C&& c, const std::string& name = "where") {
+    if (x.is_constant()) return x.value() > 0.0 ? b() : c();
+    Recorder* r = x.recorder();
+    if (r->purpose() == Recorder::Purpose::model) return r->side(x, name) > 0 ? b() : c();
+    const Expression above = b(), below = c();
+    const std::int32_t i = r->node_of(above), j = r->node_of(below);
+    if (i == j) return above;
+    return r->record({Operation::select, x.node(), i, j, r->name_index(name)});
+}
+
+/// The largest whole number <= x, kept within [lowest, highest]: for expressions of a model fixed during smooth motion,
+/// its changes located as switching points, silent ones if the name is empty.
+inline long whole(double x, long lowest, long highest) {
+    return x > static_cast<double>(lowest) ? static_cast<long>(std::min(std::floor(x), static_cast<double>(highest)))
+                                           : lowest;
+}
+inline long whole(const Expression& x, long lowest, long highest, const std::string& name = {}) {
+    return x.is_constant() ? whole(x.value(), lowest, highest) : x.recorder()->whole(x, lowest, highest, name);
+}
+
+// whole numbers that a double holds
+inline constexpr long most_negative_whole = -(1L << 53), most_positive_whole = 1L << 53;
+
+/// The largest whole number <= x; its changes are switching points of the recorded function.
+inline Expression floor(const Expression& x) {
+    if (x.is_constant()) return std::floor(x.value());
+    Recorder* r = x.recorder();
+    if (r->purpose() == Recorder::Purpose::model)
+        return static_cast<double>(r->whole(x, most_negative_whole, most_positive_whole, "floor"));
+    return r->record({Operation::whole, x.node(), -1, -1, r->name_index("floor")});
+}
+
+/// arctan2(y, x), in (-pi, pi]; crossing its cut is a switching point of the recorded function.
+inline Expression atan2(const Expression& y, const Expression& x) {
+    if (x.is_constant() && y.is_constant()) return std::atan2(y.value(), x.value());
+    Recorder* r = recording::common(x, y);
+    const auto angle = [&](const Expression& b, const Expression& a) -> Expression {
+        if (a.is_constant() && b.is_constant()) return std::atan2(b.value(), a.value());
+        return r->record(Operation::angle, r->node_of(b), r->node_of(a));
+    };
+    // on the left the cut is near: the angle from the upright or downright direction
+    return select(
+        x, [&] { return angle(y, x); },
+        [&] {
+            constexpr double half_pi = 1.5707963267948966;
+            const Expression s = locked_sign(y, "arctan2");
+            return s * half_pi + angle(-(s * x), s * y);
+        },
+        {});
+}
+inline Expression atan(const Expression& x) {
+    return x.is_constant() ? Expression(std::atan(x.value()))
+                           : x.recorder()->record(Operation::angle, x.node(), x.recorder()->node_of(1.0));
+}
+inline Expression asin(const Expression& x) {
+    if (x.is_constant()) return std::asin(x.value());
+    return x.recorder()->record(Operation::angle, x.node(), x.recorder()->node_of(sqrt((1.0 - x) * (1.0 + x))));
+}
+inline Expression acos(const Expression& x) {
+    if (x.is_constant()) return std::acos(x.value());
+    const Expression across = sqrt((1.0 - x) * (1.0 + x));
+    return x.recorder()->record(Operation::angle, x.recorder()->node_of(across), x.node());
+}
+inline Expression asinh(const Expression& x) {
+    const Expression s = locked_sign(x, std::string());
+    return s * log(s * x + sqrt(x * x + 1.0));
+}
+inline Expression acosh(const Expression& x) { return log(x + sqrt((x - 1.0) * (x + 1.0))); }
+inline Expression atanh(const Expression& x) { return 0.5 * log((1.0 + x) / (1.0 - x)); }
+/// The real cube root.
+inline Expression cbrt(const Expression& x) {
+    const Expression s = locked_sign(x, "cbrt");
+    return s * pow(s * x, 1.0 / 3.0);
+}
+
+}  // namespace rbdyn
