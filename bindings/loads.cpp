@@ -1,4 +1,5 @@
 // Loads on a body, and couplings between two.
+#include <rbdyn/scene/couplings.hpp>
 #include <rbdyn/scene/loads.hpp>
 
 #include "binding.hpp"

@@ -67,10 +67,18 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     base.monitor = options.monitor;
     validate(base);
     const auto began = Clock::now();
-    const Plan plan = make_plan(scene);
+    const Plan plan = make_plan(scene.frozen());
     const PointsModel& model = *plan.model;
-    const Timed reference = integrate(model, base, "taylor", 1e-18, {});
-    const std::vector<std::string> engines = options.engines.empty() ? simulating::engines() : options.engines;
+    const std::vector<double> x = model.start(options.start);
+    const auto checked = [](Timed&& timed) {
+        if (timed.record.thrown) std::rethrow_exception(timed.record.thrown);
+        return std::move(timed);
+    };
+    const Timed reference = checked(integrate(model, x, base, plan.engine, 0.1 * least_tolerance(plan.engine), {}));
+    std::vector<std::string> engines;
+    for (const std::string& engine : options.engines.empty() ? simulating::engines() : options.engines)
+        if (!options.engines.empty() || !(plan.calls_back && engine == "taylor"))
+            engines.push_back(engine_for(plan, engine));
     std::vector<double> errors = options.errors;
     std::sort(errors.rbegin(), errors.rend());
     Price price;
@@ -84,7 +92,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
                 std::vector<double> times;
                 const auto first = Clock::now();
                 do {
-                    const Timed run = integrate(model, base, engine, tolerance, {});
+                    const Timed run = checked(integrate(model, x, base, engine, tolerance, {}));
                     times.push_back(run.seconds);
                     if (times.size() > 1) continue;
                     row.steps = run.record.work.steps;

@@ -9,6 +9,8 @@ namespace rbdyn {
 struct Particle {
     double mass = 0.0;
 
+    bool operator==(const Particle&) const = default;
+
     void validate() const {
         require(std::isfinite(mass) && mass > 0.0, "Particle", "mass", mass,
                 "a mass is positive and finite; give it in kg");

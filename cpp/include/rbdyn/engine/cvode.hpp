@@ -310,7 +310,7 @@ private:
     void shorten() {
         double log_length = 0.0;
         for (const Guard& guard : equations_->guards) {
-            if (equations_->is_variable(guard)) continue;
+            if (guard.output < 0 || equations_->is_variable(guard)) continue;
             expand_guards();
             const double* c = integrator_->series.output(guard.output);
             std::array<double, 32> size{};

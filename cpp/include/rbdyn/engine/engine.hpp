@@ -49,6 +49,9 @@ public:
     /// The state at tau on the current piece, as exactly as the engine knows it.
     virtual void state(double tau, std::span<double> x) const { piece_.state(tau, x); }
 
+    /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
+    virtual bool refines() const { return false; }
+
     /// Coefficients 0 .. guard_order() of a guard on the current piece, in the piece's unit of time, unsigned.
     virtual const double* guard(int index) = 0;
     virtual int guard_order() const = 0;
@@ -72,7 +75,7 @@ protected:
     }
 
     Piece piece_;
-    Work work_;
+    mutable Work work_;  // a state between the ends of a step may cost some
 };
 
 }  // namespace rbdyn

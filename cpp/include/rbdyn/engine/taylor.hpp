@@ -161,8 +161,8 @@ private:
         }
         // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow
         for (const Guard& guard : equations_->guards) {
+            if (guard.output < 0 || equations_->is_variable(guard)) continue;
             const double* c = series_->output(guard.output);
-            if (equations_->is_variable(guard)) continue;
             size.fill(0.0);
             take(c, size);
             log_length =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <exception>
 #include <functional>
 #include <span>
 #include <vector>
@@ -33,6 +34,8 @@ public:
     std::vector<Event> events;
     Work work;
     int variables = 0;
+    std::vector<double> first_state;
+    std::exception_ptr thrown;  // by a function of the user's
 
     const std::vector<Entry>& entries() const { return entries_; }
     bool empty() const { return entries_.empty(); }

@@ -298,6 +298,8 @@ private:
 
     /// The number a new node stands for in the state that is followed.
     double value_of(const Node& n) const;
+    /// The number a node stands for, what is called back included.
+    double followed(std::int32_t index);
     /// What a node stands for, whatever its index: the same in every recording that writes it so.
     std::uint64_t identity(std::int32_t index);
     long choose(Branch branch, long by_state);
@@ -428,9 +430,27 @@ inline double Recorder::value_of(const Node& n) const {
         case Operation::logarithm: return std::log(value(n.a));
         case Operation::power: return std::pow(value(n.a), n.value);
         case Operation::angle: return std::atan2(value(n.a), value(n.b));
-        case Operation::call: return results_[at(n.a)][at(n.d)];
+        case Operation::call:
+            // not before a choice depends on it
+            return results_[at(n.a)].empty() ? std::numeric_limits<double>::quiet_NaN() : results_[at(n.a)][at(n.d)];
         default: return std::numeric_limits<double>::quiet_NaN();
     }
+}
+
+inline double Recorder::followed(std::int32_t index) {
+    if (std::isnan(values_[at(index)]))
+        for (std::int32_t i = 0; i <= index; ++i) {
+            const Node& n = node(i);
+            if (n.operation == Operation::call && results_[at(n.a)].empty()) {
+                const Call& c = calls_[at(n.a)];
+                std::vector<double> x, y(at(c.function->outputs));
+                for (const std::int32_t argument : c.arguments) x.push_back(values_[at(argument)]);
+                (*c.function)(x.data(), y.data());
+                results_[at(n.a)] = std::move(y);
+            }
+            values_[at(i)] = value_of(n);
+        }
+    return values_[at(index)];
 }
 
 inline Expression Recorder::sign(const Expression& x, const std::string& name, int tag) {
@@ -441,7 +461,7 @@ inline Expression Recorder::sign(const Expression& x, const std::string& name, i
     const int index = new_parameter();
     if (follows_) {
         parameter_values_.resize(at(index) + 1, 0.0);
-        parameter_values_[at(index)] = values_[at(x.node())] < 0.0 ? -1.0 : 1.0;
+        parameter_values_[at(index)] = followed(x.node()) < 0.0 ? -1.0 : 1.0;
     }
     switches_.push_back({x.node(), index, false, name, tag, subject_, identity(x.node())});
     return parameter(index);
@@ -489,7 +509,7 @@ inline long Recorder::choose(Branch branch, long by_state) {
 inline long Recorder::side(const Expression& x, const std::string& name) {
     if (x.is_constant()) return x.value() > 0.0 ? 1 : 0;
     if (!follows_) throw Error("a choice between formulas was recorded where no state says which");
-    return choose({x.node(), 0, true, 0, 1, name, subject_, 0}, values_[at(x.node())] > 0.0 ? 1 : 0);
+    return choose({x.node(), 0, true, 0, 1, name, subject_, 0}, followed(x.node()) > 0.0 ? 1 : 0);
 }
 
 inline long Recorder::whole(const Expression& x, long lowest, long highest, const std::string& name) {
@@ -499,7 +519,7 @@ inline long Recorder::whole(const Expression& x, long lowest, long highest, cons
     };
     if (x.is_constant()) return below(x.value());
     if (!follows_) throw Error("a choice between formulas was recorded where no state says which");
-    return choose({x.node(), 0, false, lowest, highest, name, subject_, 0}, below(values_[at(x.node())]));
+    return choose({x.node(), 0, false, lowest, highest, name, subject_, 0}, below(followed(x.node())));
 }
 
 inline std::vector<Expression> Recorder::call(const std::shared_ptr<const Callback>& function,
@@ -510,13 +530,8 @@ inline std::vector<Expression> Recorder::call(const std::shared_ptr<const Callba
     const auto known = std::find_if(calls_.begin(), calls_.end(), same);
     const auto index = static_cast<std::int32_t>(known - calls_.begin());
     if (known == calls_.end()) {
-        if (follows_) {
-            std::vector<double> x, y(at(function->outputs));
-            for (const std::int32_t argument : call.arguments) x.push_back(values_[at(argument)]);
-            (*function)(x.data(), y.data());
-            results_.push_back(std::move(y));
-        }
         calls_.push_back(std::move(call));
+        results_.emplace_back();
     }
     std::vector<Expression> result;
     for (int i = 0; i < function->outputs; ++i) result.push_back(record({Operation::call, index, -1, -1, i}));

@@ -35,6 +35,19 @@ public:
         return result;
     }
 
+    /// Records `f(Recorder&) -> pair(results, number of inputs)`, which makes its inputs as it needs them.
+    template <class F>
+    static Function record_growing(F&& f) {
+        int inputs = 0;
+        Function result = record(0, [&](const std::vector<Expression>&) {
+            auto [outputs, count] = f(*recording::active());
+            inputs = count;
+            return outputs;
+        });
+        result.inputs_ = inputs;
+        return result;
+    }
+
     explicit operator bool() const { return recorder_ != nullptr; }
     int inputs() const { return inputs_; }
     int outputs() const { return static_cast<int>(outputs_.size()); }

@@ -1,9 +1,12 @@
 // Equations of smooth motion in one structural mode: what an engine integrates and what guards watch over it.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "rbdyn/basics/direction.hpp"
 #include "rbdyn/expression/program.hpp"
 
 namespace rbdyn {
@@ -23,24 +26,38 @@ enum class EventKind {
     switching
 };
 
-enum class Direction { either, rising, falling };
+struct Piece;
+
+/// Finds an event that is no zero of a function of the state: where a path meets a curve, say.
+class Locator {
+public:
+    virtual ~Locator() = default;
+    /// The first place on a piece, in its units of time; `fresh`: the piece begins where the mode began.
+    virtual std::optional<double> first(const Piece& piece, bool fresh) const = 0;
+};
 
 /// What a guard stands for.
 enum class GuardRole {
     mode,   // smooth motion is valid while sign * value >= 0; leaving it asks the model for the next mode
     stop,   // the run ends where the value falls through zero
-    record  // a watched function: noted, nothing changes
+    record  // noted, nothing changes
 };
 
-/// A scalar function whose zeros are events.
+/// A scalar function whose zeros are events. One that is watched may have either sign; then only zeros passed in its
+/// direction count, and its role says what follows.
 struct Guard {
     EventKind kind = EventKind::watch;
     GuardRole role = GuardRole::mode;
-    int subject = -1;         // body (or watch) it belongs to, by order of addition
-    int output = -1;          // index among the program's outputs, those of its switches counted on
+    int subject = -1;         // body it belongs to, by order of addition; -1: none
+    int output = -1;          // among the program's outputs, those of its switches counted on; -1: none of them
     int sign_parameter = -1;  // parameter whose sign multiplies the value; -1: none
     Direction direction = Direction::falling;
-    std::string name;
+    std::string name = {};
+    int watch = -1;                                    // the watched function it is, by order of addition
+    int branch = -1, step = 0;                         // the branch whose choice moves by a step where it fires
+    std::shared_ptr<const Locator> locator = nullptr;  // finds it, if there is no output
+
+    bool is_watched() const { return watch >= 0 || role == GuardRole::record; }
 };
 
 /// State variables that share a scale, [first, first + count).
@@ -54,11 +71,14 @@ struct Equations {
     Program program;
     std::vector<Guard> guards;
     std::vector<VariableGroup> groups;
+    std::vector<Branch> branches;  // the choices between formulas that were made for them
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
 
     int variables() const { return program.inputs(); }
     /// Whether a guard is a state variable itself.
-    bool is_variable(const Guard& guard) const { return program.output(guard.output) < program.inputs(); }
+    bool is_variable(const Guard& guard) const {
+        return guard.output >= 0 && program.output(guard.output) < program.inputs();
+    }
 };
 
 }  // namespace rbdyn

@@ -1,17 +1,23 @@
 // Motion that is smooth except at events: the interface between the laws of a scene and the driver that runs them.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn {
 
+/// What a body does in a mode besides slipping one way (+1, -1).
+inline constexpr signed char sticks = 0, flies = 2;
+
 /// A mode of smooth motion, a value: the state of every friction element, and the numbers its equations take.
 struct Mode {
-    std::vector<signed char> slip;   // one a body: 0 sticks, +1 or -1 the sign of its slip (or no friction)
+    std::vector<signed char> slip;   // one a body: sticks, +1 or -1 the sign of its slip (or no friction), flies
     std::vector<double> parameters;  // of the program of `equations`
     const Equations* equations = nullptr;
     bool still = false;  // nothing can move or happen in this mode
@@ -23,6 +29,15 @@ struct Happening {
     int subject;
     Direction direction;
     std::string name;
+    double impulse = 0.0;  // N s
+};
+
+/// A vector or number of a motion whose error is judged by a scale of its own.
+struct Observed {
+    Vector3 value = Vector3::Zero();
+    bool is_position = false;  // scale: the extent of the motion; else the largest size
+    double size = 0.0;         // its own size, if that is more than its length
+    double whole = 0.0;        // what it is a difference of: far below this it is rounding
 };
 
 /// The laws of a scene between events and at them. Immutable; shared by the runs made with it.
@@ -38,6 +53,32 @@ public:
     /// The mode after the guards `fired` (indices into the equations' guards) fell through zero together at t.
     virtual Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                       std::vector<Happening>& happenings) const = 0;
+
+    /// What the accuracy of a motion is judged by, in a fixed order: by default the state variables, group by group.
+    virtual void observe(const Mode& mode, double /*t*/, std::span<const double> x,
+                         std::vector<Observed>& observed) const {
+        observed.clear();
+        for (const VariableGroup& group : mode.equations->groups)
+            for (int first = group.first; first < group.first + group.count; first += 3) {
+                Observed o;
+                o.is_position = group.is_position;
+                for (int i = first; i < std::min(first + 3, group.first + group.count); ++i)
+                    o.value[i - first] = x[static_cast<std::size_t>(i)];
+                o.whole = o.value.norm();
+                observed.push_back(o);
+            }
+    }
+
+    /// The value of a guard that is none of the program's outputs.
+    virtual double guard_value(const Guard& /*guard*/, const Mode& /*mode*/, double /*t*/,
+                               std::span<const double> /*x*/) const {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+
+    /// What is not finite in a state, in words; empty if everything is.
+    virtual std::string not_finite(const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const {
+        return {};
+    }
 
     /// x' where the equations are not finite but the motion is; false if there is none. Positions come first in x.
     virtual bool slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/) const {

@@ -1,15 +1,19 @@
-// The equations of particles as recorded programs, one for each structure: which bodies stick.
+// The equations of particles as recorded programs, one for each structure: which bodies stick, slip or fly, and on
+// which side of every case distinction they are.
 //
 // What does not move is not in the equations: a bead that sticks to a rail at rest is a parameter, not a variable.
-// Guards: the slip of a bead that slides (reverse), the static limit of one that sticks (slip), the ends of rails, and
-// the switches of the recorded functions (normal reactions, speeds under quadratic drag).
+// Guards: the slip of a bead that slides (reverse), the static limit of one that sticks (slip), the ends of rails, the
+// reaction of rails that only push (detach) and the way back (land), watched functions, the case distinctions of
+// recorded functions and their switches (normal reactions, speeds under quadratic drag).
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/point_observables.hpp"
 
 namespace rbdyn {
 
@@ -34,9 +38,10 @@ inline bool is_constant(const Recorder& r, const Expression& x) {
         if (seen[at(n)]) continue;
         seen[at(n)] = true;
         const Node& node = r.node(n);
-        if (node.operation == Operation::input || node.operation == Operation::time) return false;
-        if (node.operation == Operation::parameter) continue;
-        for (std::int32_t operand : {node.a, node.b, node.c})
+        if (node.operation == Operation::input || node.operation == Operation::time ||
+            node.operation == Operation::call)
+            return false;
+        for (std::int32_t operand : node.operands())
             if (operand >= 0) todo.push_back(operand);
     }
     return true;
@@ -44,39 +49,61 @@ inline bool is_constant(const Recorder& r, const Expression& x) {
 
 }  // namespace recording
 
-/// Equations for the bodies that stick (`held`) and those that do not.
-inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, const std::vector<bool>& held) {
+/// A state that equations are recorded for: it says which side of every choice they are on, but for those in `forced`.
+struct RecordedFor {
+    double t = 0.0;
+    std::span<const double> x;
+    std::map<std::uint64_t, long> forced = {};
+};
+
+/// Equations for what every body does: sticks, slips or flies.
+inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, const std::vector<Scene::Watch>& watches,
+                                                     const std::vector<signed char>& slip,
+                                                     const RecordedFor& at_state) {
     using S = Expression;
     using recording::at;
     Recorder r;
     const int n = laws.freedoms(), count = static_cast<int>(laws.bodies().size());
     if (count > 0) r.parameter(2 * count - 1);
+    std::vector<double> parameters(at(2 * count));
+    for (int i = 0; i < count; ++i) {
+        parameters[at(i)] = slip[at(i)];
+        parameters[at(count + i)] = at_state.x[at(laws.body(i).first)];
+    }
+    r.follow(at_state.t, at_state.x, parameters, at_state.forced);
     const S t = r.time();
+    const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
     // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
     std::vector<S> q(at(n)), v(at(n));
     std::vector<bool> fixed(at(count), false);
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
-        fixed[at(i)] = held[at(i)] && b.drive.is_zero();
+        fixed[at(i)] = held(i) && b.drive.is_zero();
         for (int k = b.first; k < b.first + b.freedoms(); ++k) {
-            q[at(k)] = fixed[at(i)] ? r.parameter(count + i) : r.input(k);
-            v[at(k)] = fixed[at(i)] ? S(0.0) : r.input(n + k);
+            const bool is_still = fixed[at(i)] && k == b.first;
+            q[at(k)] = is_still ? r.parameter(count + i) : r.input(k);
+            v[at(k)] = is_still ? S(0.0) : r.input(n + k);
         }
     }
     std::vector<PointState<S>> states;
-    for (const PointLaws::Body& b : laws.bodies())
-        states.push_back(laws.moving<S>(b, &q[at(b.first)], &v[at(b.first)]));
+    for (int i = 0; i < count; ++i) {
+        const PointLaws::Body& b = laws.body(i);
+        r.set_subject(i);
+        states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first)], slip[at(i)] == flies));
+    }
     std::vector<S> outputs(at(2 * n), S(0.0)), watched;
     std::vector<Guard> guards;
-    const auto guard = [&](EventKind kind, GuardRole role, int i, const S& value, int sign, const std::string& name) {
+    const auto guard = [&](Guard g, const S& value) {
         if (recording::is_constant(r, value)) return;
-        guards.push_back({kind, role, i, 2 * n + static_cast<int>(watched.size()), sign, Direction::falling, name});
+        g.output = 2 * n + static_cast<int>(watched.size());
+        guards.push_back(std::move(g));
         watched.push_back(value);
     };
+    std::vector<RecordedPoints::Body> present;
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
         const PointState<S>& p = states[at(i)];
-        const bool slips = b.rough && !held[at(i)];
+        const bool is_flying = slip[at(i)] == flies, slips = b.rough && !held(i) && !is_flying;
         r.set_subject(i);
         const S sign = slips ? r.parameter(i) : S(1.0);
         // with a rail at rest, the sign of the slip is the sign of w
@@ -84,60 +111,120 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
             if (w.is_zero()) return 0.0;
             return (slips && b.drive.is_zero() ? sign : locked_sign(w, "speed of " + b.name)) * w;
         };
-        const Resultant<S> f = laws.resultant<S>(i, t, states, length_of_w);
-        if (!b.curve) {
+        const Resultant<S> f = laws.resultant<S>(i, t, states, is_flying, length_of_w);
+        if (!b.curve || is_flying) {
+            const int space = b.first_of_space();
             for (int k = 0; k < 3; ++k) {
-                outputs[at(b.first + k)] = p.v[k];
-                outputs[at(n + b.first + k)] = f.force[k] / S(b.mass);
+                outputs[at(space + k)] = p.v[k];
+                outputs[at(n + space + k)] = f.force[k] / S(b.mass);
             }
+            if (is_flying && b.side != RailSide::both)
+                guards.push_back({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
+            present.push_back({p, f, 0.0, false});
             continue;
         }
+        const Resultant<S> g = PointLaws::guided(b, p, f);
         const CurvePoint<S>& c = p.curve;
         S rate = 0.0;
         if (!b.rough) {
-            rate = PointLaws::sliding_rate<S>(b, c, p.w, f, S(0.0), S(0.0));
+            rate = PointLaws::sliding_rate<S>(b, c, p.w, g, S(0.0), S(0.0));
         } else if (slips) {
             S across = 0.0;
             if (b.mu_dynamic > 0.0)
-                across = length(PointLaws::friction_vector<S>(b, c, p.w, f), "normal reaction on " + b.name, i);
-            rate = PointLaws::sliding_rate<S>(b, c, p.w, f, sign, across);
-            S slip = p.w;
-            if (!b.drive.is_zero()) slip = PointLaws::sqrt_of(c.speed_squared) * p.w - b.drive(t);
-            guard(EventKind::reverse, GuardRole::mode, i, slip, i, "slip of " + b.name);
+                across = length(PointLaws::friction_vector<S>(b, c, p.w, g), "normal reaction on " + b.name, i);
+            rate = PointLaws::sliding_rate<S>(b, c, p.w, g, sign, across);
+            S slipping = p.w;
+            if (!b.drive.is_zero()) slipping = PointLaws::sqrt_of(c.speed_squared) * p.w - b.drive(t);
+            guard({.kind = EventKind::reverse, .subject = i, .sign_parameter = i, .name = "slip of " + b.name},
+                  slipping);
         } else {
             if (!fixed[at(i)]) rate = PointLaws::carried_rate<S>(b, t, c, p.w);
             const S needed = S(b.mass) * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) -
-                             dot<S>(c.first, f.force) - f.along;
-            const Vector3Of<S> across = PointLaws::friction_vector<S>(b, c, p.w, f);
-            guard(EventKind::slip, GuardRole::mode, i,
-                  S(b.mu_static * b.mu_static) * dot<S>(across, across) - needed * needed, -1, "hold of " + b.name);
+                             dot<S>(c.first, g.force) - g.along;
+            const Vector3Of<S> across = PointLaws::friction_vector<S>(b, c, p.w, g);
+            guard({.kind = EventKind::slip, .subject = i, .name = "hold of " + b.name},
+                  S(b.mu_static * b.mu_static) * dot<S>(across, across) - needed * needed);
         }
+        if (b.side != RailSide::both)
+            guard({.kind = EventKind::detach, .subject = i},
+                  dot<S>(b.binormal.cast<S>(), PointLaws::friction_vector<S>(b, c, p.w, g)));
         outputs[at(b.first)] = p.w;
         outputs[at(n + b.first)] = rate;
+        present.push_back({p, f, rate, true});
         const Domain domain = b.curve->domain();
         if (!b.curve->closed() && !fixed[at(i)]) {
-            if (std::isfinite(domain.begin))
-                guard(EventKind::rail_end, GuardRole::stop, i, q[at(b.first)] - S(domain.begin), -1, {});
-            if (std::isfinite(domain.end))
-                guard(EventKind::rail_end, GuardRole::stop, i, S(domain.end) - q[at(b.first)], -1, {});
+            const GuardRole role = b.ends == RailEnds::stop ? GuardRole::stop : GuardRole::mode;
+            const Guard end{.kind = EventKind::rail_end, .role = role, .subject = i};
+            if (std::isfinite(domain.begin)) guard(end, q[at(b.first)] - S(domain.begin));
+            if (std::isfinite(domain.end)) guard(end, S(domain.end) - q[at(b.first)]);
         }
     }
     auto result = std::make_unique<PointStructure>();
-    result->still = guards.empty();
-    for (const S& out : outputs) result->still = result->still && out.is_zero();
+    bool moves = !guards.empty();
+    for (const S& out : outputs) moves = moves || !out.is_zero();
+    r.set_subject(-1);
+    RecordedPoints now(laws, t, present);
+    for (int i = 0; i < count; ++i) now.parameters.push_back(q[at(laws.body(i).first)]);
+    for (std::size_t k = 0; k < watches.size(); ++k) {
+        const Scene::Watch& w = watches[k];
+        const GuardRole role = w.options.action.kind == WatchAction::Kind::record ? GuardRole::record
+                               : w.options.action.kind == WatchAction::Kind::stop ? GuardRole::stop
+                                                                                  : GuardRole::mode;
+        Guard g{.kind = EventKind::watch,
+                .role = role,
+                .direction = w.options.direction,
+                .name = w.name,
+                .watch = static_cast<int>(k)};
+        if (!w.function.is_recorded()) {
+            // nobody knows what it depends on
+            moves = true;
+            guards.push_back(std::move(g));
+            continue;
+        }
+        std::vector<S> x;
+        for (const Observable& o : w.function.arguments()) x.push_back(now.value(o));
+        const S value = w.function.function()(std::span<const S>(x))[0];
+        moves = moves || !recording::is_constant(r, value);
+        g.output = 2 * n + static_cast<int>(watched.size());
+        guards.push_back(std::move(g));
+        watched.push_back(value);
+    }
+    for (std::size_t k = 0; k < r.branches().size(); ++k) {
+        const Branch& b = r.branches()[k];
+        const S argument(&r, b.argument);
+        if (recording::is_constant(r, argument)) continue;
+        Guard g{.kind = EventKind::switching, .subject = b.subject, .name = b.name, .branch = static_cast<int>(k)};
+        if (b.has_lower()) {
+            g.step = -1;
+            guard(g, argument - S(b.lower()));
+        }
+        if (b.has_upper()) {
+            g.step = 1;
+            guard(g, S(b.upper()) - argument);
+        }
+        moves = true;
+    }
+    result->still = !moves;
     outputs.insert(outputs.end(), watched.begin(), watched.end());
     Equations& e = result->equations;
     e.program = Program(r, outputs, 2 * n);
     e.guards = std::move(guards);
+    e.branches = r.branches();
     for (std::size_t k = 0; k < e.program.switches().size(); ++k) {
         const Switch& s = e.program.switches()[k];
-        e.guards.push_back({s.tag >= 0 ? EventKind::normal_zero : EventKind::switching, GuardRole::mode, s.subject,
-                            e.program.outputs() + static_cast<int>(k), s.is_norm ? -1 : s.parameter, Direction::falling,
-                            s.name});
+        e.guards.push_back({.kind = s.tag >= 0 ? EventKind::normal_zero : EventKind::switching,
+                            .subject = s.subject,
+                            .output = e.program.outputs() + static_cast<int>(k),
+                            .sign_parameter = s.is_norm ? -1 : s.parameter,
+                            .name = s.name});
         if (s.is_norm) e.start_flags.push_back(s.parameter);
     }
-    for (const PointLaws::Body& b : laws.bodies()) e.groups.push_back({b.first, b.freedoms(), true});
-    for (const PointLaws::Body& b : laws.bodies()) e.groups.push_back({n + b.first, b.freedoms(), false});
+    for (const int first : {0, n})
+        for (const PointLaws::Body& b : laws.bodies()) {
+            if (b.may_fly) e.groups.push_back({first + b.first, 1, first == 0});
+            const int count_of = b.may_fly ? 3 : b.freedoms();
+            e.groups.push_back({first + b.first + b.freedoms() - count_of, count_of, first == 0});
+        }
     return result;
 }
 

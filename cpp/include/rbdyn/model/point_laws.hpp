@@ -8,9 +8,13 @@
 // slip = |r'| w - V, V(t) the speed of the rail's surface along itself. Since |c| needs no normal vector, straight
 // stretches and points of inflection are nothing special.
 //
+// On a rail that moves F stands for F - m A in the rail's axes, A the acceleration its motion gives (point_state.hpp).
+// One that only pushes, along n = b x t, holds as long as Phi.n = b.c / |r'| has its sign.
+//
 // Vectors are seen from one placement (`view`), chosen so that what vanishes vanishes exactly: a bead on a plane
 // curve under forces in its plane then has c = (0, 0, c_z), and |c| is c_z with its sign locked.
-// Invariant: state variables are the positions of all bodies (u, or x y z), then their velocities (w, or vx vy vz).
+// Invariant: state variables are the positions of all bodies (u; x y z; u x y z for one that may leave its rail, those
+// not in use at rest), then their velocities.
 #pragma once
 
 #include <cmath>
@@ -22,17 +26,11 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/point_state.hpp"
 #include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn {
-
-/// Position, velocity and place on its rail of one particle, in numbers of type S.
-template <class S>
-struct PointState {
-    Vector3Of<S> r, v;
-    CurvePoint<S> curve;
-    S w;
-};
 
 /// Resultant of the active forces on one particle; what is exactly along a rail is kept apart.
 template <class S>
@@ -44,10 +42,10 @@ struct Resultant {
 /// Motion and reaction of one particle at a time, world axes.
 struct PointReport {
     Vector3 position, velocity, acceleration, force, reaction;
-    double u = 0.0, w = 0.0, w_rate = 0.0, speed = 0.0;
-    double tangential_force = 0.0;  // Q_s = F.t (eq. 7.15)
-    double rail_speed = 0.0;        // V, of the rail's surface along itself
-    double effort = 0.0;            // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
+    double u = 0.0, w = 0.0, w_rate = 0.0, speed = 0.0;  // in flight: where it left the rail, 0, 0, |v|
+    double tangential_force = 0.0;                       // Q_s = F.t (eq. 7.15)
+    double rail_speed = 0.0;                             // V, of the rail's surface along itself
+    double effort = 0.0;  // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
 };
 
 /// What sticking asks of a rail.
@@ -70,11 +68,18 @@ public:
         int first = 0;                    // its first position variable
         Vector3 force = Vector3::Zero();  // constant forces together
         double linear_drag = 0.0, quadratic_drag = 0.0;
-        std::vector<Force> functions;
+        std::vector<std::variant<Force, Potential, Lorentz>> functions;
+        RigidMotion motion;
+        RailSide side = RailSide::both;
+        RailEnds ends = RailEnds::stop;
+        Vector3 binormal = Vector3::Zero();  // of a rail that only pushes, in the view; the sign of its side in it
+        bool may_fly = false;
         double start_u = 0.0, start_speed = 0.0;
         Vector3 start_position = Vector3::Zero(), start_velocity = Vector3::Zero();
 
-        int freedoms() const { return curve ? 1 : 3; }
+        int freedoms() const { return !curve ? 3 : may_fly ? 4 : 1; }
+        /// The first of the variables of a place in space.
+        int first_of_space() const { return curve ? first + 1 : first; }
     };
     struct SpringEnd {
         int body = -1;
@@ -95,6 +100,13 @@ public:
             if (const Rail* rail = b.rail()) {
                 body.curve = rail->curve();
                 body.drive = rail->drive();
+                body.motion = rail->motion();
+                body.side = rail->side();
+                body.ends = rail->ends();
+                body.may_fly = rail->may_release();
+                if (body.side != RailSide::both)
+                    body.binormal = seen(one_binormal(*body.curve, b.parameter, b.name)) *
+                                    (body.side == RailSide::plus ? 1.0 : -1.0);
                 if (const auto friction = rail->friction()) {
                     body.rough = true;
                     body.mu_static = friction->mu_static;
@@ -111,6 +123,7 @@ public:
             bodies_.push_back(std::move(body));
         }
         freedoms_ = position;
+        landings_.resize(bodies_.size());
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
             if (const Force* force = std::get_if<Force>(&load.load)) {
@@ -121,12 +134,16 @@ public:
             } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
                 body.linear_drag += drag->linear;
                 body.quadratic_drag += drag->quadratic;
+            } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
+                body.functions.push_back(*potential);
+            } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load);
+                       lorentz != nullptr && lorentz->present()) {
+                body.functions.push_back(*lorentz);
             }
         }
         for (Body& body : bodies_) body.force = snapped(body.force, body.force.norm());
         for (const Scene::Connection& c : scene.connections()) {
             const Spring& spring = std::get<Spring>(c.coupling);
-            if (spring.stiffness == 0.0 && spring.damping == 0.0) continue;
             springs_.push_back({spring, end(c.a), end(c.b)});
         }
     }
@@ -136,8 +153,8 @@ public:
     /// Position variables of all bodies together.
     int freedoms() const { return freedoms_; }
 
-    /// The state the scene starts in.
-    std::vector<double> start() const {
+    /// The state the scene starts in at time t.
+    std::vector<double> start(double t = 0.0) const {
         std::vector<double> x(at(2 * freedoms_), 0.0);
         for (const Body& b : bodies_) {
             double* q = x.data() + b.first;
@@ -145,6 +162,11 @@ public:
             if (b.curve) {
                 *q = b.start_u;
                 *v = b.start_speed / std::sqrt(curve_point(b, b.start_u).speed_squared);
+                if (b.may_fly) {
+                    const double w = *v;
+                    const PointState<double> p = moving<double>(b, t, q, &w, false);
+                    for (int i = 0; i < 3; ++i) q[1 + i] = p.r[i];
+                }
                 continue;
             }
             const Vector3 r = seen_point(b.start_position), vel = seen(b.start_velocity);
@@ -155,31 +177,47 @@ public:
         }
         return x;
     }
-    /// Motion and reaction of a body whose slip has a sign, or that sticks (slip 0).
-    PointReport report(int index, signed char slip, double t, std::span<const double> x) const {
-        const Body& b = bodies_[at(index)];
-        std::vector<PointState<double>> states;
-        for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) states.push_back(state<double>(i, x));
-        PointState<double>& p = states[at(index)];
-        PointReport result;
-        const bool stuck = b.rough && slip == 0;
-        if (b.curve && stuck) {
+
+    /// All bodies at a time; `slip`: what each does in the mode.
+    std::vector<PointState<double>> states(double t, std::span<const double> x,
+                                           std::span<const signed char> slip) const {
+        std::vector<PointState<double>> result;
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            const Body& b = bodies_[i];
+            result.push_back(
+                moving<double>(b, t, x.data() + b.first, x.data() + b.first + freedoms_, slip[i] == flies));
             // held by its rail: the rail's own speed, exactly
-            p.w = b.drive(t) / std::sqrt(p.curve.speed_squared);
-            p.v = p.curve.first * p.w;
+            if (b.rough && slip[i] == sticks)
+                result.back().set_rate(b.drive(t) / std::sqrt(result.back().curve.speed_squared));
         }
-        const auto length_of_w = [](double w) { return std::abs(w); };
-        const Resultant<double> f = resultant<double>(index, t, states, length_of_w);
+        return result;
+    }
+
+    /// Motion and reaction of a body in a mode.
+    PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x) const {
+        const Body& b = bodies_[at(index)];
+        const signed char phase = slip[at(index)];
+        const std::vector<PointState<double>> all = states(t, x, slip);
+        const PointState<double>& p = all[at(index)];
+        PointReport result;
+        const Resultant<double> f =
+            resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
         Vector3 force = f.force, acceleration, reaction = Vector3::Zero();
-        if (!b.curve) {
+        if (!b.curve || phase == flies) {
             acceleration = force / b.mass;
+            if (b.curve) {
+                result.u = x[at(b.first)];
+                result.speed = p.v.norm();
+            }
         } else {
             const CurvePoint<double>& c = p.curve;
+            const bool stuck = b.rough && phase == sticks;
             if (f.along != 0.0) force += c.first * (f.along / c.speed_squared);
+            const Resultant<double> g = guided(b, p, f);
             const double w_rate = stuck ? carried_rate<double>(b, t, c, p.w)
-                                        : sliding_rate<double>(b, c, p.w, f, static_cast<double>(slip),
-                                                               length(friction_vector<double>(b, c, p.w, f)));
-            acceleration = c.first * w_rate + c.second * (p.w * p.w);
+                                        : sliding_rate<double>(b, c, p.w, g, static_cast<double>(phase),
+                                                               friction_vector<double>(b, c, p.w, g).norm());
+            acceleration = p.acceleration(w_rate);
             reaction = acceleration * b.mass - force;
             const double norm = std::sqrt(c.speed_squared);
             result.rail_speed = b.rough ? b.drive(t) : 0.0;
@@ -190,7 +228,7 @@ public:
             result.w = p.w;
             result.w_rate = w_rate;
             result.speed = stuck ? b.drive(t) : p.w * norm;
-            result.tangential_force = (dot<double>(c.first, f.force) + f.along) / norm;
+            result.tangential_force = (dot<double>(c.first, p.in_rail(f.force)) + f.along) / norm;
         }
         result.position = view_.origin + view_.axes * p.r;
         result.velocity = view_.axes * p.v;
@@ -200,59 +238,52 @@ public:
         return result;
     }
     /// Derivatives of a body's position and velocity variables.
-    void slope(int index, signed char slip, double t, std::span<const double> x, std::span<double> dq,
+    void slope(int index, std::span<const signed char> slip, double t, std::span<const double> x, std::span<double> dq,
                std::span<double> dv) const {
+        const Body& b = bodies_[at(index)];
         const PointReport r = report(index, slip, t, x);
-        if (bodies_[at(index)].curve) {
+        for (int k = 0; k < b.freedoms(); ++k) dq[at(k)] = dv[at(k)] = 0.0;
+        if (b.curve && slip[at(index)] != flies) {
             dq[0] = r.w;
             dv[0] = r.w_rate;
             return;
         }
+        const int space = b.first_of_space() - b.first;
         const Vector3 velocity = view_.axes.transpose() * r.velocity,
                       acceleration = view_.axes.transpose() * r.acceleration;
         for (int k = 0; k < 3; ++k) {
-            dq[at(k)] = velocity[k];
-            dv[at(k)] = acceleration[k];
+            dq[at(space + k)] = velocity[k];
+            dv[at(space + k)] = acceleration[k];
         }
     }
 
     // --- the laws, in any number type ---
 
+    /// One body, from its own variables.
     template <class S>
-    PointState<S> moving(const Body& b, const S* q, const S* v) const {
-        PointState<S> p;
-        if (b.curve) {
-            p.curve = b.curve->at<S>(*q, view_);
-            p.w = *v;
-            p.r = p.curve.position;
-            p.v = p.curve.first * p.w;
-        } else {
-            p.r = {q[0], q[1], q[2]};
-            p.v = {v[0], v[1], v[2]};
-        }
-        return p;
-    }
-
-    template <class S>
-    PointState<S> state(int i, std::span<const S> x) const {
-        const Body& b = bodies_[at(i)];
-        return moving<S>(b, x.data() + b.first, x.data() + b.first + freedoms_);
+    PointState<S> moving(const Body& b, const S& t, const S* q, const S* v, bool is_flying) const {
+        if (!b.curve) return PointState<S>::free(q, v);
+        if (is_flying) return PointState<S>::free(q + 1, v + 1);
+        std::shared_ptr<const RailFrame<S>> frame;
+        if (b.motion.present()) frame = std::make_shared<const RailFrame<S>>(b.motion, t, view_);
+        return PointState<S>::on_rail(b.curve->at<S>(*q, view_), *v, std::move(frame));
     }
 
     /// Active forces on body i. `length_of_w` gives |w| of a bead with the sign of its mode.
     template <class S, class Length>
-    Resultant<S> resultant(int i, const S& t, const std::vector<PointState<S>>& states, Length&& length_of_w) const {
+    Resultant<S> resultant(int i, const S& t, const std::vector<PointState<S>>& states, bool is_flying,
+                           Length&& length_of_w) const {
         const Body& b = bodies_[at(i)];
         const PointState<S>& p = states[at(i)];
         Resultant<S> f{b.force.template cast<S>(), S(0.0)};
-        for (const Force& function : b.functions) {
-            const Matrix3& axes = view_.axes;
-            const Vector3Of<S> r = turned<S>(axes, p.r), v = turned<S>(axes, p.v);
-            f.force += turned<S>(axes.transpose(), function(t, Vector3Of<S>(r + view_.origin.template cast<S>()), v));
+        for (const auto& function : b.functions) {
+            const Vector3Of<S> r = in_world(p.r), v = turned<S>(view_.axes, p.v);
+            f.force += turned<S>(view_.axes.transpose(),
+                                 std::visit([&](const auto& g) -> Vector3Of<S> { return g(t, r, v); }, function));
         }
         if (b.linear_drag != 0.0 || b.quadratic_drag != 0.0) {
             S factor = S(b.linear_drag);
-            if (b.curve) {
+            if (b.curve && !is_flying && !p.frame) {
                 if (b.quadratic_drag != 0.0)
                     factor += S(b.quadratic_drag) * sqrt_of(p.curve.speed_squared) * length_of_w(p.w);
                 f.along -= factor * p.w * p.curve.speed_squared;
@@ -262,7 +293,7 @@ public:
             }
         }
         for (const ConnectedSpring& c : springs_) {
-            if (c.a.body != i && c.b.body != i) continue;
+            if ((c.a.body != i && c.b.body != i) || (c.spring.stiffness == 0.0 && c.spring.damping == 0.0)) continue;
             const auto [ra, va] = motion_of<S>(c.a, states);
             const auto [rb, vb] = motion_of<S>(c.b, states);
             const Vector3Of<S> d = ra - rb, v = va - vb;
@@ -279,6 +310,18 @@ public:
         return f;
     }
 
+    /// A place of the view in the world.
+    template <class S>
+    Vector3Of<S> in_world(const Vector3Of<S>& r) const {
+        return turned<S>(view_.axes, r) + view_.origin.template cast<S>();
+    }
+    /// What drives and presses a bead on its rail, in the rail's axes: F - m A.
+    template <class S>
+    static Resultant<S> guided(const Body& b, const PointState<S>& p, const Resultant<S>& f) {
+        if (!p.frame) return f;
+        return {p.in_rail(f.force - p.transport() * S(b.mass)), f.along};
+    }
+
     template <class S>
     static Vector3Of<S> turned(const Matrix3& m, const Vector3Of<S>& v) {
         Vector3Of<S> out;
@@ -292,8 +335,8 @@ public:
     }
 
     template <class S>
-    std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const SpringEnd& e,
-                                                    const std::vector<PointState<S>>& states) const {
+    static std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const SpringEnd& e,
+                                                           const std::vector<PointState<S>>& states) {
         if (e.body >= 0) return {states[at(e.body)].r, states[at(e.body)].v};
         return {e.point.cast<S>(), Vector3::Zero().cast<S>()};
     }
@@ -321,26 +364,50 @@ public:
     }
 
     /// The reaction that a bead without slip needs to stay so.
-    Holding holding(int i, double t, std::span<const double> x) const {
+    Holding holding(int i, double t, std::span<const double> x, std::span<const signed char> slip) const {
         const Body& b = bodies_[at(i)];
-        std::vector<PointState<double>> states;
-        for (int j = 0; j < static_cast<int>(bodies_.size()); ++j) states.push_back(state<double>(j, x));
-        const CurvePoint<double>& c = states[at(i)].curve;
-        double& w = states[at(i)].w;
-        w = b.drive(t) / std::sqrt(c.speed_squared);
-        states[at(i)].v = c.first * w;
-        const auto f = resultant<double>(i, t, states, [](double v) { return std::abs(v); });
-        const double rate = carried_rate<double>(b, t, c, w);
-        const double needed =
-            b.mass * (c.speed_squared * rate + c.first_dot_second * (w * w)) - dot<double>(c.first, f.force) - f.along;
-        return {needed, friction_vector<double>(b, c, w, f).norm()};
+        std::vector<PointState<double>> all = states(t, x, slip);
+        PointState<double>& p = all[at(i)];
+        p.set_rate(b.drive(t) / std::sqrt(p.curve.speed_squared));
+        const CurvePoint<double>& c = p.curve;
+        const auto f = guided(b, p, resultant<double>(i, t, all, false, [](double v) { return std::abs(v); }));
+        const double rate = carried_rate<double>(b, t, c, p.w);
+        const double needed = b.mass * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) -
+                              dot<double>(c.first, f.force) - f.along;
+        return {needed, friction_vector<double>(b, c, p.w, f).norm()};
     }
 
     CurvePoint<double> curve_point(const Body& b, double u) const { return b.curve->at<double>(u, view_); }
 
+    /// Finds where a flying bead comes back to its rail; none if the rail holds on both sides.
+    std::shared_ptr<const Locator> landing(int i) const { return landings_[at(i)]; }
+    /// The parameter at which it does, near u.
+    double landing_place(int i, const Vector3& r, double u) const;
+
+    /// A vector of the world in the view.
+    Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
+    const std::vector<ConnectedSpring>& springs() const { return springs_; }
+
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// The binormal of Frenet's axes at the start, that of the whole curve. Throws InvalidInput unless it is plane.
+    static Vector3 one_binormal(const Curve& curve, double u, const std::string& name) {
+        const Vector3 binormal = curve.frenet(u).binormal;
+        const Vector3 place = curve.position(u);
+        const Domain d = curve.domain();
+        const double span = curve.first(u).norm();
+        for (int k = 1; k <= 64; ++k) {
+            // places all over the curve, or within 32 units of its parameter where it has no end
+            const double lo = std::isfinite(d.begin) ? d.begin : u - 32.0, hi = std::isfinite(d.end) ? d.end : u + 32.0;
+            const Vector3 r = curve.position(lo + (hi - lo) * (k - 0.5) / 64.0) - place;
+            const double off = std::abs(binormal.dot(r));
+            require(off <= 1e-9 * (r.norm() + span), name, "distance of its rail from a plane", off,
+                    "a rail that holds on one side only is a plane curve; use side \"both\", or flatten the curve");
+        }
+        return binormal;
+    }
 
     // --- seen from the view ---
 
@@ -349,7 +416,6 @@ private:
             if (std::abs(v[i]) <= 4.0 * epsilon * size) v[i] = 0.0;
         return v;
     }
-    Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
     Vector3 seen_point(const Vector3& p) const {
         return snapped(view_.axes.transpose() * (p - view_.origin), p.norm() + view_.origin.norm());
     }
@@ -359,9 +425,12 @@ private:
     }
 
     Placement view_;
+    std::vector<std::shared_ptr<const Locator>> landings_;
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
     int freedoms_ = 0;
 };
+
+inline double PointLaws::landing_place(int, const Vector3&, double u) const { return u; }
 
 }  // namespace rbdyn

@@ -1,8 +1,9 @@
-// The hybrid model of particles: modes of friction, and what follows an event.
+// The hybrid model of particles: modes of friction and flight, and what follows an event.
 //
-// A mode: the sign of the slip of every rough bead, or that it sticks; the numbers its equations take follow from it.
-// A bead without slip sticks if the tangential reaction it needs is at most mu_static times the perpendicular one; on
-// the edge of that cone it holds unless the next moment asks for more; else it starts the way it is pulled.
+// A mode: the sign of the slip of every rough bead, or that it sticks; which beads fly; the side of every case
+// distinction; the numbers its equations take follow from them. A bead without slip sticks if the tangential reaction
+// it needs is at most mu_static times the perpendicular one; on the edge of that cone it holds unless the next moment
+// asks for more; else it starts the way it is pulled. A bead that lands loses its velocity across the rail.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +16,8 @@
 #include <vector>
 
 #include "rbdyn/expression/evaluate.hpp"
-#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/model/point_equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
 
@@ -24,22 +25,30 @@ namespace rbdyn {
 
 class PointsModel : public HybridModel {
 public:
-    PointsModel(const Scene& scene, const Placement& view) : laws_(scene, view) {}
+    PointsModel(const Scene& scene, const Placement& view) : laws_(scene, view), watches_(scene.watches()) {}
 
     int variables() const override { return 2 * laws_.freedoms(); }
     int bodies() const { return static_cast<int>(laws_.bodies().size()); }
     bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
     const PointLaws& laws() const { return laws_; }
 
-    /// The equations for given slips: 0 sticks, +1 or -1 slides.
-    const Equations& equations(const std::vector<signed char>& slip) const { return structure(slip).equations; }
+    /// The equations for what every body does at the state the scene starts in.
+    const Equations& equations(const std::vector<signed char>& slip, double t = 0.0) const {
+        const std::vector<double> x = start(t);
+        return structure(slip, t, x, {}).equations;
+    }
 
     /// The state the scene starts in.
-    std::vector<double> start() const { return laws_.start(); }
+    std::vector<double> start(double t = 0.0) const { return laws_.start(t); }
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {
-        return laws_.report(body, mode.slip[at(body)], t, x);
+        return laws_.report(body, mode.slip, t, x);
+    }
+
+    /// What watched functions may ask for, at a state.
+    Observe observing(const Mode& mode, double t, std::span<const double> x) const {
+        return [this, &mode, t, x](const Observable& o) { return rbdyn::observed(laws_, mode.slip, t, x, o); };
     }
 
     Mode begin(double t, std::span<double> x) const override {
@@ -49,14 +58,11 @@ public:
             const PointLaws::Body& b = laws_.body(i);
             if (!b.rough) continue;
             // the slip as the user gave it, so that a bead carried by its rail starts stuck
-            const double slip = b.start_speed - b.drive(t);
-            const double size = std::max(std::abs(b.start_speed), std::abs(b.drive(t)));
-            if (std::abs(slip) > 4.0 * epsilon * size)
-                mode.slip[at(i)] = slip > 0.0 ? 1 : -1;
-            else
-                mode.slip[at(i)] = settle(mode, i, t, x);
+            mode.slip[at(i)] = slip_of(mode, i, b.start_speed, t, x);
         }
         choose(mode, t, x, {});
+        // what its rail would have to pull flies from the start
+        for (int i = 0; i < bodies(); ++i) let_go(mode, i, t, x);
         return mode;
     }
 
@@ -64,37 +70,64 @@ public:
               std::vector<Happening>& happenings) const override {
         Mode after = mode;
         std::vector<int> flipped;
+        bool is_new = false;
+        // changes of the user's own come first
+        for (int index : fired) {
+            const Guard& guard = mode.equations->guards[at(index)];
+            if (guard.kind != EventKind::watch) continue;
+            happenings.push_back({EventKind::watch, -1, guard.direction, guard.name});
+            change(after, watches_[at(guard.watch)], t, x);
+            is_new = true;
+        }
         for (int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
             const int i = guard.subject;
             const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
             const Direction direction = sign > 0.0 ? Direction::falling : Direction::rising;
             switch (guard.kind) {
+                case EventKind::watch: break;
                 case EventKind::reverse: {
                     const signed char before = mode.slip[at(i)];
                     after.slip[at(i)] = settle(after, i, t, x);
-                    if (after.slip[at(i)] == 0)
+                    if (after.slip[at(i)] == sticks)
                         happenings.push_back({EventKind::stick, i, direction, {}});
                     else if (after.slip[at(i)] != before)
                         happenings.push_back({EventKind::reverse, i, direction, {}});
                     break;
                 }
                 case EventKind::slip: {
-                    const signed char s = static_cast<signed char>(laws_.holding(i, t, x).tangential < 0.0 ? 1 : -1);
+                    const Holding h = laws_.holding(i, t, x, mode.slip);
+                    const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
                     after.slip[at(i)] = s;
                     happenings.push_back({EventKind::slip, i, s > 0 ? Direction::rising : Direction::falling, {}});
+                    break;
+                }
+                case EventKind::detach:
+                case EventKind::rail_end:
+                    release(after, i, t, x);
+                    happenings.push_back({guard.kind, i, direction, {}});
+                    break;
+                case EventKind::land: {
+                    const double impulse = land(after, i, t, x);
+                    happenings.push_back({EventKind::land, i, Direction::falling, {}, impulse});
                     break;
                 }
                 default:
                     flipped.push_back(index);
                     // a variable that switches is zero, exactly
                     if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
-                    happenings.push_back(
-                        {guard.kind, i, direction, guard.kind == EventKind::switching ? guard.name : std::string()});
+                    if (guard.kind == EventKind::switching && guard.name.empty()) break;
+                    happenings.push_back({guard.kind, i, guard.step > 0 ? Direction::rising : direction,
+                                          guard.kind == EventKind::switching ? guard.name : std::string()});
                     break;
             }
         }
-        choose(after, t, x, flipped);
+        choose(after, t, x, flipped, is_new);
+        for (int index : fired) {
+            const Guard& guard = mode.equations->guards[at(index)];
+            if (guard.kind == EventKind::land && let_go(after, guard.subject, t, x))
+                happenings.push_back({EventKind::detach, guard.subject, Direction::falling, {}});
+        }
         return after;
     }
 
@@ -102,124 +135,278 @@ public:
         const int n = laws_.freedoms();
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
-            laws_.slope(i, mode.slip[at(i)], t, x, slope.subspan(at(b.first)), slope.subspan(at(n + b.first)));
+            laws_.slope(i, mode.slip, t, x, slope.subspan(at(b.first)), slope.subspan(at(n + b.first)));
         }
         for (double s : slope)
             if (!std::isfinite(s)) return false;
         return true;
     }
 
+    /// Positions, velocities, and reactions of rails, body by body.
+    void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& out) const override {
+        out.clear();
+        for (int i = 0; i < bodies(); ++i) {
+            const PointReport r = report(mode, i, t, x);
+            out.push_back({r.position, true, 0.0, r.position.norm()});
+            out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm()});
+            if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort});
+        }
+    }
+
+    double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override {
+        return watches_[at(guard.watch)].function(observing(mode, t, x));
+    }
+
+    std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override {
+        for (const double value : x)
+            if (!std::isfinite(value)) return "the state itself";
+        const auto all = laws_.states(t, x, mode.slip);
+        for (int i = 0; i < bodies(); ++i) {
+            const PointLaws::Body& b = laws_.body(i);
+            const PointState<double>& p = all[at(i)];
+            if (!p.r.allFinite() || !p.v.allFinite()) return "the curve or the motion of the rail of " + b.name;
+            const Vector3 r = laws_.in_world<double>(p.r), v = laws_.view().axes * p.v;
+            for (const auto& load : b.functions) {
+                const Vector3 f = std::visit([&](const auto& g) -> Vector3 { return g(t, r, v); }, load);
+                if (f.allFinite()) continue;
+                std::string name = "the force";
+                if (const Force* force = std::get_if<Force>(&load)) name = "force \"" + force->name() + "\"";
+                if (const Potential* u = std::get_if<Potential>(&load))
+                    name = "the slope of potential \"" + u->name() + "\"";
+                return name + " on " + b.name + ", which is [" + text(f[0]) + ", " + text(f[1]) + ", " + text(f[2]) +
+                       "]";
+            }
+            if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
+            const PointReport report = laws_.report(i, mode.slip, t, x);
+            if (!report.acceleration.allFinite()) return "the acceleration of " + b.name;
+        }
+        return {};
+    }
+
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// What a bead does at a speed along its rail.
+    signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const {
+        const PointLaws::Body& b = laws_.body(i);
+        const double drive = b.drive(t), slip = speed - drive;
+        if (std::abs(slip) > 4.0 * epsilon * std::max(std::abs(speed), std::abs(drive))) return slip > 0.0 ? 1 : -1;
+        return settle(mode, i, t, x);
+    }
 
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
     signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
         x[at(b.first + laws_.freedoms())] = b.drive(t) / std::sqrt(c.speed_squared);
-        const Holding h = laws_.holding(i, t, x);
+        const Holding h = laws_.holding(i, t, x, mode.slip);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
         const signed char escape = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
         if (needed > limit * (1.0 + 8.0 * epsilon)) return escape;
-        if (needed < limit * (1.0 - 8.0 * epsilon) || needed == 0.0) return 0;
+        if (needed < limit * (1.0 - 8.0 * epsilon) || needed == 0.0) return sticks;
         // on the edge of the cone: it holds unless the next moment asks for more
         Mode stuck = mode;
-        stuck.slip[at(i)] = 0;
+        stuck.slip[at(i)] = sticks;
         choose(stuck, t, x, {});
         for (const Guard& guard : stuck.equations->guards)
             if (guard.kind == EventKind::slip && guard.subject == i)
-                return leading_sign(stuck, t, x, guard.output) < 0 ? escape : static_cast<signed char>(0);
-        return 0;
-    }
-    const PointStructure& structure(const std::vector<signed char>& slip) const {
-        std::vector<bool> held;
-        for (int i = 0; i < bodies(); ++i) held.push_back(laws_.body(i).rough && slip[at(i)] == 0);
-        const std::lock_guard lock(mutex_);
-        auto& found = structures_[held];
-        if (!found) found = record_points(laws_, held);
-        return *found;
+                return leading_sign(stuck, t, x, guard.output) < 0 ? escape : sticks;
+        return sticks;
     }
 
-    /// Completes a mode: its equations and their parameters. `flipped`: guards of switches that changed sign.
-    void choose(Mode& mode, double t, std::span<const double> x, std::span<const int> flipped) const {
-        const PointStructure& s = structure(mode.slip);
+    /// A bead becomes free, with the place and velocity it has.
+    void release(Mode& mode, int i, double t, std::span<double> x) const {
+        const PointLaws::Body& b = laws_.body(i);
+        const PointState<double> p = laws_.states(t, x, mode.slip)[at(i)];
+        for (int k = 0; k < 3; ++k) {
+            x[at(b.first_of_space() + k)] = p.r[k];
+            x[at(laws_.freedoms() + b.first_of_space() + k)] = p.v[k];
+        }
+        x[at(laws_.freedoms() + b.first)] = 0.0;
+        mode.slip[at(i)] = flies;
+    }
+
+    /// A bead that flies comes to its rail, where it keeps its velocity along it. Returns the impulse on it.
+    double land(Mode& mode, int i, double t, std::span<double> x) const {
+        const PointLaws::Body& b = laws_.body(i);
+        const int n = laws_.freedoms(), space = b.first_of_space();
+        const Vector3 r{x[at(space)], x[at(space + 1)], x[at(space + 2)]},
+            v{x[at(n + space)], x[at(n + space + 1)], x[at(n + space + 2)]};
+        x[at(b.first)] = laws_.landing_place(i, r, x[at(b.first)]);
+        const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
+        const double w = dot<double>(c.first, v) / c.speed_squared;
+        x[at(n + b.first)] = w;
+        for (int k = 0; k < 3; ++k) x[at(n + space + k)] = 0.0;
+        mode.slip[at(i)] = 1;
+        if (b.rough) mode.slip[at(i)] = slip_of(mode, i, w * std::sqrt(c.speed_squared), t, x);
+        return b.mass * (v - c.first * w).norm();
+    }
+
+    /// Releases a bead whose rail would have to pull it. Returns whether it did.
+    bool let_go(Mode& mode, int i, double t, std::span<double> x) const {
+        if (laws_.body(i).side == RailSide::both || mode.slip[at(i)] == flies) return false;
+        for (const Guard& guard : mode.equations->guards) {
+            if (guard.kind != EventKind::detach || guard.subject != i) continue;
+            Evaluator<double> values(mode.equations->program);
+            values.set_parameters(mode.parameters);
+            values(t, x);
+            const double g = values.output(guard.output);
+            const bool is_zero = std::abs(g) <= 8.0 * epsilon * values.magnitude(guard.output);
+            if (is_zero ? leading_sign(mode, t, x, guard.output) >= 0 : g > 0.0) return false;
+            release(mode, i, t, x);
+            choose(mode, t, x, {});
+            return true;
+        }
+        return false;
+    }
+
+    /// What the user's own action makes of the state.
+    void change(Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const {
+        const int n = laws_.freedoms();
+        for (const StateChange& c : watch.options.action.change(observing(mode, t, x))) {
+            const int i = c.body.index;
+            const std::string user = "watch " + watch.name;
+            require(i >= 0 && i < bodies(), user, "body", i, "its action changes bodies of this scene");
+            const PointLaws::Body& b = laws_.body(i);
+            const bool is_free = !b.curve || mode.slip[at(i)] == flies;
+            if (is_free ? c.parameter || c.speed : c.position || c.velocity)
+                throw InvalidInput(
+                    user + ": its action changes " +
+                    (is_free ? "parameter or speed of " + b.name + ", which is free; give position, velocity"
+                             : "position or velocity of " + b.name + ", which is on a rail; give parameter, speed"));
+            const auto set = [&](int index, double value) {
+                require(std::isfinite(value), user, "a number its action gives", value, "a state is finite");
+                x[at(index)] = value;
+            };
+            for (int k = 0; k < 3 && is_free; ++k) {
+                if (c.position)
+                    set(b.first_of_space() + k,
+                        (laws_.view().axes.transpose() * (*c.position - laws_.view().origin))[k]);
+                if (c.velocity) set(n + b.first_of_space() + k, (laws_.view().axes.transpose() * *c.velocity)[k]);
+            }
+            if (is_free) continue;
+            const double before = std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared) * x[at(n + b.first)];
+            if (c.parameter) set(b.first, *c.parameter);
+            const double speed = c.speed.value_or(before);
+            set(n + b.first, speed / std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared));
+            if (b.rough) mode.slip[at(i)] = slip_of(mode, i, speed, t, x);
+        }
+    }
+
+    /// The structure for a state, recorded anew only if no earlier one makes the same choices.
+    const PointStructure& structure(const std::vector<signed char>& slip, double t, std::span<const double> x,
+                                    std::map<std::uint64_t, long> forced) const {
+        std::vector<signed char> key = slip;
+        for (int i = 0; i < bodies(); ++i)
+            if (key[at(i)] != flies && !(key[at(i)] == sticks && laws_.body(i).rough)) key[at(i)] = 1;
+        const std::lock_guard lock(mutex_);
+        auto& known = structures_[key];
+        if (!known.empty() && known.front()->equations.branches.empty()) return *known.front();
+        auto recorded = record_points(laws_, watches_, slip, {t, x, std::move(forced)});
+        const auto& branches = recorded->equations.branches;
+        for (const auto& structure : known) {
+            const auto& others = structure->equations.branches;
+            const auto same = [](const Branch& a, const Branch& b) { return a.id == b.id && a.choice == b.choice; };
+            if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return *structure;
+        }
+        known.push_back(std::move(recorded));
+        return *known.back();
+    }
+
+    /// Completes a mode: its equations and their parameters. `flipped`: guards whose switch or choice changed; the
+    /// others stay as they are, unless the state is a new one.
+    void choose(Mode& mode, double t, std::span<const double> x, std::span<const int> flipped,
+                bool is_new = false) const {
         const Equations* before = mode.equations;
         const std::vector<double> old = mode.parameters;
-        mode.equations = &s.equations;
-        mode.still = s.still;
-        const Program& program = s.equations.program;
+        mode.equations = nullptr;
+        std::map<std::uint64_t, long> forced;
+        if (before != nullptr && !is_new)
+            for (const Branch& b : before->branches) forced[b.id] = b.choice;
+        if (before != nullptr)
+            for (const int index : flipped)
+                if (const Guard& guard = before->guards[at(index)]; guard.branch >= 0)
+                    forced[before->branches[at(guard.branch)].id] =
+                        before->branches[at(guard.branch)].choice + guard.step;
+        // a choice that starts on its edge is made by the way it leaves it
+        for (int attempt = 0; attempt < 8; ++attempt) {
+            const PointStructure& s = structure(mode.slip, t, x, forced);
+            mode.equations = &s.equations;
+            mode.still = s.still;
+            set_parameters(mode, t, x, before, old, flipped, is_new);
+            if (s.equations.branches.empty()) return;
+            bool changed = false;
+            Evaluator<double> values(s.equations.program);
+            values.set_parameters(mode.parameters);
+            values(t, x);
+            for (const Guard& guard : s.equations.guards) {
+                if (guard.branch < 0) continue;
+                const Branch& b = s.equations.branches[at(guard.branch)];
+                const bool is_zero =
+                    std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output);
+                if (forced.contains(b.id) || !is_zero) continue;
+                const bool leaves = leading_sign(mode, t, x, guard.output) < 0;
+                forced[b.id] = b.choice + (leaves ? guard.step : 0);
+                changed = changed || leaves;
+            }
+            if (!changed) return;
+        }
+    }
+
+    void set_parameters(Mode& mode, double t, std::span<const double> x, const Equations* before,
+                        const std::vector<double>& old, std::span<const int> flipped, bool is_new) const {
+        const Equations& e = *mode.equations;
+        const Program& program = e.program;
         mode.parameters.assign(at(program.parameters()), 0.0);
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
             if (laws_.body(i).curve) mode.parameters[at(bodies() + i)] = x[at(laws_.body(i).first)];
         }
         if (program.switches().empty()) return;
-        const int first = static_cast<int>(s.equations.guards.size() - program.switches().size());
-        if (before == mode.equations) {
-            // what did not switch goes on as it was, but for a variable that the event set anew
-            for (std::size_t k = 0; k < program.switches().size(); ++k) {
-                const Switch& w = program.switches()[k];
-                const int slot = program.switch_output(static_cast<int>(k));
-                double& parameter = mode.parameters[at(w.parameter)];
-                parameter = w.is_norm ? 0.0 : old[at(w.parameter)];
-                if (!w.is_norm && slot < program.inputs() && x[at(slot)] != 0.0)
-                    parameter = x[at(slot)] > 0.0 ? 1.0 : -1.0;
-            }
-            for (int index : flipped) {
-                const Switch& w = program.switches()[at(index - first)];
-                mode.parameters[at(w.parameter)] = w.is_norm ? 1.0 : -old[at(w.parameter)];
-            }
-            return;
-        }
         for (const Switch& w : program.switches()) mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : 1.0;
+        // what did not switch goes on as it was, but for what an event set anew
+        std::vector<bool> settled(program.switches().size(), false);
+        if (before != nullptr) {
+            const int first = static_cast<int>(before->guards.size() - before->program.switches().size());
+            for (std::size_t j = 0; j < before->program.switches().size(); ++j) {
+                const Switch& w = before->program.switches()[j];
+                const bool is_flipped =
+                    std::find(flipped.begin(), flipped.end(), first + static_cast<int>(j)) != flipped.end();
+                for (std::size_t k = 0; k < program.switches().size(); ++k) {
+                    const Switch& now = program.switches()[k];
+                    if (now.id != w.id || now.is_norm != w.is_norm || (is_new && !is_flipped)) continue;
+                    settled[k] = true;
+                    mode.parameters[at(now.parameter)] =
+                        w.is_norm ? (is_flipped ? 1.0 : 0.0) : (is_flipped ? -1.0 : 1.0) * old[at(w.parameter)];
+                }
+            }
+        }
         Evaluator<double> values(program);
         values.set_parameters(mode.parameters);
         values(t, x);
+        std::vector<bool> at_zero(program.switches().size(), false);
         for (std::size_t k = 0; k < program.switches().size(); ++k) {
             const Switch& w = program.switches()[k];
-            if (!w.is_norm && values.switch_value(static_cast<int>(k)) < 0.0) mode.parameters[at(w.parameter)] = -1.0;
+            if (w.is_norm) continue;
+            const double value = values.switch_value(static_cast<int>(k));
+            double& sign = mode.parameters[at(w.parameter)];
+            // a variable may have been set by the event
+            const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
+            if (settled[k] && (!is_variable || value * sign >= 0.0)) continue;
+            at_zero[k] = value == 0.0;
+            sign = value < 0.0 ? -1.0 : 1.0;
         }
         // what starts at zero takes the sign of its first change, which may depend on the signs of the others
-        for (std::size_t k = 0; k < program.switches().size(); ++k) {
-            const Switch& w = program.switches()[k];
-            if (w.is_norm || values.switch_value(static_cast<int>(k)) != 0.0) continue;
-            if (leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0)
-                mode.parameters[at(w.parameter)] = -1.0;
-        }
+        for (std::size_t k = 0; k < program.switches().size(); ++k)
+            if (at_zero[k] && leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0)
+                mode.parameters[at(program.switches()[k].parameter)] = -1.0;
     }
 
-    /// The sign an output takes just after t: that of its first coefficient that is not zero. 0: it stays zero.
-    static int leading_sign(const Mode& mode, double t, std::span<const double> x, int output) {
-        constexpr int order = 8;
-        const Program& program = mode.equations->program;
-        SeriesEvaluator series(program, order);
-        series.set_parameters(mode.parameters);
-        series.begin(t, 1.0);
-        for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
-        for (int k = 0; k <= order; ++k) {
-            series.advance(k);
-            if (k < order)
-                for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
-        }
-        // the time in which the state changes by as much as its first derivative says, so that no unit matters
-        double log_time = std::numeric_limits<double>::infinity();
-        for (int i = 0; i < program.inputs(); ++i) {
-            const double* c = series.coefficients(i);
-            for (int k = 2; k <= order && c[1] != 0.0; ++k)
-                if (c[k] != 0.0) log_time = std::min(log_time, std::log2(std::abs(c[1] / c[k])) / (k - 1));
-        }
-        const double time = std::isfinite(log_time) ? std::exp2(log_time) : 1.0;
-        const double* g = series.output(output);
-        double size = 0.0;
-        for (int k = 0; k <= order; ++k) size = std::max(size, std::abs(g[k]) * std::pow(time, k));
-        for (int k = 0; k <= order; ++k)
-            if (std::abs(g[k]) * std::pow(time, k) > 1e-13 * size) return g[k] > 0.0 ? 1 : -1;
-        return 0;
-    }
     PointLaws laws_;
+    std::vector<Scene::Watch> watches_;
     mutable std::mutex mutex_;
-    mutable std::map<std::vector<bool>, std::unique_ptr<PointStructure>> structures_;
+    mutable std::map<std::vector<signed char>, std::vector<std::unique_ptr<PointStructure>>> structures_;
 };
 
 }  // namespace rbdyn

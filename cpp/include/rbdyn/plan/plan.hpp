@@ -20,12 +20,22 @@ struct Plan {
     std::vector<std::string> coordinates;  // one line a body
     std::vector<std::string> effects;      // of the closed list
     std::vector<std::string> guards;       // what is watched for
+    std::vector<std::string> functions;    // the user's own: recorded, or called back and why
     std::string engine, reason;            // the automatic choice
     std::vector<Omission> omissions;
     std::vector<std::string> integrals;        // first integrals of the scene
     Placement view;                            // the axes the equations are written in
     std::shared_ptr<const PointsModel> model;  // the equations of motion
+    bool calls_back = false;                   // a force of it has values only, no series
+    std::vector<std::shared_ptr<const Callback>> callbacks;
 
+    /// Calls of functions in Python so far.
+    std::int64_t python_calls() const {
+        std::int64_t sum = 0;
+        for (const auto& c : callbacks)
+            if (c->is_python) sum += c->calls.load(std::memory_order_relaxed);
+        return sum;
+    }
     bool has(const std::string& effect) const {
         return std::find(effects.begin(), effects.end(), effect) != effects.end();
     }
@@ -69,8 +79,11 @@ inline Placement view_of(const Scene& scene) {
 /// What the recorded equations watch for, with nothing that sticks and with all that can.
 inline std::vector<std::string> guards_of(const PointsModel& model) {
     std::vector<std::string> lines;
-    for (const signed char slip : {1, 0}) {
-        const std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
+    for (const signed char slip : {static_cast<signed char>(1), sticks, flies}) {
+        std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
+        if (slip == flies)
+            for (int i = 0; i < model.bodies(); ++i)
+                if (!model.laws().body(i).may_fly) slips[static_cast<std::size_t>(i)] = 1;
         for (const Guard& guard : model.equations(slips).guards) {
             std::string line = guard.subject >= 0 ? model.laws().body(guard.subject).name + ": " : std::string();
             switch (guard.kind) {
@@ -78,6 +91,15 @@ inline std::vector<std::string> guards_of(const PointsModel& model) {
                 case EventKind::slip: line += "the static limit while it sticks (slip)"; break;
                 case EventKind::normal_zero: line += "its normal reaction through zero (normal-zero)"; break;
                 case EventKind::rail_end: line += "an end of its rail (rail-end)"; break;
+                case EventKind::detach: line += "what its rail would have to pull (detach)"; break;
+                case EventKind::land: line += "its way back to the rail (land)"; break;
+                case EventKind::watch: line += "\"" + guard.name + "\" (watch)"; break;
+                case EventKind::switching:
+                    if (guard.name.empty()) {
+                        line += "a change from one formula to the next (no event)";
+                        break;
+                    }
+                    [[fallthrough]];
                 default: line += guard.name + " through zero (switch)"; break;
             }
             if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
@@ -94,7 +116,7 @@ inline Plan make_plan(const Scene& scene) {
     Plan plan;
     plan.view = planning::view_of(scene);
     bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
-         damper = false, is_rough = false, free = false, user_velocity = false;
+         damper = false, is_rough = false, free = false, moving = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
         plan.omissions.push_back({what, why});
     };
@@ -107,6 +129,9 @@ inline Plan make_plan(const Scene& scene) {
             continue;
         }
         any_rail = true;
+        moving = moving || rail->motion().present();
+        if (!rail->drive().is_constant()) plan.functions.push_back("drive of " + b.name + " traced, native");
+        if (rail->motion().present()) plan.functions.push_back("motion of the rail of " + b.name + " traced, native");
         plan.coordinates.push_back(b.name + ": parameter u of its " + rail->curve().name());
         if (const auto friction = rail->friction()) {
             is_rough = true;
@@ -117,29 +142,46 @@ inline Plan make_plan(const Scene& scene) {
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
     }
+    bool nonconservative = false;
     for (const auto& load : scene.loads()) {
+        const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
         if (const Force* force = std::get_if<Force>(&load.load)) {
             if (!force->is_constant() || !force->constant().isZero(0.0)) user = true;
-            if (!force->is_constant()) user_velocity = true;
+            if (force->is_constant()) continue;
+            nonconservative = true;
+            if (force->callback()) {
+                plan.calls_back = true;
+                plan.callbacks.push_back(force->callback());
+                plan.functions.push_back("force \"" + force->name() + "\"" + on +
+                                         " called back: " + force->callback()->reason);
+            } else {
+                plan.functions.push_back("force \"" + force->name() + "\" traced, native," + on);
+            }
+        } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
+            user = true;
+            plan.functions.push_back("potential \"" + potential->name() + "\" traced, native," + on);
+        } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
+            user = user || lorentz->present();
+            if (!lorentz->present()) leave_out("Lorentz force" + on, "its strength or its field is zero");
         } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
             drag = drag || d->present();
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         }
     }
+    for (const auto& watch : scene.watches())
+        plan.functions.push_back(
+            "watch \"" + watch.name + "\" " +
+            (watch.function.is_recorded() ? "traced, native" : "called back: " + watch.function.reason()));
     for (const auto& c : scene.connections()) {
         const Spring& s = std::get<Spring>(c.coupling);
         spring = spring || s.stiffness > 0.0;
         damper = damper || s.damping > 0.0;
         if (s.stiffness == 0.0 && s.damping == 0.0) leave_out("a spring", "its stiffness and damping are zero");
     }
-    const std::pair<bool, const char*> effects[] = {{gravity, "gravity"},
-                                                    {spring, "spring"},
-                                                    {damper, "damper"},
-                                                    {drag, "drag"},
-                                                    {user, "user force"},
-                                                    {drive, "drive"},
-                                                    {dynamic, "dynamic friction"},
-                                                    {statics, "static friction"}};
+    const std::pair<bool, const char*> effects[] = {
+        {gravity, "gravity"},        {spring, "spring"}, {damper, "damper"},      {drag, "drag"},
+        {user, "user force"},        {drive, "drive"},   {moving, "moving rail"}, {dynamic, "dynamic friction"},
+        {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
     plan.model = std::make_shared<const PointsModel>(scene, plan.view);
@@ -150,7 +192,7 @@ inline Plan make_plan(const Scene& scene) {
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     if (plan.guards.empty()) leave_out("events", "nothing to watch for");
     // first integrals that the effects leave
-    const bool conservative = !drag && !damper && !user_velocity && !dynamic && !statics && !drive;
+    const bool conservative = !drag && !damper && !nonconservative && !moving && !dynamic && !statics && !drive;
     if (conservative) plan.integrals.push_back("energy");
     if (!any_rail) {
         bool isolated = true;
@@ -162,6 +204,8 @@ inline Plan make_plan(const Scene& scene) {
             if (const Force* force = std::get_if<Force>(&load.load)) {
                 known = known && force->is_constant();
                 external += force->constant().cwiseAbs();
+            } else if (!std::holds_alternative<Drag>(load.load)) {
+                known = false;
             }
         external += scene.gravity().cwiseAbs();
         const char* names[] = {"momentum x", "momentum y", "momentum z"};
@@ -178,8 +222,12 @@ inline Plan make_plan(const Scene& scene) {
             if (only_gravity) plan.integrals.push_back("angular momentum z");
         }
     }
-    plan.engine = "taylor";
-    plan.reason = "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
+    for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
+    plan.engine = plan.calls_back ? "dop853" : "taylor";
+    plan.reason =
+        plan.calls_back
+            ? "a force that is called back has no Taylor series; events are located but not certain"
+            : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
     return plan;
 }
 
@@ -195,6 +243,7 @@ inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     list("  coordinates ", plan.coordinates, "none");
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
+    if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");
     list("  conserved   ", plan.integrals, "nothing");
     out << "  engine      " << plan.engine << ": " << plan.reason << '\n';
     out << "  left out    ";

@@ -7,11 +7,14 @@
 
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/scene/rigid_motion.hpp"
 
 namespace rbdyn {
 
 /// No constraint.
-struct Free {};
+struct Free {
+    bool operator==(const Free&) const = default;
+};
 
 /// Initial state of a free particle: position [m] and velocity [m/s], world axes.
 struct FreeStart {
@@ -26,6 +29,7 @@ struct Coulomb {
     std::optional<double> mu_dynamic = std::nullopt;  // default: mu_static
 
     double dynamic() const { return mu_dynamic.value_or(mu_static); }
+    bool operator==(const Coulomb& other) const { return mu_static == other.mu_static && dynamic() == other.dynamic(); }
     bool present() const { return mu_static > 0.0 || dynamic() > 0.0; }
     void validate() const {
         require(std::isfinite(mu_static) && mu_static >= 0.0, "Coulomb", "mu_static", mu_static,
@@ -38,16 +42,25 @@ struct Coulomb {
     }
 };
 
-/// What happens when the bead reaches an end of its curve.
-enum class RailEnds { stop };
+/// What happens when the bead reaches an end of its curve: the run ends, or the bead goes on freely.
+enum class RailEnds { stop, release };
+
+/// On which side a rail holds its bead: on both, or only by pushing it along the curve's normal, or against it.
+///
+/// The normal is that of Frenet's axes where the bead starts, carried on along the curve without a jump at points of
+/// inflection: n = b x t with one binormal b, so the curve lies in a plane. Pulled away, the bead leaves the rail and
+/// flies; where its path meets the curve again from the same side it lands, its velocity across the curve lost.
+enum class RailSide { both, plus, minus };
 
 /// Options of a rail beside its curve and friction.
 struct RailOptions {
     TimeFunction drive = 0.0;  // speed with which the rail's surface slides along itself [m/s]
+    RigidMotion motion = {};   // of the rail itself, prescribed; its curve is where it is for R = 1, d = 0
+    RailSide side = RailSide::both;
     RailEnds ends = RailEnds::stop;
 };
 
-/// A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
+/// A guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26), fixed or moving.
 class Rail {
 public:
     Rail(Curve curve, std::optional<Coulomb> friction = std::nullopt, RailOptions options = {})
@@ -56,13 +69,37 @@ public:
         if (options_.drive.is_constant())
             require(std::isfinite(options_.drive.constant()), "Rail", "drive", options_.drive.constant(),
                     "the speed of a rail's surface is finite; give it in m/s");
+        if (options_.side != RailSide::both && options_.motion.present())
+            throw InvalidInput(
+                "Rail: side is given, and motion too; where a bead lands on a rail that moves is not known here: use "
+                "side \"both\", or a rail at rest");
     }
 
     const Curve& curve() const { return curve_; }
     /// Friction, if any of its coefficients is not zero.
     std::optional<Coulomb> friction() const { return friction_ && friction_->present() ? friction_ : std::nullopt; }
     const TimeFunction& drive() const { return options_.drive; }
+    const RigidMotion& motion() const { return options_.motion; }
+    RailSide side() const { return options_.side; }
     RailEnds ends() const { return options_.ends; }
+    /// Whether the bead may come to fly.
+    bool may_release() const {
+        const Domain d = curve_.domain();
+        const bool ends = !curve_.closed() && (std::isfinite(d.begin) || std::isfinite(d.end));
+        return options_.side != RailSide::both || (options_.ends == RailEnds::release && ends);
+    }
+    /// With the numbers of the user's as they are now.
+    Rail frozen() const {
+        Rail result = *this;
+        result.options_.drive = options_.drive.frozen();
+        result.options_.motion = options_.motion.frozen();
+        return result;
+    }
+
+    bool operator==(const Rail& other) const {
+        return curve_ == other.curve_ && friction() == other.friction() && drive() == other.drive() &&
+               motion() == other.motion() && side() == other.side() && ends() == other.ends();
+    }
 
 private:
     Curve curve_;

@@ -1,8 +1,8 @@
-// Loads on one body and couplings between two points.
+// Loads: forces on one body.
 #pragma once
 
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -12,7 +12,7 @@
 
 namespace rbdyn {
 
-/// A force [N] in world axes: constant, or any function (t, position, velocity) over the number type.
+/// A force [N] in world axes: constant, or a function (t, position, velocity), recorded or called back.
 class Force {
 public:
     Force(const Vector3& constant) : constant_(constant) {
@@ -21,10 +21,13 @@ public:
                     "a force is finite; give it in N");
     }
     /// From a recorded function of (t, x, y, z, vx, vy, vz) with three results.
-    explicit Force(Function function) : function_(std::move(function)) {
-        if (function_.inputs() != 7 || function_.outputs() != 3)
-            throw InvalidInput("Force: the function has " + std::to_string(function_.outputs()) +
-                               " results; a force has three components, in N");
+    explicit Force(Function function, std::string name = "function")
+        : function_(std::move(function)), name_(std::move(name)) {
+        require_shape(function_.inputs(), function_.outputs());
+    }
+    /// From a function that is called back, of (t, x, y, z, vx, vy, vz) with three results.
+    explicit Force(std::shared_ptr<const Callback> callback) : callback_(std::move(callback)), name_(callback_->name) {
+        require_shape(callback_->inputs, callback_->outputs);
     }
     /// [](const auto& t, const auto& position, const auto& velocity) { return Vector3Of<...>{...}; }
     template <class F>
@@ -36,24 +39,128 @@ public:
               return std::vector<Expression>{r[0], r[1], r[2]};
           })) {}
 
-    bool is_constant() const { return !function_; }
+    bool is_constant() const { return !function_ && !callback_; }
     const Vector3& constant() const { return constant_; }
+    const Function& function() const { return function_; }
+    const std::shared_ptr<const Callback>& callback() const { return callback_; }
+    const std::string& name() const { return name_; }
+    bool depends_on_time() const { return callback_ || (function_ && function_.depends_on(0)); }
     /// Depends on the body's velocity.
     bool depends_on_velocity() const {
-        return function_ && (function_.depends_on(4) || function_.depends_on(5) || function_.depends_on(6));
+        return callback_ ||
+               (function_ && (function_.depends_on(4) || function_.depends_on(5) || function_.depends_on(6)));
+    }
+    /// With the numbers of the user's as they are now.
+    Force frozen() const {
+        Force result = *this;
+        result.function_ = function_.frozen();
+        return result;
     }
 
     template <class S>
     Vector3Of<S> operator()(const S& t, const Vector3Of<S>& r, const Vector3Of<S>& v) const {
-        if (!function_) return constant_.template cast<S>();
+        if (is_constant()) return constant_.template cast<S>();
         const S x[7] = {t, r[0], r[1], r[2], v[0], v[1], v[2]};
-        const std::vector<S> f = function_(std::span<const S>(x, 7));
-        return {f[0], f[1], f[2]};
+        if (function_) {
+            const std::vector<S> f = function_(std::span<const S>(x, 7));
+            return {f[0], f[1], f[2]};
+        }
+        if constexpr (std::is_same_v<S, Expression>) {
+            for (const Expression& e : x)
+                if (!e.is_constant()) {
+                    const std::vector<Expression> f = e.recorder()->call(callback_, std::span<const Expression>(x, 7));
+                    return {f[0], f[1], f[2]};
+                }
+            throw Error("a function is called back with numbers that vary");
+        } else {
+            double in[7], out[3];
+            for (int i = 0; i < 7; ++i) in[i] = static_cast<double>(x[i]);
+            (*callback_)(in, out);
+            return {S(out[0]), S(out[1]), S(out[2])};
+        }
+    }
+
+    bool operator==(const Force& other) const {
+        return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_;
     }
 
 private:
+    static void require_shape(int inputs, int outputs) {
+        if (inputs != 7 || outputs != 3)
+            throw InvalidInput("Force: the function has " + std::to_string(outputs) +
+                               " results; a force has three components, in N");
+    }
+
     Vector3 constant_ = Vector3::Zero();
     Function function_;
+    std::shared_ptr<const Callback> callback_;
+    std::string name_;
+};
+
+/// A force by its potential U(position) [J], in world axes: F = +grad U (the chapter's sign, eq. 7.2).
+class Potential {
+public:
+    /// From a recorded function of (x, y, z) with one result.
+    explicit Potential(Function function, std::string name = "function")
+        : function_(std::move(function)), name_(std::move(name)) {
+        if (function_.inputs() != 3 || function_.outputs() != 1)
+            throw InvalidInput("Potential: the function has " + std::to_string(function_.outputs()) +
+                               " results; a potential is one number, in J");
+        for (int i = 0; i < 3; ++i) slope_[i] = function_.derivative(i);
+    }
+    /// [](const auto& position) { return ...; }
+    template <class F>
+    requires std::is_invocable_v < F, const Vector3Of<Expression>
+    & > Potential(F f)
+        : Potential(Function::record(3, [&](const std::vector<Expression>& x) {
+              return std::vector<Expression>{f(Vector3Of<Expression>{x[0], x[1], x[2]})};
+          })) {}
+
+    const Function& function() const { return function_; }
+    const std::string& name() const { return name_; }
+    Potential frozen() const {
+        Potential result = *this;
+        result.function_ = function_.frozen();
+        for (Function& f : result.slope_) f = f.frozen();
+        return result;
+    }
+
+    /// U [J].
+    template <class S>
+    S value(const Vector3Of<S>& r) const {
+        return function_(std::span<const S>(r.data(), 3))[0];
+    }
+    /// grad U [N].
+    template <class S>
+    Vector3Of<S> operator()(const S& /*t*/, const Vector3Of<S>& r, const Vector3Of<S>& /*v*/) const {
+        const std::span<const S> x(r.data(), 3);
+        return {slope_[0](x)[0], slope_[1](x)[0], slope_[2](x)[0]};
+    }
+
+    bool operator==(const Potential& other) const { return function_ == other.function_; }
+
+private:
+    Function function_, slope_[3];
+    std::string name_;
+};
+
+/// A force across the velocity: strength v x field, that of a uniform field on a charge. It does no work.
+struct Lorentz {
+    double strength = 0.0;
+    Vector3 field = Vector3::Zero();  // world axes; strength times field is in kg/s
+
+    void validate() const {
+        require(std::isfinite(strength), "Lorentz", "strength", strength, "it is finite");
+        for (int i = 0; i < 3; ++i)
+            require(std::isfinite(field[i]), "Lorentz", "component " + std::to_string(i) + " of field", field[i],
+                    "it is finite");
+    }
+    bool present() const { return strength != 0.0 && !field.isZero(0.0); }
+    template <class S>
+    Vector3Of<S> operator()(const S& /*t*/, const Vector3Of<S>& /*r*/, const Vector3Of<S>& v) const {
+        return cross<S>(v, (strength * field).template cast<S>());
+    }
+    bool operator==(const Lorentz&) const = default;
 };
 
 /// Resistance of a medium at rest: -(linear + quadratic |v|) v. linear [kg/s], quadratic [kg/m].
@@ -67,60 +174,9 @@ struct Drag {
             require(std::isfinite(value) && value >= 0.0, "Drag", name, value,
                     "a resistance is zero or positive and finite; a driving force is a Force");
     }
+    bool operator==(const Drag&) const = default;
 };
 
-using Load = std::variant<Force, Drag>;
-
-/// A spring with a damper along it: -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its
-/// ends. stiffness [N/m], rest_length [m], damping [kg/s].
-struct Spring {
-    double stiffness = 0.0;
-    double rest_length = 0.0;
-    double damping = 0.0;
-
-    void validate() const {
-        for (auto [name, value] :
-             {std::pair{"stiffness", stiffness}, std::pair{"rest_length", rest_length}, std::pair{"damping", damping}})
-            require(std::isfinite(value) && value >= 0.0, "Spring", name, value, "it is zero or positive and finite");
-    }
-
-    /// Force on the first end; `d` and `v`: position and velocity of the first end relative to the second.
-    /// Along a straight way through the second end the direction is a sign, locked between passages; elsewhere the two
-    /// ends may not meet.
-    Vector3Of<Expression> operator()(const Vector3Of<Expression>& d, const Vector3Of<Expression>& v) const {
-        using S = Expression;
-        const double tension = stiffness * rest_length;
-        Vector3Of<S> force = d * S(-stiffness);
-        if (tension == 0.0 && damping == 0.0) return force;
-        if (const int only = only_component(d); only >= 0) {
-            if (tension != 0.0) force[only] += S(tension) * locked_sign(d[only], "direction of a spring");
-            force[only] -= S(damping) * v[only];
-            return force;
-        }
-        const S l = length(d, "length of a spring");
-        if (tension != 0.0) force += d * (S(tension) / l);
-        if (damping != 0.0) force -= d * (S(damping) * dot<S>(d, v) / (l * l));
-        return force;
-    }
-    /// In numbers: where the ends meet, |d| within rounding of numbers of the given size, the direction is that of what
-    /// comes next.
-    Vector3 operator()(const Vector3& d, const Vector3& v, double size = 0.0) const {
-        const double l = d.norm(), speed = v.norm();
-        const bool apart = l > 8.0 * std::numeric_limits<double>::epsilon() * size;
-        const Vector3 along = apart ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3::Zero().eval();
-        return -(stiffness * (l - rest_length) + damping * along.dot(v)) * along;
-    }
-
-private:
-    /// The one component of a recorded vector that does not vanish identically, or -1.
-    static int only_component(const Vector3Of<Expression>& d) {
-        int only = -1;
-        for (int i = 0; i < 3; ++i)
-            if (!d[i].is_zero()) only = only < 0 ? i : 3;
-        return only < 3 ? only : -1;
-    }
-};
-
-using Coupling = std::variant<Spring>;
+using Load = std::variant<Force, Potential, Lorentz, Drag>;
 
 }  // namespace rbdyn

@@ -8,29 +8,13 @@
 #include <vector>
 
 #include "rbdyn/body/particle.hpp"
+#include "rbdyn/scene/couplings.hpp"
+#include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/watch.hpp"
 
 namespace rbdyn {
-
-/// A body of a scene, by order of addition.
-struct BodyHandle {
-    int index = -1;
-    bool operator==(const BodyHandle&) const = default;
-};
-/// A load of a scene, by order of application.
-struct LoadHandle {
-    int index = -1;
-    bool operator==(const LoadHandle&) const = default;
-};
-/// A coupling of a scene, by order of connection.
-struct CouplingHandle {
-    int index = -1;
-    bool operator==(const CouplingHandle&) const = default;
-};
-
-/// An end of a coupling: a body, or a point of the world.
-using End = std::variant<BodyHandle, Vector3>;
 
 class Scene {
 public:
@@ -43,14 +27,32 @@ public:
         std::string name;
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
+        bool operator==(const Body&) const = default;
     };
     struct AppliedLoad {
         Load load;
         int body;
+        bool operator==(const AppliedLoad&) const = default;
     };
     struct Connection {
         Coupling coupling;
         End a, b;
+        bool operator==(const Connection&) const = default;
+    };
+    struct Watch {
+        std::string name;
+        WatchFunction function;
+        WatchOptions options;
+        bool operator==(const Watch& other) const {
+            return name == other.name && function == other.function && options.direction == other.options.direction &&
+                   options.action.kind == other.options.action.kind && !options.action.change &&
+                   !other.options.action.change;
+        }
+    };
+    struct Integral {
+        std::string name;
+        WatchFunction function;
+        bool operator==(const Integral&) const = default;
     };
 
     Scene() = default;
@@ -106,6 +108,7 @@ public:
     LoadHandle apply(Load load, BodyHandle body) {
         require_body(body, "apply");
         if (const Drag* drag = std::get_if<Drag>(&load)) drag->validate();
+        if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
         loads_.push_back({std::move(load), body.index});
         return {static_cast<int>(loads_.size()) - 1};
     }
@@ -126,11 +129,66 @@ public:
         return {static_cast<int>(connections_.size()) - 1};
     }
 
+    /// A function of the motion whose zeros are events: noted, or acted upon. Its name must be its own.
+    WatchHandle watch(std::string name, WatchFunction function, WatchOptions options = {}) {
+        if (name.empty()) throw InvalidInput("watch: name is empty; events are found by the name of their watch");
+        for (const Watch& w : watches_)
+            if (w.name == name) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
+        require_observables(function, "watch " + name);
+        watches_.push_back({std::move(name), std::move(function), std::move(options)});
+        return {static_cast<int>(watches_.size()) - 1};
+    }
+    /// A function of the motion that should stay what it is: its drift is watched like that of the other integrals.
+    void integral(std::string name, WatchFunction function) {
+        if (name.empty()) throw InvalidInput("integral: name is empty; its drift is found by its name");
+        for (const Integral& i : integrals_)
+            if (i.name == name)
+                throw InvalidInput("integral: there is one named \"" + name + "\" already; names differ");
+        require_observables(function, "integral " + name);
+        integrals_.push_back({std::move(name), std::move(function)});
+    }
+
+    /// The scene with the numbers of the user's (Parameter) as they are now: what a run is made of.
+    Scene frozen() const {
+        Scene result = *this;
+        for (Body& b : result.bodies_)
+            if (const Rail* rail = b.rail()) b.joint = rail->frozen();
+        for (AppliedLoad& l : result.loads_) {
+            if (const Force* force = std::get_if<Force>(&l.load)) l.load = force->frozen();
+            if (const Potential* potential = std::get_if<Potential>(&l.load)) l.load = potential->frozen();
+        }
+        for (Watch& w : result.watches_) w.function = w.function.frozen();
+        for (Integral& i : result.integrals_) i.function = i.function.frozen();
+        return result;
+    }
+
+    bool operator==(const Scene&) const = default;
+
     const std::vector<Body>& bodies() const { return bodies_; }
     const std::vector<AppliedLoad>& loads() const { return loads_; }
     const std::vector<Connection>& connections() const { return connections_; }
+    const std::vector<Watch>& watches() const { return watches_; }
+    const std::vector<Integral>& integrals() const { return integrals_; }
+
+    /// Throws InvalidInput unless the scene has what is asked for.
+    void require_observable(const Observable& o, const std::string& user) const {
+        if (o.quantity == Quantity::time) return;
+        const bool of_coupling = o.quantity == Quantity::length || o.quantity == Quantity::coupling_force;
+        const auto count = static_cast<int>(of_coupling ? connections_.size() : bodies_.size());
+        require(o.subject >= 0 && o.subject < count, user, "handle", o.subject,
+                "it asks for what this scene has, by handles that add() or connect() returned");
+        const bool on_rail = of_coupling || bodies_[static_cast<std::size_t>(o.subject)].rail() != nullptr;
+        const bool of_rail = o.quantity == Quantity::reaction || o.quantity == Quantity::parameter ||
+                             o.quantity == Quantity::speed || o.quantity == Quantity::tangential_force;
+        if (of_rail && !on_rail)
+            throw InvalidInput(user + ": " + bodies_[static_cast<std::size_t>(o.subject)].name +
+                               " is free, and only a body on a rail has a parameter, a speed along it and a reaction");
+    }
 
 private:
+    void require_observables(const WatchFunction& function, const std::string& user) const {
+        for (const Observable& o : function.arguments()) require_observable(o, user);
+    }
     void require_body(BodyHandle body, const std::string& verb) const {
         require(body.index >= 0 && body.index < static_cast<int>(bodies_.size()), verb, "body", body.index,
                 "a handle comes from add() of the same scene, which has " + std::to_string(bodies_.size()) + " bodies");
@@ -143,6 +201,8 @@ private:
     std::vector<Body> bodies_;
     std::vector<AppliedLoad> loads_;
     std::vector<Connection> connections_;
+    std::vector<Watch> watches_;
+    std::vector<Integral> integrals_;
 };
 
 }  // namespace rbdyn

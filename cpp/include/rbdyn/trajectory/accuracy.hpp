@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "rbdyn/event/record.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn {
 
@@ -29,7 +29,7 @@ class AccuracyCheck {
 public:
     /// `times`: where to compare; empty: at the middle and the end of every piece.
     /// `proceed`: asked now and then whether to go on; if not, the result says that nothing is certain.
-    AccuracyCheck(const PointsModel& model, double wanted, std::vector<double> times = {},
+    AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times = {},
                   std::function<bool(double)> proceed = {})
         : model_(model), wanted_(wanted), times_(std::move(times)), proceed_(std::move(proceed)) {}
 
@@ -38,7 +38,7 @@ public:
         result.certain_until = run.end.hi;
         differences_.clear();
         samples_ = 0;
-        scales_.assign(static_cast<std::size_t>(model_.bodies()), {});
+        scales_.clear();
         const double start = run.start;
         const double span = std::max(run.end.hi - start, std::numeric_limits<double>::min());
 
@@ -53,7 +53,7 @@ public:
             const Event &a = run.events[i], &b = better.events[j];
             const double error = std::abs(a.instant - b.instant) /
                                  std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
-            differences_.push_back({a.time, error, -1, 0});
+            differences_.push_back({a.time, error, -1});
         }
         while (is_graze(run, i)) i += 2;
         while (is_graze(better, j)) j += 2;
@@ -68,7 +68,7 @@ public:
         if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
         compare_motion(run, better, uncertain);
         for (const Difference& d : differences_) {
-            const double error = d.body < 0 ? d.value : relative(d);
+            const double error = d.what < 0 ? d.value : relative(d);
             result.error = std::max(result.error, error);
             if (error > wanted_) uncertain = std::min(uncertain, d.time);
         }
@@ -85,21 +85,21 @@ public:
 private:
     struct Difference {
         double time, value;
-        int body, kind;  // 0 position, 1 velocity, 2 reaction
+        int what;  // index of what is observed; -1: the time of an event, relative already
     };
     struct Scale {
         Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
         Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
-        double place = 0.0, velocity = 0.0, reaction = 0.0, effort = 0.0;
+        double size = 0.0, whole = 0.0;
+        bool is_position = false;
     };
 
     /// A body that moves by rounding alone does not move; a reaction that is rounding of the forces is none.
     double relative(const Difference& d) const {
         constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
-        const Scale& s = scales_[static_cast<std::size_t>(d.body)];
-        const double scale = d.kind == 0 ? (s.high - s.low).norm() : d.kind == 1 ? s.velocity : s.reaction;
-        const double whole = d.kind == 0 ? s.place : d.kind == 1 ? s.velocity : s.effort;
-        return scale > nothing * whole ? d.value / scale : 0.0;
+        const Scale& s = scales_[static_cast<std::size_t>(d.what)];
+        const double scale = s.is_position ? (s.high - s.low).norm() : s.size;
+        return scale > nothing * s.whole ? d.value / scale : 0.0;
     }
 
     void compare_motion(const Record& run, const Record& better, double until) {
@@ -133,30 +133,31 @@ private:
         piece.state(std::clamp(here, 0.0, piece.length), x_);
         fine.state(std::clamp(there, 0.0, fine.length), y_);
         const Mode &mode = run.mode(i), &fine_mode = better.mode(j);
-        for (int body = 0; body < model_.bodies(); ++body) {
-            const PointReport a = model_.report(mode, body, at.hi, x_), b = model_.report(fine_mode, body, at.hi, y_);
-            Scale& s = scales_[static_cast<std::size_t>(body)];
-            s.low = s.low.cwiseMin(b.position);
-            s.high = s.high.cwiseMax(b.position);
-            s.place = std::max(s.place, b.position.norm());
-            s.velocity = std::max({s.velocity, b.velocity.norm(), std::abs(b.rail_speed)});
-            s.effort = std::max(s.effort, b.effort);
-            s.reaction = std::max(s.reaction, b.reaction.norm());
-            note(at.hi, body, a, b, 1.0);
+        model_.observe(mode, at.hi, x_, seen_);
+        model_.observe(fine_mode, at.hi, y_, fine_);
+        scales_.resize(fine_.size());
+        for (std::size_t k = 0; k < fine_.size(); ++k) {
+            Scale& s = scales_[k];
+            const Observed& o = fine_[k];
+            s.low = s.low.cwiseMin(o.value);
+            s.high = s.high.cwiseMax(o.value);
+            s.size = std::max({s.size, o.value.norm(), o.size});
+            s.whole = std::max(s.whole, o.whole);
+            s.is_position = o.is_position;
         }
+        note(at.hi, 1.0);
         // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
         if (++samples_ > 64 && samples_ % 8 != 0) return;
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
-        for (int body = 0; body < model_.bodies(); ++body)
-            note(at.hi, body, model_.report(fine_mode, body, at.hi, x_), model_.report(fine_mode, body, at.hi, y_),
-                 0.5);
+        model_.observe(fine_mode, at.hi, x_, seen_);
+        note(at.hi, 0.5);
     }
 
-    void note(double time, int body, const PointReport& a, const PointReport& b, double weight) {
-        differences_.push_back({time, weight * (a.position - b.position).norm(), body, 0});
-        differences_.push_back({time, weight * (a.velocity - b.velocity).norm(), body, 1});
-        if (model_.on_rail(body)) differences_.push_back({time, weight * (a.reaction - b.reaction).norm(), body, 2});
+    /// The differences of what is seen from the better.
+    void note(double time, double weight) {
+        for (std::size_t k = 0; k < fine_.size(); ++k)
+            differences_.push_back({time, weight * (seen_[k].value - fine_[k].value).norm(), static_cast<int>(k)});
     }
 
     static bool differ(const Record& a, std::size_t i, const Record& b, std::size_t j) {
@@ -173,9 +174,9 @@ private:
                b.time - a.time <= std::sqrt(wanted_) * (a.time - r.start);
     }
 
-    static bool same_mode(const Mode& a, const Mode& b) { return a.slip == b.slip; }
+    static bool same_mode(const Mode& a, const Mode& b) { return a.slip == b.slip && a.equations == b.equations; }
 
-    const PointsModel& model_;
+    const HybridModel& model_;
     double wanted_;
     std::vector<double> times_, x_, y_;
     std::function<bool(double)> proceed_;
@@ -183,6 +184,7 @@ private:
     int samples_ = 0;
     std::vector<Difference> differences_;
     std::vector<Scale> scales_;
+    std::vector<Observed> seen_, fine_;
 };
 
 }  // namespace rbdyn

@@ -66,6 +66,37 @@ struct RunData {
     Statistics statistics;
 };
 
+/// The state of a run at a time. Throws InvalidInput for a time it does not hold.
+struct Moment {
+    const Mode& mode;
+    std::vector<double> x;
+
+    Moment(const RunData& data, double t, Side side) : mode(mode_at(data, t, side)) {
+        const Record& record = data.record;
+        if (record.empty()) {
+            x = record.first_state;
+            return;
+        }
+        const Piece piece = record.piece(record.find(t, side));
+        const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
+        if (const double gap = t - piece.start; gap < -rounding || gap > piece.duration() + rounding)
+            throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
+        x.resize(static_cast<std::size_t>(record.variables));
+        piece.state(Record::tau(piece, t), x);
+    }
+
+private:
+    static const Mode& mode_at(const RunData& data, double t, Side side) {
+        const Record& record = data.record;
+        if (!(t >= record.start && t <= record.end.hi))
+            throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) +
+                               " to " + text(record.end.hi) + " s");
+        if (record.modes.empty())
+            throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
+        return record.empty() ? record.modes.front() : record.mode(record.find(t, side));
+    }
+};
+
 class Trajectory;
 
 /// Motion of one body of a run.
@@ -190,7 +221,7 @@ public:
         each(of, t, side, [&](const PointReport& r, double m) { sum += 0.5 * m * r.velocity.squaredNorm(); });
         return sum;
     }
-    /// V = -U of gravity, constant forces and springs [J]; zero at the origin, and at rest length.
+    /// V = -U of gravity, constant forces, potentials and springs [J]; zero at the origin, and at rest length.
     double potential_energy(double t, Side side = Side::after) const { return -potential(t, side); }
     /// U, with F = +grad U (the chapter's sign).
     double potential(double t, Side side = Side::after) const {
@@ -199,6 +230,8 @@ public:
         for (const auto& load : data_->scene.loads())
             if (const Force* f = std::get_if<Force>(&load.load); f != nullptr && f->is_constant())
                 sum += f->constant().dot((*this)[BodyHandle{load.body}].position(t, side));
+            else if (const Potential* u = std::get_if<Potential>(&load.load))
+                sum += u->value<double>((*this)[BodyHandle{load.body}].position(t, side));
         for (std::size_t i = 0; i < data_->scene.connections().size(); ++i) {
             const Spring& s = std::get<Spring>(data_->scene.connections()[i].coupling);
             const double stretch = SpringMotion(data_, static_cast<int>(i)).length(t, side) - s.rest_length;
@@ -251,12 +284,23 @@ public:
         return mean(of, t, side, [](const PointReport& r) { return r.acceleration; });
     }
 
+    /// The value of a watched function, by the handle of its watch, at a time.
+    double watched(WatchHandle watch, double t, Side side = Side::after) const {
+        const auto& watches = data_->scene.watches();
+        require(watch.index >= 0 && watch.index < static_cast<int>(watches.size()), "Trajectory", "watch", watch.index,
+                "a handle comes from the scene of this run");
+        const WatchFunction& function = watches[static_cast<std::size_t>(watch.index)].function;
+        return now(t, side, [&](const Observe& observe) { return function(observe); });
+    }
+
     /// A first integral of the scene, by name, at a time.
     double integral(const std::string& name, double t, Side side = Side::after) const {
         if (name == "energy") return energy(t, side);
         if (name.starts_with("momentum ")) return momentum(t, {}, side)[name.back() - 'x'];
         if (name == "angular momentum") return angular_momentum(t, Vector3::Zero(), {}, side).norm();
         if (name == "angular momentum z") return angular_momentum(t, Vector3::Zero(), {}, side)[2];
+        for (const auto& i : data_->scene.integrals())
+            if (i.name == name) return now(t, side, [&](const Observe& observe) { return i.function(observe); });
         throw InvalidInput("Trajectory: no first integral is named \"" + name + "\" in this scene");
     }
 
@@ -265,6 +309,12 @@ public:
     std::map<std::string, double> drift() const;
 
 private:
+    /// f of what can be observed at a time.
+    template <class F>
+    double now(double t, Side side, F&& f) const {
+        const Moment m(*data_, t, side);
+        return f(data_->model->observing(m.mode, t, m.x));
+    }
     template <class F>
     double integral_over_pieces(double t0, double t1, F&& f) const {
         if (t1 < t0) return -integral_over_pieces(t1, t0, f);
@@ -309,23 +359,8 @@ private:
 };
 
 inline PointReport BodyMotion::report(double t, Side side) const {
-    const Record& record = data_->record;
-    const double end = record.end.hi;
-    if (!(t >= record.start && t <= end))
-        throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) + " to " +
-                           text(end) + " s");
-    if (record.empty()) {
-        const std::vector<double> x = data_->model->start();
-        return data_->model->report(record.modes.front(), body_, t, x);
-    }
-    const std::size_t index = record.find(t, side);
-    const Piece piece = record.piece(index);
-    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
-    if (const double gap = t - piece.start; gap < -rounding || gap > piece.duration() + rounding)
-        throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
-    std::vector<double> x(static_cast<std::size_t>(record.variables));
-    piece.state(Record::tau(piece, t), x);
-    return data_->model->report(record.mode(index), body_, t, x);
+    const Moment m(*data_, t, side);
+    return data_->model->report(m.mode, body_, t, m.x);
 }
 
 inline double Trajectory::power(double t, LoadHandle load, Side side) const {
@@ -338,7 +373,14 @@ inline double Trajectory::power(double t, LoadHandle load, Side side) const {
         const double v = r.velocity.norm();
         return -(drag->linear + drag->quadratic * v) * v * v;
     }
-    return std::get<Force>(applied.load).operator()<double>(t, r.position, r.velocity).dot(r.velocity);
+    return std::visit(
+        [&](const auto& load_) -> double {
+            if constexpr (std::is_same_v<std::decay_t<decltype(load_)>, Drag>)
+                return 0.0;
+            else
+                return load_.template operator()<double>(t, r.position, r.velocity).dot(r.velocity);
+        },
+        applied.load);
 }
 
 inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
@@ -369,7 +411,10 @@ inline std::map<std::string, double> Trajectory::drift() const {
             for (double time : t()) {
                 largest = std::max(largest, std::abs(integral(name, time) - first));
                 double terms = 0.0;
-                if (name == "energy")
+                const bool is_users = !name.starts_with("momentum") && !name.starts_with("angular") && name != "energy";
+                if (is_users)
+                    terms = std::abs(integral(name, time));
+                else if (name == "energy")
                     terms = kinetic_energy(time) + std::abs(potential(time));
                 else
                     each({}, time, Side::after, [&](const PointReport& r, double m) {

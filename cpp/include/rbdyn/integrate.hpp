@@ -1,0 +1,258 @@
+// From a hybrid model to its motion, as accurate as asked for.
+//
+// Accuracy: the model is run, run again more accurately, and the two are compared (trajectory/accuracy.hpp). If the
+// difference is more than asked for, the better run takes the place of the first and an even better one is made.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/engine/taylor.hpp"
+#include "rbdyn/event/driver.hpp"
+#include "rbdyn/trajectory/accuracy.hpp"
+#ifdef RBDYN_WITH_SUNDIALS
+#include "rbdyn/engine/cvode.hpp"
+#endif
+
+namespace rbdyn {
+
+/// What a run is asked to be.
+struct SimulateOptions {
+    double until = 0.0;                         // s
+    double start = 0.0;                         // s
+    double error = 1e-9;                        // global, relative to the motion's own scales
+    std::optional<double> rtol = std::nullopt;  // local tolerance only, no estimate: the cheap way
+    std::string engine = "auto";                // "taylor", "cvode-adams", "cvode-bdf"
+    Keep keep = {};
+    std::int64_t max_steps = 100'000'000;
+    Driver::Monitor monitor = {};  // called now and then with the time reached; false stops the run
+};
+
+namespace simulating {
+
+/// Below this double precision cannot promise anything (about 20 units in the last place).
+inline constexpr double least_error = 4e-15;
+
+/// Where a run that is not kept whole is compared with its better: enough to meet every phase of its motion.
+inline constexpr int compared_times = 2000;
+
+/// The names of the engines of this build.
+inline std::vector<std::string> engines() {
+#ifdef RBDYN_WITH_SUNDIALS
+    return {"taylor", "cvode-adams", "cvode-bdf"};
+#else
+    return {"taylor"};
+#endif
+}
+
+inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, int order = 0) {
+    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, order);
+#ifdef RBDYN_WITH_SUNDIALS
+    if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
+    if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
+#endif
+    std::string known;
+    for (const std::string& e : engines()) known += (known.empty() ? "" : ", ") + e;
+    throw InvalidInput("simulate: engine is \"" + name + "\"; this build has auto, " + known);
+}
+
+/// The smallest tolerance that still makes an engine more accurate: below it, more steps mean more rounding.
+inline double least_tolerance(const std::string& engine) { return engine == "taylor" ? 1e-17 : 2e-15; }
+
+/// The order of a run that is held against one at the least tolerance: other steps, so other rounding.
+inline constexpr int other_order = 19;
+
+inline void validate(const SimulateOptions& o) {
+    require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
+    require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
+    require(o.until > o.start, "simulate", "until", o.until,
+            "a run ends after its start, which is " + text(o.start) +
+                " s; motion backwards is motion with reversed velocities");
+    if (o.rtol) {
+        require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
+                "a local tolerance lies between 1e-16 and 0.1");
+    } else {
+        require(o.error >= least_error && o.error <= 0.1, "simulate", "error", o.error,
+                "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
+    }
+    require(o.max_steps > 0, "simulate", "max_steps", static_cast<double>(o.max_steps), "it is positive");
+    for (double t : o.keep.times)
+        require(t >= o.start && t <= o.until, "simulate", "a time of keep", t, "it lies between start and until");
+}
+
+struct Timed {
+    Record record;
+    double seconds = 0.0;
+};
+
+/// One integration from the state x.
+inline Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
+                       const std::string& name, double tolerance, const Keep& keep, int order = 0) {
+    const auto before = std::chrono::steady_clock::now();
+    const std::unique_ptr<Engine> engine = make_engine(name, tolerance, order);
+    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
+    Timed result{driver.run(o.start, x, o.until)};
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    return result;
+}
+
+/// A motion as accurate as asked for, or what there is of it and why there is no more.
+struct Solution {
+    enum class Outcome {
+        good,
+        inaccurate,  // the error asked for was not reached
+        broken,      // the motion could not be continued
+        thrown       // a function of the user's threw
+    };
+    Outcome outcome = Outcome::good;
+    std::string message;        // of a failure
+    std::exception_ptr thrown;  // what a function of the user's threw
+    Record record;
+    std::optional<double> error;
+    double certain_until = 0.0;
+    double integration_seconds = 0.0;
+    int runs = 0;
+};
+
+/// What is not finite where a run broke off, or just after.
+inline std::string culprit(const HybridModel& model, const Record& record) {
+    if (record.modes.empty()) return {};
+    std::vector<double> x = record.first_state;
+    if (!record.empty()) record.last_state(x);
+    const double t = record.end.hi, span = t - record.start;
+    for (const double later : {0.0, 1e-12, 1e-9, 1e-6, 1e-3}) {
+        const double step = later * std::max(span, std::abs(t)) + (later > 0.0 && t == 0.0 ? later : 0.0);
+        if (std::string name = model.not_finite(record.modes.back(), t + step, x); !name.empty()) return name;
+    }
+    return {};
+}
+
+/// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until two runs
+/// agree.
+inline Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
+                      const std::string& engine, const std::string& judge) {
+    using Outcome = Solution::Outcome;
+    Solution result;
+    const auto take = [&](Timed&& timed) {
+        result.integration_seconds = timed.seconds;
+        result.record = std::move(timed.record);
+    };
+    const auto run_with = [&](const std::string& name, double tolerance, const Keep& keep, int order = 0) {
+        ++result.runs;
+        return integrate(model, x, options, name, tolerance, keep, order);
+    };
+    /// Whether a run ended otherwise than by its end or an event; then the result is complete.
+    const auto is_cut_short = [&](Timed& timed) {
+        const Status status = timed.record.status;
+        if (status == Status::reached_end || status == Status::stopped_by_event) return false;
+        take(std::move(timed));
+        const Record& record = result.record;
+        result.certain_until = record.start;
+        if (record.thrown) {
+            result.outcome = Outcome::thrown;
+            result.thrown = record.thrown;
+        } else if (status == Status::not_finite || status == Status::inconsistent) {
+            result.outcome = Outcome::broken;
+            result.certain_until = record.end.hi;
+            result.message = "simulate: " + std::string(name_of(status)) + " at t = " + text(record.end.hi) + " s";
+            if (status == Status::not_finite)
+                if (const std::string name = culprit(model, record); !name.empty()) result.message += ": " + name;
+            result.message += ". " + std::string(advice(status));
+        }
+        return true;
+    };
+
+    if (options.rtol) {
+        Timed only = run_with(engine, *options.rtol, options.keep);
+        if (is_cut_short(only)) return result;
+        take(std::move(only));
+        result.certain_until = result.record.end.hi;
+        return result;
+    }
+
+    // the run at a tolerance a little below the error asked for, held against a better one
+    double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
+    const bool is_judge = engine == judge;
+    // without all pieces kept, the two are compared at the times wanted and at many in between
+    const bool keeps_all = options.keep.what == Keep::What::all;
+    Keep compared;
+    if (!keeps_all) {
+        compared.what = Keep::What::times;
+        compared.times = options.keep.times;
+        // spread by the golden section, so that no period of the motion hides from them
+        for (int i = 0; i < compared_times; ++i) {
+            const double place = (i + std::fmod(0.6180339887498949 * i, 1.0)) / compared_times;
+            compared.times.push_back(options.start + (options.until - options.start) * place);
+        }
+        compared.times.push_back(options.until);
+        std::sort(compared.times.begin(), compared.times.end());
+    }
+    Timed run = run_with(engine, tolerance, compared);
+    AccuracyCheck check(model, options.error, compared.times, options.monitor);
+    for (;;) {
+        if (is_cut_short(run)) return result;
+        const bool at_floor = tolerance <= least_tolerance(engine);
+        const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
+                                      : std::clamp(options.error * 1e-3, 1e-17, 1e-13);
+        Timed better = run_with(judge, finer, compared, is_judge && at_floor ? other_order : 0);
+        Comparison comparison;
+        try {
+            if (better.record.thrown) std::rethrow_exception(better.record.thrown);
+            const Status status = better.record.status;
+            comparison.stopped = status == Status::stopped_by_user || status == Status::step_limit;
+            if (comparison.stopped)
+                run.record.status = status;
+            else
+                comparison = check(run.record, better.record);
+        } catch (...) {
+            take(std::move(run));
+            result.record.status = Status::stopped_by_user;
+            result.outcome = Outcome::thrown;
+            result.thrown = std::current_exception();
+            result.certain_until = result.record.start;
+            return result;
+        }
+        if (comparison.stopped) {
+            if (run.record.status != Status::step_limit) run.record.status = Status::stopped_by_user;
+            take(std::move(run));
+            result.certain_until = result.record.start;
+            return result;
+        }
+        result.error = comparison.error;
+        result.certain_until = comparison.certain_until;
+        if (comparison.same_events && comparison.error <= options.error) break;
+        if (at_floor) {
+            run.record.status = Status::accuracy_not_reached;
+            result.outcome = Outcome::inaccurate;
+            result.message = "simulate: error " + text(options.error) + " was asked for and engine " + engine +
+                             " reached " + text(comparison.error) +
+                             " in this motion; it is certain up to t = " + text(comparison.certain_until) + " s. " +
+                             std::string(advice(Status::accuracy_not_reached));
+            take(std::move(run));
+            return result;
+        }
+        if (is_judge) {
+            run = std::move(better);
+            tolerance = finer;
+        } else {
+            tolerance = std::max(tolerance * std::clamp(0.2 * options.error / comparison.error, 1e-4, 0.1),
+                                 least_tolerance(engine));
+            run = run_with(engine, tolerance, compared);
+        }
+    }
+    if (!keeps_all) run = run_with(engine, tolerance, options.keep);
+    if (is_cut_short(run)) return result;
+    take(std::move(run));
+    return result;
+}
+
+}  // namespace simulating
+
+}  // namespace rbdyn

@@ -1,0 +1,117 @@
+// What a watched function may ask of particles, as expressions and in numbers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rbdyn/model/point_laws.hpp"
+
+namespace rbdyn {
+
+/// The present of a scene of particles while its equations are recorded.
+class RecordedPoints {
+public:
+    using S = Expression;
+
+    struct Body {
+        PointState<S> state;
+        Resultant<S> force;
+        S rate = 0.0;  // of a bead: w'
+        bool on_rail = false;
+    };
+
+    RecordedPoints(const PointLaws& laws, const S& t, const std::vector<Body>& bodies)
+        : laws_(laws), t_(t), bodies_(bodies) {}
+
+    S value(const Observable& o) const {
+        switch (o.quantity) {
+            case Quantity::time: return t_;
+            case Quantity::length: return length(ends(o.subject).first, std::string());
+            case Quantity::coupling_force: {
+                const auto [d, v] = ends(o.subject);
+                return component(laws_.springs()[at(o.subject)].spring(d, v), o);
+            }
+            default: break;
+        }
+        const Body& b = bodies_[at(o.subject)];
+        const PointLaws::Body& law = laws_.body(o.subject);
+        const CurvePoint<S>& c = b.state.curve;
+        switch (o.quantity) {
+            case Quantity::position: return laws_.in_world<S>(b.state.r)[o.component];
+            case Quantity::velocity: return component(b.state.v, o);
+            case Quantity::acceleration: return component(acceleration(b, law), o);
+            case Quantity::force: return component(force(b), o);
+            case Quantity::reaction:
+                if (!b.on_rail) return 0.0;
+                return component(acceleration(b, law) * S(law.mass) - force(b), o);
+            case Quantity::parameter: return b.on_rail ? parameter(o.subject) : S(0.0);
+            case Quantity::speed:
+                return b.on_rail ? sqrt(c.speed_squared) * b.state.w : length(b.state.v, std::string());
+            case Quantity::tangential_force:
+                if (!b.on_rail) return 0.0;
+                return (dot<S>(c.first, b.state.in_rail(b.force.force)) + b.force.along) / sqrt(c.speed_squared);
+            default: return S(0.5 * law.mass) * dot<S>(b.state.v, b.state.v);
+        }
+    }
+
+    /// The parameters of beads as the equations have them.
+    std::vector<S> parameters;
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    S parameter(int body) const { return parameters[at(body)]; }
+
+    /// A component in the world of a vector in the view.
+    S component(const Vector3Of<S>& v, const Observable& o) const {
+        return PointLaws::turned<S>(laws_.view().axes, v)[o.component];
+    }
+    static Vector3Of<S> force(const Body& b) {
+        Vector3Of<S> f = b.force.force;
+        if (!b.force.along.is_zero()) f += b.state.curve.first * (b.force.along / b.state.curve.speed_squared);
+        return f;
+    }
+    static Vector3Of<S> acceleration(const Body& b, const PointLaws::Body& law) {
+        return b.on_rail ? b.state.acceleration(b.rate) : Vector3Of<S>(force(b) * S(1.0 / law.mass));
+    }
+    std::pair<Vector3Of<S>, Vector3Of<S>> ends(int coupling) const {
+        const PointLaws::ConnectedSpring& c = laws_.springs()[at(coupling)];
+        const auto end = [&](const PointLaws::SpringEnd& e) -> std::pair<Vector3Of<S>, Vector3Of<S>> {
+            if (e.body >= 0) return {bodies_[at(e.body)].state.r, bodies_[at(e.body)].state.v};
+            return {e.point.cast<S>(), Vector3::Zero().cast<S>()};
+        };
+        const auto a = end(c.a), b = end(c.b);
+        return {a.first - b.first, a.second - b.second};
+    }
+
+    const PointLaws& laws_;
+    S t_;
+    const std::vector<Body>& bodies_;
+};
+
+/// The same in numbers, at a state.
+inline double observed(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
+                       const Observable& o) {
+    const auto vector = [&](const Vector3& v) { return v[o.component]; };
+    if (o.quantity == Quantity::time) return t;
+    if (o.quantity == Quantity::length || o.quantity == Quantity::coupling_force) {
+        const auto all = laws.states(t, x, slip);
+        const PointLaws::ConnectedSpring& c = laws.springs()[static_cast<std::size_t>(o.subject)];
+        const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);
+        const Vector3 d = a.first - b.first, v = a.second - b.second;
+        return o.quantity == Quantity::length ? d.norm() : vector(laws.view().axes * c.spring(d, v));
+    }
+    const PointReport r = laws.report(o.subject, slip, t, x);
+    switch (o.quantity) {
+        case Quantity::position: return vector(r.position);
+        case Quantity::velocity: return vector(r.velocity);
+        case Quantity::acceleration: return vector(r.acceleration);
+        case Quantity::force: return vector(r.force);
+        case Quantity::reaction: return vector(r.reaction);
+        case Quantity::parameter: return r.u;
+        case Quantity::speed: return r.speed;
+        case Quantity::tangential_force: return r.tangential_force;
+        default: return 0.5 * laws.body(o.subject).mass * r.velocity.squaredNorm();
+    }
+}
+
+}  // namespace rbdyn

@@ -1,0 +1,121 @@
+// A prescribed rigid motion: r(t) = R(t) r0 + d(t), with its first two derivatives.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/function.hpp"
+
+namespace rbdyn {
+
+/// A rotation and a displacement, or one of their derivatives, in numbers of type S: rows of the matrix, and d.
+template <class S>
+struct RigidPlacement {
+    Vector3Of<S> row[3];
+    Vector3Of<S> displacement;
+
+    Vector3Of<S> turned(const Vector3Of<S>& v) const {
+        return {dot<S>(row[0], v), dot<S>(row[1], v), dot<S>(row[2], v)};
+    }
+    Vector3Of<S> turned_back(const Vector3Of<S>& v) const {
+        Vector3Of<S> out{S(0.0), S(0.0), S(0.0)};
+        for (int i = 0; i < 3; ++i) out += row[i] * v[i];
+        return out;
+    }
+    Vector3Of<S> moved(const Vector3Of<S>& v) const { return turned(v) + displacement; }
+};
+
+/// A motion of space as a rigid body, a function of time; none by default.
+class RigidMotion {
+public:
+    RigidMotion() = default;
+    /// From a recorded function of t with twelve results: the rotation matrix row by row, then the displacement [m].
+    /// Throws InvalidInput unless the matrix is a rotation at a number of times.
+    explicit RigidMotion(Function function) : function_(std::move(function)) {
+        if (function_.inputs() != 1 || function_.outputs() != 12)
+            throw InvalidInput("motion: the function has " + std::to_string(function_.outputs()) +
+                               " results; a rigid motion has twelve, a rotation matrix row by row and a displacement");
+        for (const double t : {0.0, 0.37, 1.0, 2.9, 17.3}) {
+            const RigidPlacement<double> p = at(t);
+            Matrix3 rotation;
+            for (int i = 0; i < 3; ++i) rotation.row(i) = p.row[i].transpose();
+            const double off = (rotation * rotation.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff();
+            require(off < 1e-9, "motion", "departure from a rotation at t = " + text(t) + " s", off,
+                    "the matrix of a rigid motion has orthonormal rows");
+            require(rotation.determinant() > 0.0, "motion", "determinant at t = " + text(t) + " s",
+                    rotation.determinant(), "a rigid motion does not mirror: the determinant is 1");
+        }
+        rate_ = function_.derivative(0);
+        second_ = rate_.derivative(0);
+    }
+    /// A displacement d(t) alone, from any callable over the number type: [](const auto& t) { return Vector3Of<...>; }
+    template <class F>
+    requires std::is_invocable_v<F, const Expression&>
+    static RigidMotion translation(F f) {
+        return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
+            const Vector3Of<Expression> d = f(t[0]);
+            return std::vector<Expression>{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, d[0], d[1], d[2]};
+        }));
+    }
+    /// A turn by angle(t) [rad] about an axis through a point, by Rodrigues' formula.
+    template <class F>
+    requires std::is_invocable_v<F, const Expression&>
+    static RigidMotion rotation(F angle, const Vector3& axis, const Vector3& point = Vector3::Zero()) {
+        require(axis.norm() > 0.0, "motion", "length of the axis", axis.norm(), "an axis has a direction");
+        const Vector3 e = axis.normalized();
+        return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
+            const Expression phi = angle(t[0]), s = sin(phi), c = cos(phi), rest = 1.0 - c;
+            const double cross_matrix[3][3] = {{0.0, -e[2], e[1]}, {e[2], 0.0, -e[0]}, {-e[1], e[0], 0.0}};
+            std::vector<Expression> out;
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j)
+                    out.push_back((i == j ? c : Expression(0.0)) + rest * (e[i] * e[j]) + s * cross_matrix[i][j]);
+            for (std::size_t i = 0; i < 3; ++i) {
+                Expression d = point[static_cast<Eigen::Index>(i)];
+                for (std::size_t j = 0; j < 3; ++j) d -= out[3 * i + j] * point[static_cast<Eigen::Index>(j)];
+                out.push_back(d);
+            }
+            return out;
+        }));
+    }
+
+    bool present() const { return static_cast<bool>(function_); }
+    const Function& function() const { return function_; }
+    RigidMotion frozen() const {
+        RigidMotion result = *this;
+        if (!present()) return result;
+        result.function_ = function_.frozen();
+        result.rate_ = rate_.frozen();
+        result.second_ = second_.frozen();
+        return result;
+    }
+
+    template <class S>
+    RigidPlacement<S> at(const S& t) const {
+        return value<S>(function_, t);
+    }
+    template <class S>
+    RigidPlacement<S> rate(const S& t) const {
+        return value<S>(rate_, t);
+    }
+    template <class S>
+    RigidPlacement<S> second(const S& t) const {
+        return value<S>(second_, t);
+    }
+
+    bool operator==(const RigidMotion& other) const { return function_ == other.function_; }
+
+private:
+    template <class S>
+    static RigidPlacement<S> value(const Function& f, const S& t) {
+        const std::vector<S> y = f(std::span<const S>(&t, 1));
+        return {{{y[0], y[1], y[2]}, {y[3], y[4], y[5]}, {y[6], y[7], y[8]}}, {y[9], y[10], y[11]}};
+    }
+
+    Function function_, rate_, second_;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,179 @@
+// Watched functions: what is computed from a motion while it goes on, and what is done where it passes zero.
+//
+// A function of `now` asks for quantities of bodies and couplings at the present moment. Recorded, those become the
+// inputs of a Function, and the zeros are found on its Taylor series like any event's; called back, they are numbers,
+// and zeros are found on an interpolation.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/direction.hpp"
+#include "rbdyn/expression/function.hpp"
+#include "rbdyn/scene/handles.hpp"
+
+namespace rbdyn {
+
+/// What a watched function may ask for.
+enum class Quantity {
+    time,
+    // of a body
+    position,
+    velocity,
+    acceleration,
+    force,
+    reaction,
+    parameter,
+    speed,
+    tangential_force,
+    kinetic_energy,
+    // of a coupling
+    length,
+    coupling_force
+};
+
+/// One number of a motion: a quantity of a body or coupling, and its component if it is a vector.
+struct Observable {
+    Quantity quantity = Quantity::time;
+    int subject = -1;
+    int component = 0;
+    bool operator==(const Observable&) const = default;
+};
+
+/// Gives the present value of what is asked for.
+using Observe = std::function<double(const Observable&)>;
+
+/// The present moment of a motion, for functions that are being recorded.
+class Now {
+public:
+    explicit Now(std::vector<Observable>& asked) : asked_(asked) {}
+
+    Expression value(const Observable& what) const {
+        auto found = std::find(asked_.begin(), asked_.end(), what);
+        const auto index = static_cast<int>(found - asked_.begin());
+        if (found == asked_.end()) asked_.push_back(what);
+        return recording::active()->input(index);
+    }
+    Vector3Of<Expression> vector(Quantity quantity, int subject) const {
+        return {value({quantity, subject, 0}), value({quantity, subject, 1}), value({quantity, subject, 2})};
+    }
+
+    /// A body at the present moment, world axes.
+    class Body {
+    public:
+        Body(const Now& now, int index) : now_(now), index_(index) {}
+        Vector3Of<Expression> position() const { return now_.vector(Quantity::position, index_); }
+        Vector3Of<Expression> velocity() const { return now_.vector(Quantity::velocity, index_); }
+        Vector3Of<Expression> acceleration() const { return now_.vector(Quantity::acceleration, index_); }
+        Vector3Of<Expression> force() const { return now_.vector(Quantity::force, index_); }
+        Vector3Of<Expression> reaction() const { return now_.vector(Quantity::reaction, index_); }
+        Expression parameter() const { return now_.value({Quantity::parameter, index_}); }
+        Expression speed() const { return now_.value({Quantity::speed, index_}); }
+        Expression tangential_force() const { return now_.value({Quantity::tangential_force, index_}); }
+        Expression kinetic_energy() const { return now_.value({Quantity::kinetic_energy, index_}); }
+
+    private:
+        const Now& now_;
+        int index_;
+    };
+    /// A coupling at the present moment.
+    class Coupling {
+    public:
+        Coupling(const Now& now, int index) : now_(now), index_(index) {}
+        Expression length() const { return now_.value({Quantity::length, index_}); }
+        Vector3Of<Expression> force() const { return now_.vector(Quantity::coupling_force, index_); }
+
+    private:
+        const Now& now_;
+        int index_;
+    };
+
+    Expression time() const { return value({Quantity::time}); }
+    Body operator[](BodyHandle body) const { return {*this, body.index}; }
+    Coupling operator[](CouplingHandle coupling) const { return {*this, coupling.index}; }
+
+private:
+    std::vector<Observable>& asked_;
+};
+
+/// A function of the present moment, recorded or called back.
+class WatchFunction {
+public:
+    WatchFunction() = default;
+    /// Any functor: [=](const Now& now) { return now[ball].position()[2] - 1.0; }
+    template <class F>
+    requires(std::is_invocable_v<F, const Now&> && !std::is_same_v<std::decay_t<F>, WatchFunction>) WatchFunction(F f) {
+        function_ = Function::record_growing([&](Recorder&) {
+            const Now now(arguments_);
+            const Expression y = f(now);
+            return std::pair(std::vector<Expression>{y}, static_cast<int>(arguments_.size()));
+        });
+    }
+    WatchFunction(Function function, std::vector<Observable> arguments)
+        : function_(std::move(function)), arguments_(std::move(arguments)) {}
+    /// Called back with numbers. `reason`: why it is not recorded.
+    static WatchFunction called_back(std::function<double(const Observe&)> callback, std::string reason) {
+        WatchFunction result;
+        result.callback_ = std::move(callback);
+        result.reason_ = std::move(reason);
+        return result;
+    }
+
+    bool is_recorded() const { return static_cast<bool>(function_); }
+    const Function& function() const { return function_; }
+    const std::vector<Observable>& arguments() const { return arguments_; }
+    const std::string& reason() const { return reason_; }
+    bool asks_for(Quantity quantity) const {
+        return std::any_of(arguments_.begin(), arguments_.end(),
+                           [&](const Observable& o) { return o.quantity == quantity; });
+    }
+    WatchFunction frozen() const {
+        WatchFunction result = *this;
+        result.function_ = function_.frozen();
+        return result;
+    }
+
+    /// Its value at a moment.
+    double operator()(const Observe& observe) const {
+        if (callback_) return callback_(observe);
+        std::vector<double> x;
+        for (const Observable& o : arguments_) x.push_back(observe(o));
+        return function_(std::span<const double>(x))[0];
+    }
+
+    bool operator==(const WatchFunction& other) const {
+        return !callback_ && !other.callback_ && arguments_ == other.arguments_ && function_ == other.function_;
+    }
+
+private:
+    Function function_;
+    std::vector<Observable> arguments_;
+    std::function<double(const Observe&)> callback_;
+    std::string reason_;
+};
+
+/// A new state of one body, in its joint's own words; what is not given stays as it is.
+struct StateChange {
+    BodyHandle body;
+    std::optional<Vector3> position = std::nullopt, velocity = std::nullopt;  // of a free body, world axes
+    std::optional<double> parameter = std::nullopt, speed = std::nullopt;     // of a bead
+};
+
+/// What is done where a watched function passes zero: it is noted; the run ends; or states change.
+struct WatchAction {
+    enum class Kind { record, stop, change } kind = Kind::record;
+    std::function<std::vector<StateChange>(const Observe&)> change = {};
+};
+
+/// Options of a watched function.
+struct WatchOptions {
+    Direction direction = Direction::either;
+    WatchAction action = {};
+};
+
+}  // namespace rbdyn
