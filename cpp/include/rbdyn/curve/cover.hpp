@@ -1,0 +1,355 @@
+// A plane curve as a tree of stretches with boxes around them, ending in stretches that are graphs over their chords.
+//
+// A graph: along a stretch that turns little, with xi along the chord and eta to its left, both in half chords from its
+// middle, the curve is eta = f(xi), -1 <= xi <= 1, f a polynomial interpolated at Chebyshev points of xi (Trefethen,
+// "Approximation Theory and Approximation Practice", SIAM 2013, ch. 3 and 8). A point lies to the left of the curve
+// where eta > f(xi).
+//
+// Stretches are made where they are asked for and kept. A stretch is divided at its roundest parameter, the one with
+// the fewest binary digits: at 0, at multiples of large powers of two, at whole numbers, and only then between them, so
+// that what changes at whole parameters (a knot of a spline) lies at ends. Next to a cusp or a corner the stretches
+// shrink towards it until they are no larger than rounding.
+//
+// A curve without end is covered by stretches each twice as long as the one before, to 2^64 times the length of the
+// first, which is about the size of the first path asked for. What is guaranteed: boxes hold the curve where 17 points
+// of a stretch show it, with a margin of the widest gap between neighbours; a feature that no point falls on and that
+// is farther out than this gap is not seen. Units: a power of two in them changes no bit but the scale.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/curve/curve.hpp"
+
+namespace rbdyn::curves {
+
+/// A rectangle in the plane of a curve, along its own axes.
+struct Box {
+    double x0 = std::numeric_limits<double>::infinity(), x1 = -std::numeric_limits<double>::infinity();
+    double y0 = std::numeric_limits<double>::infinity(), y1 = -std::numeric_limits<double>::infinity();
+
+    bool meets(const Box& b) const { return x0 <= b.x1 && b.x0 <= x1 && y0 <= b.y1 && b.y0 <= y1; }
+    double size() const { return std::max(x1 - x0, y1 - y0); }
+    double farthest() const {
+        return std::max(std::max(std::abs(x0), std::abs(x1)), std::max(std::abs(y0), std::abs(y1)));
+    }
+    void add(double x, double y) {
+        x0 = std::min(x0, x);
+        x1 = std::max(x1, x);
+        y0 = std::min(y0, y);
+        y1 = std::max(y1, y);
+    }
+    void add(const Box& b) {
+        add(b.x0, b.y0);
+        add(b.x1, b.y1);
+    }
+    void widen(double by) {
+        x0 -= by;
+        x1 += by;
+        y0 -= by;
+        y1 += by;
+    }
+};
+
+/// A stretch as a graph over its chord.
+struct Graph {
+    static constexpr int degree = 20;
+
+    double x, y;                          // middle of the chord, own axes
+    double along_x, along_y;              // unit vector along the chord, growing u
+    double half;                          // of the chord's length
+    int order, u_order;                   // of f and u
+    std::array<double, degree + 1> f, u;  // coefficients of f(xi), and of a first guess of u(xi)
+    double low, high;                     // bounds of f
+    double noise;                         // what points of the curve are rounded by, in half chords
+
+    /// Components of vectors in half chords, and xi of a point.
+    double along(const Vector3& v) const { return (v[0] * along_x + v[1] * along_y) / half; }
+    double across(const Vector3& v) const { return (v[1] * along_x - v[0] * along_y) / half; }
+    double along_from(const Vector3& point) const {
+        return ((point[0] - x) * along_x + (point[1] - y) * along_y) / half;
+    }
+};
+
+/// The number with the fewest binary digits in the open interval (a, b); the middle if there is none.
+inline double roundest(double a, double b) {
+    if (a < 0.0 && b > 0.0) return 0.0;
+    for (int k = std::ilogb(std::max(std::abs(a), std::abs(b))), last = k - 54; k >= last; --k) {
+        const double unit = std::ldexp(1.0, k), next = (std::floor(a / unit) + 1.0) * unit;
+        if (next > a && next < b) return next;
+    }
+    return a + 0.5 * (b - a);
+}
+
+class CurveCover {
+public:
+    enum class State { whole, divided, graph, point };
+    struct Stretch {
+        double begin, end;  // parameters
+        Box box;
+        State state = State::whole;
+        int child = -1;  // the first of two that follow each other, or the graph's number
+    };
+
+    /// The curve must lie in the plane of its first two own axes. `period`: by which a closed curve comes back to where
+    /// it was; by default the length of its domain, or 2 pi where that has none.
+    explicit CurveCover(Curve curve, double period = 0.0) : curve_(std::move(curve)), domain_(curve_.domain()) {
+        if (!curve_.closed()) return;
+        const bool bounded = std::isfinite(domain_.end - domain_.begin);
+        period_ = period > 0.0 ? period : bounded ? domain_.end - domain_.begin : 2.0 * std::numbers::pi;
+        if (!std::isfinite(domain_.begin)) domain_.begin = 0.0;
+        domain_.end = domain_.begin + period_;
+    }
+
+    const Curve& curve() const { return curve_; }
+    /// What is covered: of a closed curve, one turn.
+    Domain domain() const { return domain_; }
+    /// Zero unless closed.
+    double period() const { return period_; }
+    const Stretch& stretch(int i) const { return stretches_[static_cast<std::size_t>(i)]; }
+    const Graph& graph(const Stretch& s) const { return graphs_[static_cast<std::size_t>(s.child)]; }
+
+    /// Appends the longest stretches that meet a box.
+    void find(const Box& box, std::vector<int>& found) {
+        if (chains_.empty()) begin(box);
+        for (const Chain& chain : chains_)
+            for (std::size_t k = 0; k < chain.stretches.size() && chain.beyond[k].meets(box); ++k)
+                if (stretch(chain.stretches[k]).box.meets(box)) found.push_back(chain.stretches[k]);
+    }
+
+    /// Makes a whole stretch a graph, a point, or divides it in two.
+    void refine(int i) {
+        Stretch s = stretch(i);
+        if (s.state != State::whole) return;
+        const double size = s.box.size(), farthest = s.box.farthest();
+        if (!(size > 16.0 * epsilon * farthest) || s.end - s.begin <= 8.0 * spacing(s)) {
+            s.state = State::point;
+        } else if (make_graph(s)) {
+            s.state = State::graph;
+            s.child = static_cast<int>(graphs_.size()) - 1;
+        } else {
+            const double middle = roundest(s.begin, s.end);
+            s.state = State::divided;
+            s.child = add(s.begin, middle);
+            add(middle, s.end);
+        }
+        stretches_[static_cast<std::size_t>(i)] = s;
+    }
+
+private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static constexpr int samples = 17;
+    static constexpr int octaves = 64;
+
+    /// Stretches one after the other outward, and boxes of each with all beyond it.
+    struct Chain {
+        std::vector<int> stretches;
+        std::vector<Box> beyond;
+    };
+
+    static double spacing(const Stretch& s) { return epsilon * std::max(std::abs(s.begin), std::abs(s.end)); }
+
+    using Values = std::array<long double, Graph::degree + 1>;
+
+    /// cos(pi k / n), exact at its zeros and ends.
+    template <int n>
+    static long double chebyshev(int k) {
+        static const auto table = [] {
+            std::array<long double, 2 * n> t;
+            for (int j = 0; j < 2 * n; ++j)
+                t[static_cast<std::size_t>(j)] = std::sin(std::numbers::pi_v<long double> * (n - 2 * j) / (2 * n));
+            return t;
+        }();
+        return table[static_cast<std::size_t>(k % (2 * n))];
+    }
+    /// The points of a stretch that are looked at, from its begin to its end.
+    static double sample(const Stretch& s, int k) {
+        if (k == 0 || k == samples - 1) return k == 0 ? s.begin : s.end;
+        const double half = 0.5 * (s.end - s.begin);
+        return s.begin + half - half * static_cast<double>(chebyshev<samples - 1>(k));
+    }
+
+    void begin(const Box& box) {
+        if (std::isfinite(domain_.end - domain_.begin)) {
+            chains_.push_back(chain(domain_.begin, {domain_.end}));
+            return;
+        }
+        const double origin = std::isfinite(domain_.begin) ? domain_.begin
+                              : std::isfinite(domain_.end) ? domain_.end
+                                                           : 0.0;
+        const double first = first_length(origin, box.size());
+        for (const double sign : {1.0, -1.0}) {
+            if (sign > 0.0 ? origin == domain_.end : origin == domain_.begin) continue;
+            std::vector<double> ends;
+            double length = first;
+            for (int k = 0; k < octaves && std::isfinite(origin + length); ++k, length *= 2.0)
+                ends.push_back(origin + sign * length);
+            chains_.push_back(chain(origin, ends));
+        }
+    }
+
+    Chain chain(double from, const std::vector<double>& ends) {
+        Chain c;
+        for (double end : ends) {
+            c.stretches.push_back(add(std::min(from, end), std::max(from, end)));
+            from = end;
+        }
+        Box all;
+        for (auto i = c.stretches.rbegin(); i != c.stretches.rend(); ++i) {
+            all.add(stretch(*i).box);
+            c.beyond.push_back(all);
+        }
+        std::reverse(c.beyond.begin(), c.beyond.end());
+        return c;
+    }
+
+    /// A power of two by which the curve goes about as far as a path does.
+    double first_length(double u, double distance) const {
+        const CurvePoint<double> p = curve_.own(u);
+        const double speed = std::hypot(p.first[0], p.first[1]), bend = std::hypot(p.second[0], p.second[1]);
+        double length = std::numeric_limits<double>::infinity();
+        if (speed > 0.0) length = distance / speed;
+        if (bend > 0.0) length = std::min(length, std::sqrt(2.0 * distance / bend));
+        return std::isfinite(length) && length > 0.0 ? std::ldexp(1.0, std::ilogb(length) + 1) : 1.0;
+    }
+
+    int add(double begin, double end) {
+        Stretch s{begin, end, {}};
+        double gap = 0.0, before_x = 0.0, before_y = 0.0;
+        int finite = 0;
+        for (int k = 0; k < samples; ++k) {
+            const CurvePoint<double> p = curve_.own(sample(s, k));
+            const double x = p.position[0], y = p.position[1];
+            if (!std::isfinite(x) || !std::isfinite(y)) continue;
+            if (finite++ > 0) gap = std::max(gap, std::max(std::abs(x - before_x), std::abs(y - before_y)));
+            s.box.add(x, y);
+            before_x = x;
+            before_y = y;
+        }
+        // where numbers overflow the curve may be anywhere, or is nowhere
+        if (finite < samples) gap = std::numeric_limits<double>::infinity();
+        if (finite == 0) s.state = State::point;
+        s.box.widen(gap);
+        stretches_.push_back(s);
+        return static_cast<int>(stretches_.size()) - 1;
+    }
+
+    /// Appends the graph of a stretch if it is one, and draws the stretch's box close.
+    bool make_graph(Stretch& s) {
+        const CurvePoint<double> a = curve_.own(s.begin), b = curve_.own(s.end);
+        Graph g;
+        const double dx = 0.5 * (b.position[0] - a.position[0]), dy = 0.5 * (b.position[1] - a.position[1]);
+        g.half = std::sqrt(dx * dx + dy * dy);
+        if (!(g.half > 0.0) || !std::isfinite(g.half)) return false;
+        g.along_x = dx / g.half;
+        g.along_y = dy / g.half;
+        g.x = a.position[0] + dx;
+        g.y = a.position[1] + dy;
+        const double places = s.box.farthest() / g.half;
+        g.noise = 4.0 * epsilon * places;
+
+        // turning little, forward everywhere
+        for (int k = 1; k + 1 < samples; ++k) {
+            const CurvePoint<double> p = curve_.own(sample(s, k));
+            const double along = g.along(p.first), across = g.across(p.first);
+            if (!(std::abs(across) <= 0.5 * along)) return false;
+        }
+
+        // eta and u at Chebyshev points of xi; rounded once, at the end, since a landing soon after a start depends on
+        // third and higher derivatives of f
+        constexpr int n = Graph::degree;
+        Values eta, u;
+        double guess = s.end;
+        for (int k = 0; k <= n; ++k) {
+            const auto i = static_cast<std::size_t>(k);
+            const std::optional<double> met = k == 0 ? s.end : k == n ? s.begin : met_at(g, s, k, guess);
+            if (!met || (k > 0 && !(*met < u[i - 1]))) return false;
+            guess = *met;
+            const CurvePoint<long double> p = curve_.own<long double>(guess);
+            const long double x = (p.position[0] - g.x) / g.half, y = (p.position[1] - g.y) / g.half;
+            const long double missed = chebyshev<n>(k) - (x * g.along_x + y * g.along_y);
+            const double slope = g.across(p.first.template cast<double>()) / g.along(p.first.template cast<double>());
+            u[i] = guess;
+            // at an end of a stretch the tangent may be lost in a cusp, and nothing is missed
+            eta[i] = y * g.along_x - x * g.along_y + (std::isfinite(slope) ? missed * slope : 0.0L);
+        }
+        constexpr double finest = std::numeric_limits<long double>::epsilon();
+        if (!fit(eta, std::max(0x1p-53, 0.25 * g.noise), std::max(0x1p-62, 4.0 * finest * places), g.f, g.order))
+            return false;
+        fit(u, 0.0, 0x1p-30 * (s.end - s.begin), g.u, g.u_order);
+
+        const auto [low, high] = std::minmax_element(eta.begin(), eta.end());
+        // between points so close a graph that turns little goes no farther beyond them
+        const double margin = 0.05 * static_cast<double>(*high - *low) + 0x1p-40 + 4.0 * g.noise;
+        g.low = static_cast<double>(*low) - margin;
+        g.high = static_cast<double>(*high) + margin;
+        s.box = {};
+        for (const double end : {-1.0, 1.0})
+            for (const double side : {g.low, g.high})
+                s.box.add(g.x + g.half * (end * g.along_x - side * g.along_y),
+                          g.y + g.half * (end * g.along_y + side * g.along_x));
+        s.box.widen(0x1p-20 * g.half);
+        graphs_.push_back(g);
+        return true;
+    }
+
+    /// The parameter of Chebyshev point k of a chord, by Newton's method from that of the point before.
+    std::optional<double> met_at(const Graph& g, const Stretch& s, int k, double guess) const {
+        const auto target = static_cast<double>(chebyshev<Graph::degree>(k));
+        double u = guess;
+        for (int iteration = 0; iteration < 30; ++iteration) {
+            const CurvePoint<double> p = curve_.own(u);
+            const double missed = target - g.along_from(p.position);
+            if (std::abs(missed) <= 4.0 * epsilon + g.noise) return u;
+            u += missed / g.along(p.first);
+            // out of the stretch, or out of a cusp at its end where there is no slope
+            if (!(u > s.begin && u < s.end)) u = s.begin + 0.5 * (s.end - s.begin) * (1.0 + target);
+        }
+        return std::nullopt;
+    }
+
+    /// Coefficients of the polynomial through values at the points cos(pi k / n), those below `negligible` at the end
+    /// left out; false if the last three are not below `resolved`, unless that is zero.
+    static bool fit(const Values& values, double resolved, double negligible,
+                    std::array<double, Graph::degree + 1>& coefficients, int& order) {
+        constexpr int n = Graph::degree;
+        Values series;
+        for (int j = 0; j <= n; ++j) {
+            long double sum = 0.5L * (values[0] + (j % 2 == 0 ? values[n] : -values[n]));
+            for (int k = 1; k < n; ++k) sum += values[static_cast<std::size_t>(k)] * chebyshev<n>(j * k);
+            series[static_cast<std::size_t>(j)] = sum * (j == 0 || j == n ? 1.0L : 2.0L) / n;
+            if (resolved > 0.0 && j > n - 3 && !(std::abs(series[static_cast<std::size_t>(j)]) <= resolved))
+                return false;
+        }
+        order = n;
+        while (order > 0 && std::abs(series[static_cast<std::size_t>(order)]) <= negligible) --order;
+        // sum_j series_j T_j in powers, T_(j+1) = 2 x T_j - T_(j-1)
+        Values c{}, now{1.0L}, before{};
+        for (int j = 0; j <= order; ++j) {
+            for (std::size_t k = 0; k <= n; ++k) c[k] += series[static_cast<std::size_t>(j)] * now[k];
+            Values next{};
+            for (std::size_t k = 0; k < n; ++k) next[k + 1] = (j == 0 ? 1.0L : 2.0L) * now[k];
+            for (std::size_t k = 0; k <= n; ++k) next[k] -= before[k];
+            before = now;
+            now = next;
+        }
+        for (std::size_t k = 0; k <= n; ++k) coefficients[k] = static_cast<double>(c[k]);
+        return true;
+    }
+
+    Curve curve_;
+    Domain domain_;
+    double period_ = 0.0;
+    std::vector<Chain> chains_;
+    std::vector<Stretch> stretches_;
+    std::vector<Graph> graphs_;
+};
+
+}  // namespace rbdyn::curves
