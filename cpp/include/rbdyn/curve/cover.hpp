@@ -252,19 +252,21 @@ private:
         g.along_y = dy / g.half;
         g.x = a.position[0] + dx;
         g.y = a.position[1] + dy;
-        const double places = s.box.farthest() / g.half;
-        g.noise = 4.0 * epsilon * places;
 
         // turning little, forward everywhere
+        double fastest = 0.0;
         for (int k = 1; k + 1 < samples; ++k) {
             const CurvePoint<double> p = curve_.own(sample(s, k));
             const double along = g.along(p.first), across = g.across(p.first);
             if (!(std::abs(across) <= 0.5 * along)) return false;
+            fastest = std::max(fastest, along);
         }
 
         // eta and u at Chebyshev points of xi; rounded once, at the end, since a landing soon after a start depends on
         // third and higher derivatives of f
         constexpr int n = Graph::degree;
+        const double places = s.box.farthest() / g.half + std::max(std::abs(s.begin), std::abs(s.end)) * fastest;
+        g.noise = 4.0 * epsilon * places;
         Values eta, u;
         double guess = s.end;
         for (int k = 0; k <= n; ++k) {
@@ -273,9 +275,13 @@ private:
             if (!met || (k > 0 && !(*met < u[i - 1]))) return false;
             guess = *met;
             const CurvePoint<long double> p = curve_.own<long double>(guess);
+            const CurvePoint<double> rounded = curve_.own(guess);
+            for (int c = 0; c < 2; ++c)
+                g.noise = std::max(g.noise,
+                                   4.0 * std::abs(static_cast<double>(p.position[c] - rounded.position[c])) / g.half);
             const long double x = (p.position[0] - g.x) / g.half, y = (p.position[1] - g.y) / g.half;
             const long double missed = chebyshev<n>(k) - (x * g.along_x + y * g.along_y);
-            const double slope = g.across(p.first.template cast<double>()) / g.along(p.first.template cast<double>());
+            const double slope = g.across(rounded.first) / g.along(rounded.first);
             u[i] = guess;
             // at an end of a stretch the tangent may be lost in a cusp, and nothing is missed
             eta[i] = y * g.along_x - x * g.along_y + (std::isfinite(slope) ? missed * slope : 0.0L);
@@ -303,11 +309,13 @@ private:
     /// The parameter of Chebyshev point k of a chord, by Newton's method from that of the point before.
     std::optional<double> met_at(const Graph& g, const Stretch& s, int k, double guess) const {
         const auto target = static_cast<double>(chebyshev<Graph::degree>(k));
-        double u = guess;
+        double u = guess, before = std::numeric_limits<double>::infinity();
         for (int iteration = 0; iteration < 30; ++iteration) {
             const CurvePoint<double> p = curve_.own(u);
-            const double missed = target - g.along_from(p.position);
-            if (std::abs(missed) <= 4.0 * epsilon + g.noise) return u;
+            const double missed = target - g.along_from(p.position), size = std::abs(missed);
+            // little enough to be made up for along the tangent, and no less by another step
+            if (size <= 0x1p-50 || (size <= 0x1p-32 && !(size < 0.5 * before))) return u;
+            before = size;
             u += missed / g.along(p.first);
             // out of the stretch, or out of a cusp at its end where there is no slope
             if (!(u > s.begin && u < s.end)) u = s.begin + 0.5 * (s.end - s.begin) * (1.0 + target);

@@ -345,19 +345,26 @@ private:
         return leading(g, view, gap, degree, 3, 1e-10);
     }
 
-    /// The first coefficient of the gap from `order` on that is more than rounding of its terms.
+    /// The first coefficient of the gap from `order` on that is more than rounding: of its terms, and of points of the
+    /// curve, over the distance that the path goes.
     static int leading(const Graph& g, const View& view, const Gap& gap, int degree, int order, double rounding) {
         std::array<double, Graph::degree + 1> f;
         Path xi;
         for (std::size_t k = 0; k < f.size(); ++k) f[k] = std::abs(g.f[k]);
         for (std::size_t k = 0; k <= static_cast<std::size_t>(view.degree); ++k) xi[k] = std::abs(view.xi[k]);
+        double motion = 0.0;
+        for (int k = 1; k <= view.degree; ++k)
+            motion += xi[static_cast<std::size_t>(k)] + std::abs(view.eta[static_cast<std::size_t>(k)]);
+        // third and higher derivatives of f are known to fewer digits towards the ends of a graph
+        double floor = order > 1 ? 0x1p-40 * std::pow(motion, order) : 0.0;
         Gap terms;
         double dropped;
         compose(f.data(), g.order, xi.data(), view.degree, terms, dropped);
         for (int m = order; m <= degree; ++m) {
             const auto i = static_cast<std::size_t>(m);
             const double eta = m <= view.degree ? std::abs(view.eta[i]) : 0.0;
-            if (std::abs(gap[i]) > rounding * (terms[i] + eta)) return m;
+            if (std::abs(gap[i]) > rounding * (terms[i] + eta) + floor) return m;
+            floor *= motion;
         }
         return degree + 1;
     }
@@ -381,12 +388,13 @@ private:
         for (int k = degree; k >= 1; --k) slope = slope * root + k * p[k];
         // all of the gap is rounding: the path goes along the curve
         if (!(std::abs(slope) > 2.0 * g.noise + 16.0 * epsilon)) return true;
-        slope = std::abs(slope) * std::pow(root, known);
+        const double factor = std::pow(root, known);
+        slope = std::abs(slope) * factor;
         Landing found{from + width * root, parameter(g, s, xi)};
         if (!(found.tau < best_.tau + overlap)) return true;
 
-        // well across the curve: P(tau) = r(u) itself
-        if (slope > 0x1p-20 * motion) {
+        // well across the curve, and not so near the contact that places are too rough: P(tau) = r(u) itself
+        if (slope > 0x1p-20 * motion && factor > 0x1p-4) {
             for (int iteration = 0; iteration < 3; ++iteration) {
                 const CurvePoint<double> r = cover_.curve().own(found.u);
                 double px = x_[static_cast<std::size_t>(degree_)], py = y_[static_cast<std::size_t>(degree_)];
