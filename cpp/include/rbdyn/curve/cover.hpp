@@ -12,8 +12,9 @@
 //
 // A curve without end is covered by stretches each twice as long as the one before, to 2^64 times the length of the
 // first, which is about the size of the first path asked for. What is guaranteed: boxes hold the curve where 17 points
-// of a stretch show it, with a margin of the widest gap between neighbours; a feature that no point falls on and that
-// is farther out than this gap is not seen. Units: a power of two in them changes no bit but the scale.
+// of a stretch show it, with a margin of the widest gap between neighbours, in each coordinate;
+// a feature that no point falls on and that is farther out than this gap is not seen. Units: a power of two in them
+// changes no bit but the scale.
 #pragma once
 
 #include <algorithm>
@@ -50,11 +51,11 @@ struct Box {
         add(b.x0, b.y0);
         add(b.x1, b.y1);
     }
-    void widen(double by) {
-        x0 -= by;
-        x1 += by;
-        y0 -= by;
-        y1 += by;
+    void widen(double by_x, double by_y) {
+        x0 -= by_x;
+        x1 += by_x;
+        y0 -= by_y;
+        y1 += by_y;
     }
 };
 
@@ -222,21 +223,24 @@ private:
 
     int add(double begin, double end) {
         Stretch s{begin, end, {}};
-        double gap = 0.0, before_x = 0.0, before_y = 0.0;
+        double gap_x = 0.0, gap_y = 0.0, before_x = 0.0, before_y = 0.0;
         int finite = 0;
         for (int k = 0; k < samples; ++k) {
             const CurvePoint<double> p = curve_.own(sample(s, k));
             const double x = p.position[0], y = p.position[1];
             if (!std::isfinite(x) || !std::isfinite(y)) continue;
-            if (finite++ > 0) gap = std::max(gap, std::max(std::abs(x - before_x), std::abs(y - before_y)));
+            if (finite++ > 0) {
+                gap_x = std::max(gap_x, std::abs(x - before_x));
+                gap_y = std::max(gap_y, std::abs(y - before_y));
+            }
             s.box.add(x, y);
             before_x = x;
             before_y = y;
         }
         // where numbers overflow the curve may be anywhere, or is nowhere
-        if (finite < samples) gap = std::numeric_limits<double>::infinity();
+        if (finite < samples) gap_x = gap_y = std::numeric_limits<double>::infinity();
         if (finite == 0) s.state = State::point;
-        s.box.widen(gap);
+        s.box.widen(gap_x, gap_y);
         stretches_.push_back(s);
         return static_cast<int>(stretches_.size()) - 1;
     }
@@ -301,7 +305,7 @@ private:
             for (const double side : {g.low, g.high})
                 s.box.add(g.x + g.half * (end * g.along_x - side * g.along_y),
                           g.y + g.half * (end * g.along_y + side * g.along_x));
-        s.box.widen(0x1p-20 * g.half);
+        s.box.widen(0x1p-20 * g.half, 0x1p-20 * g.half);
         graphs_.push_back(g);
         return true;
     }

@@ -118,7 +118,7 @@ private:
     static Box bounding(const double* x, const double* y, int degree) {
         const series::Bounds across = series::bounds(x, degree), up = series::bounds(y, degree);
         Box box{across.low, across.high, up.low, up.high};
-        box.widen(0x1p-20 * box.size());
+        box.widen(0x1p-20 * box.size(), 0x1p-20 * box.size());
         return box;
     }
 
@@ -346,7 +346,7 @@ private:
     }
 
     /// The first coefficient of the gap from `order` on that is more than rounding: of its terms, and of points of the
-    /// curve, over the distance that the path goes.
+    /// graph.
     static int leading(const Graph& g, const View& view, const Gap& gap, int degree, int order, double rounding) {
         std::array<double, Graph::degree + 1> f;
         Path xi;
@@ -355,16 +355,18 @@ private:
         double motion = 0.0;
         for (int k = 1; k <= view.degree; ++k)
             motion += xi[static_cast<std::size_t>(k)] + std::abs(view.eta[static_cast<std::size_t>(k)]);
-        // third and higher derivatives of f are known to fewer digits towards the ends of a graph
-        double floor = order > 1 ? 0x1p-40 * std::pow(motion, order) : 0.0;
+        // how far derivative m of a polynomial of degree n between -1 and 1 may be wrong if its values are (Markov):
+        // T_n^(m)(1) = product of (n^2 - i^2)/(2 i + 1), i < m
+        constexpr int n2 = Graph::degree * Graph::degree;
+        double floor = 0x1p-58;
         Gap terms;
         double dropped;
         compose(f.data(), g.order, xi.data(), view.degree, terms, dropped);
-        for (int m = order; m <= degree; ++m) {
+        for (int m = 0; m <= degree; ++m) {
             const auto i = static_cast<std::size_t>(m);
             const double eta = m <= view.degree ? std::abs(view.eta[i]) : 0.0;
-            if (std::abs(gap[i]) > rounding * (terms[i] + eta) + floor) return m;
-            floor *= motion;
+            if (m >= order && std::abs(gap[i]) > rounding * (terms[i] + eta) + floor) return m;
+            floor *= std::max(0.0, motion * (n2 - m * m) / ((2 * m + 1) * (m + 1)));
         }
         return degree + 1;
     }
