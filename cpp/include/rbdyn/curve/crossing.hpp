@@ -86,6 +86,8 @@ private:
     static constexpr double reach = 1.6, window = 1.0 + 0x1p-30;
     // degree of the gap; beyond it coefficients must be negligible
     static constexpr int gap_degree = 32;
+    // a contact of a higher order is not told from a path along the curve
+    static constexpr int max_contact = 8;
     static constexpr int max_depth = 50, max_visits = 20000;
 
     using Path = std::array<double, max_path_degree + 1>;
@@ -362,11 +364,11 @@ private:
         Gap terms;
         double dropped;
         compose(f.data(), g.order, xi.data(), view.degree, terms, dropped);
-        for (int m = 0; m <= degree; ++m) {
+        for (int m = 0; m <= std::min(degree, max_contact); ++m) {
             const auto i = static_cast<std::size_t>(m);
             const double eta = m <= view.degree ? std::abs(view.eta[i]) : 0.0;
             if (m >= order && std::abs(gap[i]) > rounding * (terms[i] + eta) + floor) return m;
-            floor *= std::max(0.0, motion * (n2 - m * m) / ((2 * m + 1) * (m + 1)));
+            floor *= motion * (n2 - m * m) / ((2 * m + 1) * (m + 1));
         }
         return degree + 1;
     }
