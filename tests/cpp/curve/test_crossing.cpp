@@ -44,7 +44,7 @@ struct Path {
 };
 
 std::optional<Landing> land(const Curve& curve, const Path& path, int side, double last = 0.0, bool just_left = false) {
-    LandingFinder finder(curve);
+    LandingFinder finder(curve, curve.closed() ? 2.0 * std::numbers::pi : 0.0);
     const auto found = finder.first_landing(path.flight(), side, last, just_left);
     EXPECT_TRUE(finder.complete());
     return found;
@@ -359,7 +359,7 @@ TEST(Crossing, near_a_cusp_both_branches_are_seen) {
 TEST(Crossing, random_flights_at_circles_and_lines_land_where_closed_forms_say) {
     std::uint64_t state = 2024;
     int landings = 0;
-    LandingFinder on_circle{Curve(unit_circle)}, on_line{Curve(x_axis)};
+    LandingFinder on_circle(unit_circle, 2.0 * std::numbers::pi), on_line{Curve(x_axis)};
     for (int trial = 0; trial < 10000; ++trial) {
         Path path{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, uniform(state, 0.2, 2.0)};
         const double spread = trial % 3 == 0 ? 1.0 : 3.0;
@@ -443,6 +443,66 @@ TEST(Crossing, random_flights_over_random_ground_land_where_a_dense_search_says)
     }
     EXPECT_GT(landings, 300);
     EXPECT_LT(close, 10);
+}
+
+TEST(Crossing, a_flight_cut_into_steps_lands_where_the_whole_does) {
+    std::uint64_t state = 17;
+    int landings = 0;
+    LandingFinder circle(unit_circle, 2.0 * std::numbers::pi), hill(graph_of({0.0, 0.0, -0.5, 0.0, 0.03125}));
+    for (int trial = 0; trial < 5000; ++trial) {
+        auto& finder = trial % 2 == 0 ? circle : hill;
+        const int side = trial % 4 < 2 ? 1 : -1;
+        Path path{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+        for (auto* c : {&path.x, &path.y})
+            for (double& value : *c) value = uniform(state, -1.5, 1.5);
+        const auto whole = finder.first_landing(path.flight(), side, 0.0, false);
+        // cuts anywhere, and at the landing but for rounding
+        std::vector<double> cuts{1.0};
+        for (int k = 0; k < trial % 5; ++k) cuts.push_back(uniform(state));
+        if (whole && trial % 3 == 0)
+            cuts.push_back(std::min(1.0, whole->tau * (1.0 + 1.1e-16 * std::floor(uniform(state, -3.0, 4.0)))));
+        std::sort(cuts.begin(), cuts.end());
+        std::optional<double> landed;
+        double from = 0.0;
+        for (const double to : cuts) {
+            if (!(to > from) || landed) continue;
+            Path step = path;
+            for (auto* c : {&step.x, &step.y}) {
+                (*c)[0] = static_cast<double>(Path::value(*c, from));
+                (*c)[1] += 2.0 * (*c)[2] * from;
+            }
+            step.length = to - from;
+            const auto landing = finder.first_landing(step.flight(), side, 0.0, false);
+            if (landing) landed = from + landing->tau;
+            from = to;
+        }
+        ASSERT_EQ(landed.has_value(), whole.has_value()) << trial;
+        if (!whole) continue;
+        ++landings;
+        EXPECT_NEAR(*landed, whole->tau, 1e-11) << trial;
+    }
+    EXPECT_GT(landings, 800);
+}
+
+TEST(Crossing, curves_that_cross_themselves_are_met_at_the_first_branch) {
+    // x = u^2 - 1, y = u (u^2 - 1): a loop, y^2 = x^2 (x + 1);
+    const Curve loop = Polynomial{.coefficients = {{0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}}};
+    // own origin at u = 0, (-1, 0) of the loop: branches at x = 1/2 there are u = -+ sqrt(1/2), y = +- sqrt(1/8)
+    const double high = std::sqrt(0.125);
+    const Path down{{0.5, 0.0}, {1.0, -2.0}};
+    // the upper branch has u < 0 and x shrinking: its left is below; the lower one's left, x growing, is above
+    const auto first = land(loop, down, -1), second = land(loop, down, 1);
+    ASSERT_TRUE(first && second);
+    EXPECT_NEAR(first->tau, 0.5 * (1.0 - high), 2e-16);
+    EXPECT_NEAR(first->u, -std::sqrt(0.5), 4e-16);
+    EXPECT_NEAR(second->tau, 0.5 * (1.0 + high), 2e-16);
+    EXPECT_NEAR(second->u, std::sqrt(0.5), 4e-16);
+}
+
+TEST(Crossing, a_closed_curve_without_its_period_and_an_open_one_with_one_are_refused) {
+    EXPECT_THROW(LandingFinder{Curve(unit_circle)}, InvalidInput);
+    EXPECT_THROW(LandingFinder(unit_circle, -1.0), InvalidInput);
+    EXPECT_THROW(LandingFinder(x_axis, 1.0), InvalidInput);
 }
 
 TEST(Crossing, paths_along_the_curve_and_numbers_that_are_not_finite_end_without_a_landing) {

@@ -99,14 +99,19 @@ public:
         int child = -1;  // the first of two that follow each other, or the graph's number
     };
 
-    /// The curve must lie in the plane of its first two own axes. `period`: by which a closed curve comes back to where
-    /// it was; by default the length of its domain, or 2 pi where that has none.
+    /// The curve must lie in the plane of its first two own axes. `period`: by how much the parameter of a closed curve
+    /// grows in a turn, 0 for others. Throws InvalidInput if it is neither.
     explicit CurveCover(Curve curve, double period = 0.0) : curve_(std::move(curve)), domain_(curve_.domain()) {
-        if (!curve_.closed()) return;
-        const bool bounded = std::isfinite(domain_.end - domain_.begin);
-        period_ = period > 0.0 ? period : bounded ? domain_.end - domain_.begin : 2.0 * std::numbers::pi;
+        if (!curve_.closed()) {
+            require(period == 0.0, curve_.name(), "period", period,
+                    "a curve that is not closed has none: leave it out");
+            return;
+        }
+        require(std::isfinite(period) && period > 0.0, curve_.name(), "period", period,
+                "it must be by how much the parameter grows in a turn: 2 pi for a circle");
+        period_ = period;
         if (!std::isfinite(domain_.begin)) domain_.begin = 0.0;
-        domain_.end = domain_.begin + period_;
+        domain_.end = domain_.begin + period;
     }
 
     const Curve& curve() const { return curve_; }

@@ -56,7 +56,7 @@ public:
         complete_ = true;
         visits_ = 0;
         best_ = {std::numeric_limits<double>::infinity(), 0.0};
-        if (!scale(path)) return std::nullopt;
+        if (!scale(path, just_left ? 0.0 : 0x1p-62)) return std::nullopt;
         const double period = cover_.period();
         turn_ = period > 0.0 ? std::floor((last - cover_.domain().begin) / period) * period : 0.0;
         side_ = side;
@@ -86,8 +86,9 @@ private:
 
     using Path = PathCoefficients;
 
-    /// The path on [0, 1], coefficients that are nothing left out; false if it does not move or is not finite.
-    bool scale(const Flight& path) {
+    /// The path on [0, 1], coefficients at the end that are `negligible` against the motion left out; false if it does
+    /// not move or is not finite.
+    bool scale(const Flight& path, double negligible) {
         double power = 1.0, motion = 0.0;
         for (int k = 0; k <= path.degree; ++k, power *= path.length) {
             const auto i = static_cast<std::size_t>(k);
@@ -99,7 +100,7 @@ private:
         for (double rest = 0.0; degree_ > 0; --degree_) {
             const auto i = static_cast<std::size_t>(degree_);
             rest += std::abs(x_[i]) + std::abs(y_[i]);
-            if (rest > 0x1p-62 * motion) break;
+            if (rest > negligible * motion) break;
         }
         return motion > 0.0 && std::isfinite(motion) && std::isfinite(x_[0]) && std::isfinite(y_[0]);
     }
