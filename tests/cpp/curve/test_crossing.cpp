@@ -499,10 +499,11 @@ TEST(Crossing, curves_that_cross_themselves_are_met_at_the_first_branch) {
     EXPECT_NEAR(second->u, std::sqrt(0.5), 4e-16);
 }
 
-TEST(Crossing, a_closed_curve_without_its_period_and_an_open_one_with_one_are_refused) {
+TEST(Crossing, a_closed_curve_without_its_period_an_open_one_with_one_and_too_many_coefficients_are_refused) {
     EXPECT_THROW(LandingFinder{Curve(unit_circle)}, InvalidInput);
     EXPECT_THROW(LandingFinder(unit_circle, -1.0), InvalidInput);
     EXPECT_THROW(LandingFinder(x_axis, 1.0), InvalidInput);
+    EXPECT_THROW(land(x_axis, {std::vector<double>(26, 1.0), std::vector<double>(26, 1.0)}, 1), InvalidInput);
 }
 
 TEST(Crossing, paths_along_the_curve_and_numbers_that_are_not_finite_end_without_a_landing) {

@@ -14,14 +14,16 @@
 // through: a contact at the start, just left or within rounding, whose first coefficient points to the wrong side.
 // A crossing within rounding after the end is met at the end. A path that starts on the wrong side lands only after it
 // has come back. Of two crossings closer than 2^-30 of a part's length, either is returned.
-// The work is bounded; if it was not enough, complete() is false and what was not looked at counts as free of curve.
-// A power of two as change of units changes no bit but the scale.
+// Where the curve bends by a jump (a knot with a slope of its own), what the path has just left is the stretch it
+// enters. The work is bounded; if it was not enough, complete() is false and what was not looked at counts as free of
+// curve. A power of two as change of units changes no bit but the scale.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -53,6 +55,9 @@ public:
     /// bead was last on the curve; the result's turn of a closed curve is that of `last`, counted from the beginning of
     /// the domain. `just_left`: the path begins there, with gap and first derivative of the gap zero within rounding.
     std::optional<Landing> first_landing(const Flight& path, int side, double last, bool just_left) {
+        if (path.degree > max_path_degree)
+            require(false, cover_.curve().name(), "degree of a path", path.degree,
+                    "it must be at most " + std::to_string(max_path_degree));
         complete_ = true;
         visits_ = 0;
         best_ = {std::numeric_limits<double>::infinity(), 0.0};
