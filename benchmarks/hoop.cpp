@@ -26,7 +26,7 @@ Timing timed(const PointsModel& model, const SimulateOptions& options, const std
     std::vector<double> times;
     Timing result{};
     for (int i = 0; i < 401; ++i) {
-        simulating::Timed run = simulating::integrate(model, options, engine, tolerance, {});
+        simulating::Timed run = simulating::integrate(model, model.start(), options, engine, tolerance, {});
         times.push_back(run.seconds * 1e6);
         if (i == 0) result.record = std::move(run.record);
     }
@@ -59,7 +59,7 @@ int main() {
     std::printf(
         "calibration: %.3f us (a hand-written Taylor step; 0.72 to 0.90 us on the machine of the yardstick)\n\n",
         calibration);
-    const Record exact = simulating::integrate(model, options, "taylor", 1e-19, {}).record;
+    const Record exact = simulating::integrate(model, model.start(), options, "taylor", 1e-19, {}).record;
     std::printf("rough hoop, 9 events\n%-12s %10s %12s %11s %8s %8s %10s %18s\n", "engine", "wanted", "time [us]",
                 "least [us]", "error", "steps", "guards", "over calibration");
     for (const std::string& engine : simulating::engines()) {

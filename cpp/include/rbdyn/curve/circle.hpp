@@ -34,6 +34,7 @@ struct Circle {
         return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     }
     bool closed() const { return true; }
+    double period() const { return 6.283185307179586; }
     std::string name() const { return "circle of radius " + text(radius); }
 
     /// The curve in its own axes.

@@ -74,6 +74,17 @@ public:
     bool closed() const {
         return std::visit([](const auto& form) { return form.closed(); }, form_);
     }
+    /// What the parameter grows by in a round of a closed curve; 0 for one that is not closed.
+    double period() const {
+        return std::visit(
+            [](const auto& form) {
+                if constexpr (requires { form.period(); })
+                    return form.period();
+                else
+                    return 0.0;
+            },
+            form_);
+    }
     /// What it is, in words: "circle of radius 0.5".
     std::string name() const {
         return std::visit([](const auto& form) { return form.name(); }, form_);

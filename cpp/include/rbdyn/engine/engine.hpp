@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "rbdyn/engine/piece.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
+#include "rbdyn/series/piece.hpp"
 
 namespace rbdyn {
 

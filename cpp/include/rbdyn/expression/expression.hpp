@@ -208,6 +208,8 @@ public:
         inputs_.assign(inputs.begin(), inputs.end());
         parameter_values_.assign(parameters.begin(), parameters.end());
         forced_ = std::move(forced);
+        values_.clear();
+        for (const Node& n : nodes_) values_.push_back(value_of(n));
     }
 
     Expression input(int index) { return {this, intern({Operation::input, index})}; }

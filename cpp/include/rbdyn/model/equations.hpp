@@ -8,6 +8,7 @@
 
 #include "rbdyn/basics/direction.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/series/piece.hpp"
 
 namespace rbdyn {
 
@@ -25,8 +26,6 @@ enum class EventKind {
     accumulation,
     switching
 };
-
-struct Piece;
 
 /// Finds an event that is no zero of a function of the state: where a path meets a curve, say.
 class Locator {

@@ -28,6 +28,7 @@
 
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_state.hpp"
+#include "rbdyn/model/rail_landing.hpp"
 #include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn {
@@ -123,7 +124,11 @@ public:
             bodies_.push_back(std::move(body));
         }
         freedoms_ = position;
-        landings_.resize(bodies_.size());
+        for (const Body& b : bodies_)
+            landings_.push_back(b.side == RailSide::both
+                                    ? nullptr
+                                    : std::make_shared<const RailLanding>(*b.curve, view_.axes * b.binormal, view_,
+                                                                          b.first, b.first_of_space()));
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
             if (const Force* force = std::get_if<Force>(&load.load)) {
@@ -380,9 +385,7 @@ public:
     CurvePoint<double> curve_point(const Body& b, double u) const { return b.curve->at<double>(u, view_); }
 
     /// Finds where a flying bead comes back to its rail; none if the rail holds on both sides.
-    std::shared_ptr<const Locator> landing(int i) const { return landings_[at(i)]; }
-    /// The parameter at which it does, near u.
-    double landing_place(int i, const Vector3& r, double u) const;
+    std::shared_ptr<const RailLanding> landing(int i) const { return landings_[at(i)]; }
 
     /// A vector of the world in the view.
     Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
@@ -406,6 +409,11 @@ private:
             require(off <= 1e-9 * (r.norm() + span), name, "distance of its rail from a plane", off,
                     "a rail that holds on one side only is a plane curve; use side \"both\", or flatten the curve");
         }
+        const double tilt = 1.0 - std::abs(curve.placement().axes.col(2).dot(binormal));
+        require(
+            tilt <= 1e-9, name, "angle of its rail's plane with that found for it, squared and halved", tilt,
+            "the plane of a rail that holds on one side only is one of the world's, or that of a kind of curve that "
+            "knows it (a circle, a polynomial, a spline); use side \"both\", or turn the scene");
         return binormal;
     }
 
@@ -425,12 +433,10 @@ private:
     }
 
     Placement view_;
-    std::vector<std::shared_ptr<const Locator>> landings_;
+    std::vector<std::shared_ptr<const RailLanding>> landings_;
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
     int freedoms_ = 0;
 };
-
-inline double PointLaws::landing_place(int, const Vector3&, double u) const { return u; }
 
 }  // namespace rbdyn

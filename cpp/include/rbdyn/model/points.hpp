@@ -233,7 +233,7 @@ private:
         const int n = laws_.freedoms(), space = b.first_of_space();
         const Vector3 r{x[at(space)], x[at(space + 1)], x[at(space + 2)]},
             v{x[at(n + space)], x[at(n + space + 1)], x[at(n + space + 2)]};
-        x[at(b.first)] = laws_.landing_place(i, r, x[at(b.first)]);
+        x[at(b.first)] = laws_.landing(i)->place(r);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
         const double w = dot<double>(c.first, v) / c.speed_squared;
         x[at(n + b.first)] = w;
