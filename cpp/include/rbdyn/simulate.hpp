@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/model/own_model.hpp"
 #include "rbdyn/trajectory/trajectory.hpp"
 
 namespace rbdyn {
@@ -94,6 +95,55 @@ inline Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
         case Outcome::good: break;
     }
     return std::move(result.run);
+}
+
+/// The motion of a model of the user's own.
+class StateRun {
+public:
+    explicit StateRun(simulating::Solution solution, std::string engine)
+        : solution_(std::make_shared<const simulating::Solution>(std::move(solution))), engine_(std::move(engine)) {}
+
+    Status status() const { return solution_->record.status; }
+    double start() const { return solution_->record.start; }
+    double end() const { return solution_->record.end.hi; }
+    double certain_until() const { return solution_->certain_until; }
+    const std::string& engine() const { return engine_; }
+    /// Estimated global error, each variable relative to its own scale in this motion; none with rtol.
+    std::optional<double> error() const { return solution_->error; }
+    const std::vector<Event>& events() const { return solution_->record.events; }
+    const Work& work() const { return solution_->record.work; }
+
+    /// The state at a time. Throws InvalidInput for a time the run does not hold.
+    std::vector<double> state(double t, Side side = Side::after) const { return state_at(solution_->record, t, side); }
+
+private:
+    std::shared_ptr<const simulating::Solution> solution_;
+    std::string engine_;
+};
+
+/// A run of a model of the user's own came to less than was asked for; `run` is what is there.
+struct ModelError : Error {
+    ModelError(const std::string& message, StateRun partial) : Error(message), run(std::move(partial)) {}
+    StateRun run;
+};
+
+/// Runs a model of the user's own from a state. Throws as simulate(scene) does; what a failed run had is in the error.
+template <OwnModel M>
+StateRun simulate(const M& model, const std::vector<double>& state, const SimulateOptions& options) {
+    using Outcome = simulating::Solution::Outcome;
+    simulating::validate(options);
+    const FunctorModel<M> hybrid(model);
+    require(static_cast<int>(state.size()) == hybrid.variables(), "simulate", "number of variables of the state",
+            static_cast<double>(state.size()), "the model has " + std::to_string(hybrid.variables()));
+    const std::string engine = options.engine == "auto" ? "taylor" : options.engine;
+    (void)simulating::make_engine(engine, 1e-6);
+    simulating::Solution solution = simulating::solve(hybrid, state, options, engine, "taylor");
+    if (solution.outcome == Outcome::thrown) std::rethrow_exception(solution.thrown);
+    const bool good = solution.outcome == Outcome::good;
+    const std::string message = solution.message;
+    StateRun run(std::move(solution), engine);
+    if (!good) throw ModelError(message, std::move(run));
+    return run;
 }
 
 }  // namespace rbdyn

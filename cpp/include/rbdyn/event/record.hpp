@@ -2,8 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -90,5 +93,31 @@ private:
     std::vector<Entry> entries_;
     std::vector<double> coefficients_;
 };
+
+/// The index of the entry that holds time t; none if the record has no pieces. Throws InvalidInput for a time it does
+/// not hold.
+inline std::optional<std::size_t> entry_at(const Record& record, double t, Side side) {
+    if (!(t >= record.start && t <= record.end.hi))
+        throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) + " to " +
+                           text(record.end.hi) + " s");
+    if (record.modes.empty()) throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
+    if (record.empty()) return std::nullopt;
+    const std::size_t index = record.find(t, side);
+    const Piece piece = record.piece(index);
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    if (const double gap = t - piece.start; gap < -rounding || gap > piece.duration() + rounding)
+        throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
+    return index;
+}
+
+/// The state at a time.
+inline std::vector<double> state_at(const Record& record, double t, Side side) {
+    const auto index = entry_at(record, t, side);
+    if (!index) return record.first_state;
+    const Piece piece = record.piece(*index);
+    std::vector<double> x(static_cast<std::size_t>(record.variables));
+    piece.state(Record::tau(piece, t), x);
+    return x;
+}
 
 }  // namespace rbdyn

@@ -14,54 +14,15 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_observables.hpp"
+#include "rbdyn/model/recorded_model.hpp"
 
 namespace rbdyn {
 
-/// Equations of one structure. `still`: nothing can move or happen in it.
-struct PointStructure {
-    Equations equations;
-    bool still = false;
-};
-
-namespace recording {
-
-inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// Whether an expression stays what it is during smooth motion.
-inline bool is_constant(const Recorder& r, const Expression& x) {
-    if (x.is_constant()) return true;
-    std::vector<std::int32_t> todo{x.node()};
-    std::vector<bool> seen(at(r.size()), false);
-    while (!todo.empty()) {
-        const std::int32_t n = todo.back();
-        todo.pop_back();
-        if (seen[at(n)]) continue;
-        seen[at(n)] = true;
-        const Node& node = r.node(n);
-        if (node.operation == Operation::input || node.operation == Operation::time ||
-            node.operation == Operation::call)
-            return false;
-        for (std::int32_t operand : node.operands())
-            if (operand >= 0) todo.push_back(operand);
-    }
-    return true;
-}
-
-}  // namespace recording
-
-/// A state that equations are recorded for: it says which side of every choice they are on, but for those in `forced`.
-struct RecordedFor {
-    double t = 0.0;
-    std::span<const double> x;
-    std::map<std::uint64_t, long> forced = {};
-};
-
 /// Equations for what every body does: sticks, slips or flies.
-inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, const std::vector<Scene::Watch>& watches,
-                                                     const std::vector<signed char>& slip,
-                                                     const RecordedFor& at_state) {
+inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std::vector<Scene::Watch>& watches,
+                                                const std::vector<signed char>& slip, const RecordedFor& at_state) {
     using S = Expression;
-    using recording::at;
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
     Recorder r;
     const int n = laws.freedoms(), count = static_cast<int>(laws.bodies().size());
     if (count > 0) r.parameter(2 * count - 1);
@@ -91,14 +52,7 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
         r.set_subject(i);
         states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first)], slip[at(i)] == flies));
     }
-    std::vector<S> outputs(at(2 * n), S(0.0)), watched;
-    std::vector<Guard> guards;
-    const auto guard = [&](Guard g, const S& value) {
-        if (recording::is_constant(r, value)) return;
-        g.output = 2 * n + static_cast<int>(watched.size());
-        guards.push_back(std::move(g));
-        watched.push_back(value);
-    };
+    EquationsWriter write(r, 2 * n);
     std::vector<RecordedPoints::Body> present;
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
@@ -115,11 +69,11 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
         if (!b.curve || is_flying) {
             const int space = b.first_of_space();
             for (int k = 0; k < 3; ++k) {
-                outputs[at(space + k)] = p.v[k];
-                outputs[at(n + space + k)] = f.force[k] / S(b.mass);
+                write.rate(space + k) = p.v[k];
+                write.rate(n + space + k) = f.force[k] / S(b.mass);
             }
             if (is_flying && b.side != RailSide::both)
-                guards.push_back({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
+                write.outside({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
             present.push_back({p, f, 0.0, false});
             continue;
         }
@@ -135,33 +89,30 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
             rate = PointLaws::sliding_rate<S>(b, c, p.w, g, sign, across);
             S slipping = p.w;
             if (!b.drive.is_zero()) slipping = PointLaws::sqrt_of(c.speed_squared) * p.w - b.drive(t);
-            guard({.kind = EventKind::reverse, .subject = i, .sign_parameter = i, .name = "slip of " + b.name},
-                  slipping);
+            write.guard({.kind = EventKind::reverse, .subject = i, .sign_parameter = i, .name = "slip of " + b.name},
+                        slipping);
         } else {
             if (!fixed[at(i)]) rate = PointLaws::carried_rate<S>(b, t, c, p.w);
             const S needed = S(b.mass) * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) -
                              dot<S>(c.first, g.force) - g.along;
             const Vector3Of<S> across = PointLaws::friction_vector<S>(b, c, p.w, g);
-            guard({.kind = EventKind::slip, .subject = i, .name = "hold of " + b.name},
-                  S(b.mu_static * b.mu_static) * dot<S>(across, across) - needed * needed);
+            write.guard({.kind = EventKind::slip, .subject = i, .name = "hold of " + b.name},
+                        S(b.mu_static * b.mu_static) * dot<S>(across, across) - needed * needed);
         }
         if (b.side != RailSide::both)
-            guard({.kind = EventKind::detach, .subject = i},
-                  dot<S>(b.binormal.cast<S>(), PointLaws::friction_vector<S>(b, c, p.w, g)));
-        outputs[at(b.first)] = p.w;
-        outputs[at(n + b.first)] = rate;
+            write.guard({.kind = EventKind::detach, .subject = i},
+                        dot<S>(b.binormal.cast<S>(), PointLaws::friction_vector<S>(b, c, p.w, g)));
+        write.rate(b.first) = p.w;
+        write.rate(n + b.first) = rate;
         present.push_back({p, f, rate, true});
         const Domain domain = b.curve->domain();
         if (!b.curve->closed() && !fixed[at(i)]) {
             const GuardRole role = b.ends == RailEnds::stop ? GuardRole::stop : GuardRole::mode;
             const Guard end{.kind = EventKind::rail_end, .role = role, .subject = i};
-            if (std::isfinite(domain.begin)) guard(end, q[at(b.first)] - S(domain.begin));
-            if (std::isfinite(domain.end)) guard(end, S(domain.end) - q[at(b.first)]);
+            if (std::isfinite(domain.begin)) write.guard(end, q[at(b.first)] - S(domain.begin));
+            if (std::isfinite(domain.end)) write.guard(end, S(domain.end) - q[at(b.first)]);
         }
     }
-    auto result = std::make_unique<PointStructure>();
-    bool moves = !guards.empty();
-    for (const S& out : outputs) moves = moves || !out.is_zero();
     r.set_subject(-1);
     RecordedPoints now(laws, t, present);
     for (int i = 0; i < count; ++i) now.parameters.push_back(q[at(laws.body(i).first)]);
@@ -177,55 +128,21 @@ inline std::unique_ptr<PointStructure> record_points(const PointLaws& laws, cons
                 .watch = static_cast<int>(k)};
         if (!w.function.is_recorded()) {
             // nobody knows what it depends on
-            moves = true;
-            guards.push_back(std::move(g));
+            write.outside(std::move(g));
             continue;
         }
         std::vector<S> x;
         for (const Observable& o : w.function.arguments()) x.push_back(now.value(o));
-        const S value = w.function.function()(std::span<const S>(x))[0];
-        moves = moves || !recording::is_constant(r, value);
-        g.output = 2 * n + static_cast<int>(watched.size());
-        guards.push_back(std::move(g));
-        watched.push_back(value);
+        write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
     }
-    for (std::size_t k = 0; k < r.branches().size(); ++k) {
-        const Branch& b = r.branches()[k];
-        const S argument(&r, b.argument);
-        if (recording::is_constant(r, argument)) continue;
-        Guard g{.kind = EventKind::switching, .subject = b.subject, .name = b.name, .branch = static_cast<int>(k)};
-        if (b.has_lower()) {
-            g.step = -1;
-            guard(g, argument - S(b.lower()));
-        }
-        if (b.has_upper()) {
-            g.step = 1;
-            guard(g, S(b.upper()) - argument);
-        }
-        moves = true;
-    }
-    result->still = !moves;
-    outputs.insert(outputs.end(), watched.begin(), watched.end());
-    Equations& e = result->equations;
-    e.program = Program(r, outputs, 2 * n);
-    e.guards = std::move(guards);
-    e.branches = r.branches();
-    for (std::size_t k = 0; k < e.program.switches().size(); ++k) {
-        const Switch& s = e.program.switches()[k];
-        e.guards.push_back({.kind = s.tag >= 0 ? EventKind::normal_zero : EventKind::switching,
-                            .subject = s.subject,
-                            .output = e.program.outputs() + static_cast<int>(k),
-                            .sign_parameter = s.is_norm ? -1 : s.parameter,
-                            .name = s.name});
-        if (s.is_norm) e.start_flags.push_back(s.parameter);
-    }
+    std::vector<VariableGroup> groups;
     for (const int first : {0, n})
         for (const PointLaws::Body& b : laws.bodies()) {
-            if (b.may_fly) e.groups.push_back({first + b.first, 1, first == 0});
-            const int count_of = b.may_fly ? 3 : b.freedoms();
-            e.groups.push_back({first + b.first + b.freedoms() - count_of, count_of, first == 0});
+            if (b.may_fly) groups.push_back({first + b.first, 1, first == 0});
+            const int size = b.may_fly ? 3 : b.freedoms();
+            groups.push_back({first + b.first + b.freedoms() - size, size, first == 0});
         }
-    return result;
+    return write.finish(std::move(groups));
 }
 
 }  // namespace rbdyn

@@ -9,9 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -20,10 +18,11 @@
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/model/point_equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/recorded_model.hpp"
 
 namespace rbdyn {
 
-class PointsModel : public HybridModel {
+class PointsModel : public RecordedModel {
 public:
     PointsModel(const Scene& scene, const Placement& view) : laws_(scene, view), watches_(scene.watches()) {}
 
@@ -35,7 +34,9 @@ public:
     /// The equations for what every body does at the state the scene starts in.
     const Equations& equations(const std::vector<signed char>& slip, double t = 0.0) const {
         const std::vector<double> x = start(t);
-        return structure(slip, t, x, {}).equations;
+        Mode mode;
+        mode.slip = slip;
+        return structure(mode, t, x, {}).equations;
     }
 
     /// The state the scene starts in.
@@ -294,119 +295,27 @@ private:
         }
     }
 
-    /// The structure for a state, recorded anew only if no earlier one makes the same choices.
-    const PointStructure& structure(const std::vector<signed char>& slip, double t, std::span<const double> x,
-                                    std::map<std::uint64_t, long> forced) const {
-        std::vector<signed char> key = slip;
+    // --- the equations (recorded_model.hpp) ---
+
+    /// Beads on smooth rails slip, as far as equations go.
+    std::vector<signed char> kind_of(const Mode& mode) const override {
+        std::vector<signed char> kind = mode.slip;
         for (int i = 0; i < bodies(); ++i)
-            if (key[at(i)] != flies && !(key[at(i)] == sticks && laws_.body(i).rough)) key[at(i)] = 1;
-        const std::lock_guard lock(mutex_);
-        auto& known = structures_[key];
-        if (!known.empty() && known.front()->equations.branches.empty()) return *known.front();
-        auto recorded = record_points(laws_, watches_, slip, {t, x, std::move(forced)});
-        const auto& branches = recorded->equations.branches;
-        for (const auto& structure : known) {
-            const auto& others = structure->equations.branches;
-            const auto same = [](const Branch& a, const Branch& b) { return a.id == b.id && a.choice == b.choice; };
-            if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return *structure;
-        }
-        known.push_back(std::move(recorded));
-        return *known.back();
+            if (kind[at(i)] != flies && !(kind[at(i)] == sticks && laws_.body(i).rough)) kind[at(i)] = 1;
+        return kind;
     }
-
-    /// Completes a mode: its equations and their parameters. `flipped`: guards whose switch or choice changed; the
-    /// others stay as they are, unless the state is a new one.
-    void choose(Mode& mode, double t, std::span<const double> x, std::span<const int> flipped,
-                bool is_new = false) const {
-        const Equations* before = mode.equations;
-        const std::vector<double> old = mode.parameters;
-        mode.equations = nullptr;
-        std::map<std::uint64_t, long> forced;
-        if (before != nullptr && !is_new)
-            for (const Branch& b : before->branches) forced[b.id] = b.choice;
-        if (before != nullptr)
-            for (const int index : flipped)
-                if (const Guard& guard = before->guards[at(index)]; guard.branch >= 0)
-                    forced[before->branches[at(guard.branch)].id] =
-                        before->branches[at(guard.branch)].choice + guard.step;
-        // a choice that starts on its edge is made by the way it leaves it
-        for (int attempt = 0; attempt < 8; ++attempt) {
-            const PointStructure& s = structure(mode.slip, t, x, forced);
-            mode.equations = &s.equations;
-            mode.still = s.still;
-            set_parameters(mode, t, x, before, old, flipped, is_new);
-            if (s.equations.branches.empty()) return;
-            bool changed = false;
-            Evaluator<double> values(s.equations.program);
-            values.set_parameters(mode.parameters);
-            values(t, x);
-            for (const Guard& guard : s.equations.guards) {
-                if (guard.branch < 0) continue;
-                const Branch& b = s.equations.branches[at(guard.branch)];
-                const bool is_zero =
-                    std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output);
-                if (forced.contains(b.id) || !is_zero) continue;
-                const bool leaves = leading_sign(mode, t, x, guard.output) < 0;
-                forced[b.id] = b.choice + (leaves ? guard.step : 0);
-                changed = changed || leaves;
-            }
-            if (!changed) return;
-        }
+    std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override {
+        return record_points(laws_, watches_, mode.slip, state);
     }
-
-    void set_parameters(Mode& mode, double t, std::span<const double> x, const Equations* before,
-                        const std::vector<double>& old, std::span<const int> flipped, bool is_new) const {
-        const Equations& e = *mode.equations;
-        const Program& program = e.program;
-        mode.parameters.assign(at(program.parameters()), 0.0);
+    void own_parameters(Mode& mode, std::span<const double> x) const override {
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
             if (laws_.body(i).curve) mode.parameters[at(bodies() + i)] = x[at(laws_.body(i).first)];
         }
-        if (program.switches().empty()) return;
-        for (const Switch& w : program.switches()) mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : 1.0;
-        // what did not switch goes on as it was, but for what an event set anew
-        std::vector<bool> settled(program.switches().size(), false);
-        if (before != nullptr) {
-            const int first = static_cast<int>(before->guards.size() - before->program.switches().size());
-            for (std::size_t j = 0; j < before->program.switches().size(); ++j) {
-                const Switch& w = before->program.switches()[j];
-                const bool is_flipped =
-                    std::find(flipped.begin(), flipped.end(), first + static_cast<int>(j)) != flipped.end();
-                for (std::size_t k = 0; k < program.switches().size(); ++k) {
-                    const Switch& now = program.switches()[k];
-                    if (now.id != w.id || now.is_norm != w.is_norm || (is_new && !is_flipped)) continue;
-                    settled[k] = true;
-                    mode.parameters[at(now.parameter)] =
-                        w.is_norm ? (is_flipped ? 1.0 : 0.0) : (is_flipped ? -1.0 : 1.0) * old[at(w.parameter)];
-                }
-            }
-        }
-        Evaluator<double> values(program);
-        values.set_parameters(mode.parameters);
-        values(t, x);
-        std::vector<bool> at_zero(program.switches().size(), false);
-        for (std::size_t k = 0; k < program.switches().size(); ++k) {
-            const Switch& w = program.switches()[k];
-            if (w.is_norm) continue;
-            const double value = values.switch_value(static_cast<int>(k));
-            double& sign = mode.parameters[at(w.parameter)];
-            // a variable may have been set by the event
-            const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
-            if (settled[k] && (!is_variable || value * sign >= 0.0)) continue;
-            at_zero[k] = value == 0.0;
-            sign = value < 0.0 ? -1.0 : 1.0;
-        }
-        // what starts at zero takes the sign of its first change, which may depend on the signs of the others
-        for (std::size_t k = 0; k < program.switches().size(); ++k)
-            if (at_zero[k] && leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0)
-                mode.parameters[at(program.switches()[k].parameter)] = -1.0;
     }
 
     PointLaws laws_;
     std::vector<Scene::Watch> watches_;
-    mutable std::mutex mutex_;
-    mutable std::map<std::vector<signed char>, std::vector<std::unique_ptr<PointStructure>>> structures_;
 };
 
 }  // namespace rbdyn

@@ -71,29 +71,13 @@ struct Moment {
     const Mode& mode;
     std::vector<double> x;
 
-    Moment(const RunData& data, double t, Side side) : mode(mode_at(data, t, side)) {
-        const Record& record = data.record;
-        if (record.empty()) {
-            x = record.first_state;
-            return;
-        }
-        const Piece piece = record.piece(record.find(t, side));
-        const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
-        if (const double gap = t - piece.start; gap < -rounding || gap > piece.duration() + rounding)
-            throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
-        x.resize(static_cast<std::size_t>(record.variables));
-        piece.state(Record::tau(piece, t), x);
-    }
+    Moment(const RunData& data, double t, Side side)
+        : mode(mode_at(data.record, t, side)), x(state_at(data.record, t, side)) {}
 
 private:
-    static const Mode& mode_at(const RunData& data, double t, Side side) {
-        const Record& record = data.record;
-        if (!(t >= record.start && t <= record.end.hi))
-            throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) +
-                               " to " + text(record.end.hi) + " s");
-        if (record.modes.empty())
-            throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
-        return record.empty() ? record.modes.front() : record.mode(record.find(t, side));
+    static const Mode& mode_at(const Record& record, double t, Side side) {
+        const auto index = entry_at(record, t, side);
+        return index ? record.mode(*index) : record.modes.front();
     }
 };
 

@@ -1,0 +1,114 @@
+// Writes the equations of one structure: rates, guards, and what the recorder itself adds to them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/model/equations.hpp"
+
+namespace rbdyn {
+
+/// Equations of one structure. `still`: nothing can move or happen in it.
+struct Structure {
+    Equations equations;
+    bool still = false;
+};
+
+namespace recording {
+
+/// Whether an expression stays what it is during smooth motion.
+inline bool is_constant(const Recorder& r, const Expression& x) {
+    if (x.is_constant()) return true;
+    std::vector<std::int32_t> todo{x.node()};
+    std::vector<bool> seen(static_cast<std::size_t>(r.size()), false);
+    while (!todo.empty()) {
+        const std::int32_t n = todo.back();
+        todo.pop_back();
+        if (seen[static_cast<std::size_t>(n)]) continue;
+        seen[static_cast<std::size_t>(n)] = true;
+        const Node& node = r.node(n);
+        if (node.operation == Operation::input || node.operation == Operation::time ||
+            node.operation == Operation::call)
+            return false;
+        for (std::int32_t operand : node.operands())
+            if (operand >= 0) todo.push_back(operand);
+    }
+    return true;
+}
+
+}  // namespace recording
+
+class EquationsWriter {
+public:
+    EquationsWriter(Recorder& recorder, int variables)
+        : r_(recorder), rates_(static_cast<std::size_t>(variables), Expression(0.0)) {}
+
+    /// x' of a variable; zero if it is not set.
+    Expression& rate(int variable) { return rates_[static_cast<std::size_t>(variable)]; }
+
+    /// A guard, unless its value cannot change in this structure.
+    void guard(Guard g, const Expression& value) {
+        if (recording::is_constant(r_, value)) return;
+        moves_ = true;
+        watch(std::move(g), value);
+    }
+    /// A guard whose value is looked at even if it cannot change: it may between structures.
+    void watch(Guard g, const Expression& value) {
+        g.output = static_cast<int>(rates_.size() + watched_.size());
+        moves_ = moves_ || !recording::is_constant(r_, value);
+        guards_.push_back(std::move(g));
+        watched_.push_back(value);
+    }
+    /// A guard that is none of the program's outputs.
+    void outside(Guard g) {
+        moves_ = true;
+        guards_.push_back(std::move(g));
+    }
+
+    /// The structure, with the guards of the recorder's choices and switches.
+    std::unique_ptr<Structure> finish(std::vector<VariableGroup> groups) {
+        for (std::size_t k = 0; k < r_.branches().size(); ++k) {
+            const Branch b = r_.branches()[k];
+            const Expression argument(&r_, b.argument);
+            Guard g{.kind = EventKind::switching, .subject = b.subject, .name = b.name, .branch = static_cast<int>(k)};
+            if (b.has_lower()) {
+                g.step = -1;
+                guard(g, argument - b.lower());
+            }
+            if (b.has_upper()) {
+                g.step = 1;
+                guard(g, b.upper() - argument);
+            }
+        }
+        for (const Expression& rate : rates_) moves_ = moves_ || !rate.is_zero();
+        auto result = std::make_unique<Structure>();
+        result->still = !moves_;
+        std::vector<Expression> outputs = rates_;
+        outputs.insert(outputs.end(), watched_.begin(), watched_.end());
+        Equations& e = result->equations;
+        e.program = Program(r_, outputs, static_cast<int>(rates_.size()));
+        e.guards = std::move(guards_);
+        e.branches = r_.branches();
+        e.groups = std::move(groups);
+        for (std::size_t k = 0; k < e.program.switches().size(); ++k) {
+            const Switch& s = e.program.switches()[k];
+            e.guards.push_back({.kind = s.tag >= 0 ? EventKind::normal_zero : EventKind::switching,
+                                .subject = s.subject,
+                                .output = e.program.outputs() + static_cast<int>(k),
+                                .sign_parameter = s.is_norm ? -1 : s.parameter,
+                                .name = s.name});
+            if (s.is_norm) e.start_flags.push_back(s.parameter);
+        }
+        return result;
+    }
+
+private:
+    Recorder& r_;
+    std::vector<Expression> rates_, watched_;
+    std::vector<Guard> guards_;
+    bool moves_ = false;
+};
+
+}  // namespace rbdyn

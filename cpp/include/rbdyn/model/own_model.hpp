@@ -1,0 +1,100 @@
+// A model of the user's own: x' = f(t, x) as any functor over the number type.
+//
+//     struct Pendulum {
+//         int variables() const { return 2; }
+//         template <class S>
+//         void operator()(const S& t, std::span<const S> x, std::span<S> rate) const {
+//             rate[0] = x[1];
+//             rate[1] = -9.81 * sin(x[0]);
+//         }
+//     };
+//
+// It is recorded once for each side of its case distinctions (abs, where, min, max, floor ...), which are located as
+// events like those of scenes. What it may have besides: positions(), the number of variables at the front that are
+// measured by the extent of their motion; watched(t, x), a std::vector<std::pair<std::string, S>> of functions whose
+// zeros are noted.
+#pragma once
+
+#include <concepts>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/function.hpp"
+#include "rbdyn/model/recorded_model.hpp"
+
+namespace rbdyn {
+
+/// What simulate() takes for a model: a functor that records.
+template <class M>
+concept OwnModel = requires(const M& m, const Expression& t, std::span<const Expression> x,
+                            std::span<Expression> rate) {
+    { m.variables() } -> std::convertible_to<int>;
+    m(t, x, rate);
+};
+
+/// A functor as a hybrid model.
+template <OwnModel M>
+class FunctorModel : public RecordedModel {
+public:
+    explicit FunctorModel(M model) : model_(std::move(model)) {}
+
+    int variables() const override { return model_.variables(); }
+
+    Mode begin(double t, std::span<double> x) const override {
+        Mode mode;
+        choose(mode, t, x, {});
+        return mode;
+    }
+
+    Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+              std::vector<Happening>& happenings) const override {
+        std::vector<int> flipped;
+        for (const int index : fired) {
+            const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
+            flipped.push_back(index);
+            if (guard.name.empty()) continue;
+            const double sign =
+                guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
+            const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
+            happenings.push_back(
+                {guard.kind, guard.subject, rises ? Direction::rising : Direction::falling, guard.name});
+        }
+        Mode after = mode;
+        choose(after, t, x, flipped);
+        return after;
+    }
+
+private:
+    std::vector<signed char> kind_of(const Mode&) const override { return {}; }
+
+    std::unique_ptr<Structure> record(const Mode&, const RecordedFor& state) const override {
+        Recorder r;
+        r.follow(state.t, state.x, {}, state.forced);
+        const recording::Active active(r);
+        const int n = variables();
+        const Expression t = r.time();
+        std::vector<Expression> x, rate(static_cast<std::size_t>(n), Expression(0.0));
+        for (int i = 0; i < n; ++i) x.push_back(r.input(i));
+        model_(t, std::span<const Expression>(x), std::span<Expression>(rate));
+        EquationsWriter write(r, n);
+        for (int i = 0; i < n; ++i) write.rate(i) = rate[static_cast<std::size_t>(i)];
+        if constexpr (requires { model_.watched(t, std::span<const Expression>(x)); }) {
+            int index = 0;
+            for (const auto& [name, value] : model_.watched(t, std::span<const Expression>(x)))
+                write.watch({.role = GuardRole::record, .direction = Direction::either, .name = name, .watch = index++},
+                            value);
+        }
+        int positions = 0;
+        if constexpr (requires { model_.positions(); }) positions = model_.positions();
+        std::vector<VariableGroup> groups;
+        for (int i = 0; i < n; ++i) groups.push_back({i, 1, i < positions});
+        return write.finish(std::move(groups));
+    }
+
+    M model_;
+};
+
+}  // namespace rbdyn
