@@ -63,7 +63,7 @@ public:
     PythonFunction& operator=(const PythonFunction&) = delete;
     ~PythonFunction() {
         if (Py_IsInitialized() == 0) {
-            for (py::array& a : arrays_) a.release();
+            for (py::object& a : arrays_) a.release();
             return;
         }
         const Lock lock;
@@ -95,10 +95,10 @@ private:
             if (value == nullptr) throw py::error_already_set();
             return value;
         }
-        py::array& array = arrays_[i];
+        py::object& array = arrays_[i];
         // nobody else holds it: neither what the function kept, nor a call that is still under way
         if (!array || Py_REFCNT(array.ptr()) != 1) array = fresh(sizes_[i]);
-        std::memcpy(array.mutable_data(), x, static_cast<std::size_t>(sizes_[i]) * sizeof(double));
+        std::memcpy(py::detail::array_proxy(array.ptr())->data, x, static_cast<std::size_t>(sizes_[i]) * sizeof(double));
         return array.inc_ref().ptr();
     }
     static py::array fresh(int size) {
@@ -129,7 +129,7 @@ private:
         }
         const Array array = doubles(returned, user_, "what function " + name_ + " returns");
         if (array.ndim() != 1 || array.size() != wanted)
-            throw InvalidInput(user_ + ": function " + name_ + " returns shape " + shape_of(array) + "; " +
+            throw InvalidInput(user_ + ": function " + name_ + " returns " + form_of(returned, array) + "; " +
                                signature_.rule);
         std::copy_n(array.data(), wanted, y);
     }
@@ -148,7 +148,7 @@ private:
     Signature signature_;
     std::string user_, name_;
     std::vector<int> sizes_;
-    std::vector<py::array> arrays_;
+    std::vector<py::object> arrays_;  // the last arguments
 };
 
 // --- compiled functions ---
@@ -285,8 +285,9 @@ std::shared_ptr<const rbdyn::Callback> native_callback(const py::object& f, cons
     if (!compiled) compiled = from_scipy(f);
     if (!compiled) compiled = from_ctypes(f, user);
     if (!compiled) return nullptr;
-    const std::string wanted = c_signature(signature);
-    std::string found = compiled->signature;
+    const std::string wanted = signature.is_motion ? "" : c_signature(signature);
+    if (wanted.empty()) throw InvalidInput(user + ": it takes no compiled function; give one written in Python");
+    const std::string& found = compiled->signature;
     const std::string with_data = wanted.substr(0, wanted.size() - 1) + ",void*)";
     const bool takes_data = found == with_data;
     if (!found.empty() && found != wanted && !takes_data)

@@ -20,33 +20,44 @@ using rbdyn::Recorder;
 
 namespace {
 
-/// Whether a node is a sum of squares, each with a positive weight; the roots of these go to `roots`.
+/// The factors of a node, constants apart, which are multiplied into `weight`.
+void factors(const Recorder& recorder, std::int32_t index, double& weight, std::map<std::int32_t, int>& found) {
+    const Node& node = recorder.node(index);
+    if (node.operation == Operation::constant) {
+        weight *= node.value;
+    } else if (node.operation == Operation::multiply && node.a != node.b) {
+        factors(recorder, node.a, weight, found);
+        factors(recorder, node.b, weight, found);
+    } else {
+        found[node.operation == Operation::multiply ? node.a : index] += node.operation == Operation::multiply ? 2 : 1;
+    }
+}
+
+/// Whether a node is a sum of squares with positive weights; the roots of its terms go to `roots`.
 bool is_sum_of_squares(Recorder& recorder, std::int32_t index, std::vector<Expression>& roots) {
     const Node node = recorder.node(index);
     if (node.operation == Operation::add)
         return is_sum_of_squares(recorder, node.a, roots) && is_sum_of_squares(recorder, node.b, roots);
     if (node.operation != Operation::multiply) return false;
-    const auto expression = [&](std::int32_t i) { return Expression(&recorder, i); };
-    if (node.a == node.b) {
-        roots.push_back(expression(node.a));
-        return true;
+    double weight = 1.0;
+    std::map<std::int32_t, int> found;
+    factors(recorder, index, weight, found);
+    if (!(weight > 0.0)) return false;
+    Expression root = std::sqrt(weight);
+    for (const auto& [factor, times] : found) {
+        if (times % 2 != 0) return false;
+        for (int k = 0; k < times / 2; ++k) root = root * Expression(&recorder, factor);
     }
-    for (const auto& [factor, rest] : {std::pair(node.a, node.b), std::pair(node.b, node.a)}) {
-        const Node weight = recorder.node(factor), square = recorder.node(rest);
-        if (weight.operation != Operation::constant || !(weight.value > 0.0)) continue;
-        if (square.operation != Operation::multiply || square.a != square.b) continue;
-        roots.push_back(std::sqrt(weight.value) * expression(square.a));
-        return true;
-    }
-    return false;
+    roots.push_back(root);
+    return true;
 }
 
 /// The length of any number of components.
 Expression length_of(const std::vector<Expression>& parts) {
-    Expression sum = 0.0;
-    for (std::size_t i = 0; i < parts.size(); i += 2)
-        sum = length(rbdyn::Vector3Of<Expression>{i == 0 ? Expression(0.0) : sum, parts[i],
-                                                  i + 1 < parts.size() ? parts[i + 1] : Expression(0.0)});
+    const auto part = [&](std::size_t i) { return i < parts.size() ? parts[i] : Expression(0.0); };
+    Expression sum = part(0);
+    for (std::size_t i = 1; i == 1 || i < parts.size(); i += 2)
+        sum = length(rbdyn::Vector3Of<Expression>{sum, part(i), part(i + 1)});
     return sum;
 }
 
@@ -54,9 +65,7 @@ Expression length_of(const std::vector<Expression>& parts) {
 Expression root(const Expression& x) {
     std::vector<Expression> parts;
     if (x.is_constant() || !is_sum_of_squares(*x.recorder(), x.node(), parts)) return sqrt(x);
-    if (parts.size() > 3) return length_of(parts);
-    parts.resize(3, 0.0);
-    return length(rbdyn::Vector3Of<Expression>{parts[0], parts[1], parts[2]});
+    return length_of(parts);
 }
 
 Expression raised(const Expression& x, const Expression& n) {
@@ -421,12 +430,7 @@ math raise InvalidInput.)");
         [](const std::vector<py::object>& parts) {
             std::vector<Expression> x;
             for (const py::object& part : parts) x.push_back(number_of(part));
-            if (x.size() > 3) return recorded_number(length_of(x), under_way());
-            x.resize(3, 0.0);
-            const bool varies = !x[0].is_constant() || !x[1].is_constant() || !x[2].is_constant();
-            return recorded_number(varies ? length(rbdyn::Vector3Of<Expression>{x[0], x[1], x[2]})
-                                          : Expression(std::hypot(x[0].value(), x[1].value(), x[2].value())),
-                                   under_way());
+            return recorded_number(length_of(x), under_way());
         },
         py::arg("parts"));
 }

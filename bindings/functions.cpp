@@ -42,7 +42,7 @@ std::vector<Expression> results_of(const py::object& returned, const Signature& 
         return {result(returned, user, name)};
     const py::array array = py::module_::import("numpy").attr("asarray")(returned, py::arg("dtype") = "object");
     if (array.ndim() != (signature.results == 1 ? 0 : 1) || array.size() != signature.results)
-        throw InvalidInput(user + ": function " + name + " returns shape " + shape_of(array) + "; " + signature.rule);
+        throw InvalidInput(user + ": function " + name + " returns " + form_of(returned, array) + "; " + signature.rule);
     for (const py::handle item : array.attr("ravel")().cast<py::array>()) y.push_back(result(item, user, name));
     return y;
 }
@@ -151,6 +151,10 @@ int Signature::inputs() const {
     int sum = 0;
     for (const int size : arguments) sum += size;
     return sum;
+}
+
+std::string form_of(const py::object& returned, const py::array& array) {
+    return array.ndim() == 0 ? shown(returned) : "shape " + shape_of(array);
 }
 
 std::string name_of(const py::object& f) {

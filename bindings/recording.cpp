@@ -255,6 +255,7 @@ Attempt attempt(const py::object& f, const std::function<py::tuple(Recording&)>&
     } catch (py::error_already_set& error) {
         // what is no Exception (KeyboardInterrupt, SystemExit) is not a matter of recording
         if (!error.matches(PyExc_Exception)) throw;
+        if (error.trace()) error.value().attr("__traceback__") = error.trace();
         result.reason = recording->refusal().empty() ? std::string(py::str(reasons().attr("raised")(error.value())))
                                                      : recording->refusal();
         result.cause = error.value();

@@ -133,6 +133,8 @@ struct Signature {
 
 /// How many of the function's arguments it is called with: those of the signature, or each number by itself.
 bool takes_numbers(const py::object& f, const Signature& signature, const std::string& user, const std::string& name);
+/// What is returned, for messages: a single value, or the shape of an array.
+std::string form_of(const py::object& returned, const py::array& array);
 /// "f"
 std::string name_of(const py::object& f);
 

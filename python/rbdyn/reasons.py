@@ -77,9 +77,7 @@ def _stores_an_item(code: CodeType, instruction: int, text: str) -> bool:
     return re.match(r"\w+\[.*\]\s*=[^=]", text) is not None
 
 
-def _value_of(code: CodeType, line: int, instruction: int, text: str) -> str:
-    if _stores_an_item(code, instruction, text):
-        return PLAIN_ARRAY
+def _value_of(text: str) -> str:
     asks = "asks for the value of a number that is being recorded"
     used = re.search(r"\bmath\.(\w+)", text) or re.match(r"(\w+)\(", text)
     if used:
@@ -107,17 +105,16 @@ def refusal(kind: str, place: str = "") -> str:
     }
     frame = _frame()
     if place:
-        return f"{place}: {_line_text(place)}{simple[kind]}"
+        return f"{place}: an if {simple[kind]}"
     if frame is None:
         return f"a function {simple.get(kind, 'asks for the value of a number that is being recorded')}"
     code, line, instruction = frame.f_code, frame.f_lineno, frame.f_lasti
     text = _source(code, line, instruction)
-    what = _value_of(code, line, instruction, text) if kind == "value" else simple[kind]
+    if kind == "value" and _stores_an_item(code, instruction, text):
+        text, what = linecache.getline(code.co_filename, line).strip(), PLAIN_ARRAY
+    else:
+        what = _value_of(text) if kind == "value" else simple[kind]
     return f"{_at(code, line)}: {text + ' ' if text else 'it '}{what}"
-
-
-def _line_text(place: str) -> str:
-    return "an if "
 
 
 def raised(error: BaseException) -> str:

@@ -54,11 +54,7 @@ def _bare(x: Any) -> Any:
     """An array of objects, or a single one, without this file's hooks on arrays."""
     if isinstance(x, np.ndarray):
         return x.view(np.ndarray) if isinstance(x, ExpressionArray) else x
-    if isinstance(x, Parameter):
-        return _core._meaning(x)
-    if isinstance(x, list | tuple):
-        return _objects(x)
-    return x
+    return _objects(x) if isinstance(x, list | tuple | Expression | Condition | Parameter) else x
 
 
 def _objects(x: Any) -> np.ndarray:
@@ -83,8 +79,11 @@ def _hooked(x: Any) -> Any:
     return x
 
 
-def _has_plain_numbers_only(x: np.ndarray) -> bool:
-    return x.dtype != object
+def _meant(x: Any) -> Any:
+    """Parameters replaced by what they stand for here: an expression, or their value."""
+    if isinstance(x, list | tuple) and type(x) in (list, tuple):
+        return type(x)(_meant(item) for item in x)
+    return _core._meaning(x) if isinstance(x, Parameter) else x
 
 
 def _each(f: Callable[..., Any], *inputs: Any) -> Any:
@@ -128,6 +127,10 @@ def _into_plain_array() -> InvalidInput:
 
 def array_ufunc(ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:
     """A ufunc, or a reduction by it, of expressions."""
+    if any(isinstance(x, Parameter) for x in inputs):
+        inputs = tuple(_meant(x) for x in inputs)
+        if not any(_is_recorded(x) for x in inputs):
+            return getattr(ufunc, method)(*inputs, **options, **({} if out is None else {"out": out}))
     name = ufunc.__name__
     for ignored in ("dtype", "casting", "order", "subok", "signature"):
         options.pop(ignored, None)
@@ -137,11 +140,7 @@ def array_ufunc(ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **o
         if options and name not in _BY_OPERATOR:
             raise TypeError(f"np.{name}: {', '.join(options)} cannot be recorded")
         if name in _BY_OPERATOR:
-            bare = [_bare(x) for x in inputs]
-            if any(isinstance(x, np.ndarray) for x in bare):
-                result = _hooked(ufunc(*bare, **options, dtype=object))
-            else:
-                result = _SCALAR[name](*bare)
+            result = _hooked(ufunc(*(_bare(x) for x in inputs), **options, dtype=object))
         elif name in _SCALAR:
             result = _each(_SCALAR[name], *inputs)
         else:
@@ -399,6 +398,11 @@ _FUNCTIONS: dict[Any, Callable[..., Any]] = {
 
 def array_function(function: Any, types: Any, args: Any, kwargs: Any) -> Any:
     """A function of NumPy of arrays with expressions in them."""
+    if Parameter in types:
+        args = tuple(_meant(x) for x in args)
+        kwargs = {key: _meant(x) for key, x in kwargs.items()}
+        if not any(_is_recorded(x) for x in (*args, *kwargs.values())):
+            return function(*args, **kwargs)
     own = _FUNCTIONS.get(function)
     if own is not None:
         return own(*args, **kwargs)

@@ -45,7 +45,7 @@ def test_whole_numbers_and_nan_are_passed_on():
     [
         ((1.0, 2.0), r'function "f" returns shape \(2,\); a force has three components'),
         ([[1.0, 2.0, 3.0]], r"shape \(1, 3\)"),
-        (1.0, r"shape \(\)"),
+        (1.0, "returns 1.0; a force"),
         (None, "None"),
         ("abc", "'abc'"),
         ((1.0, "a", 2.0), "'a'"),
@@ -181,7 +181,7 @@ def test_potentials_and_curves_may_be_compiled():
         r[0], r[1], r[2] = u, 2 * u, 3 * u
 
     assert _user_function("curve", curve)(2.0) == (2.0, 4.0, 6.0)
-    with pytest.raises(rb.InvalidInput, match="takes no compiled function|here it is"):
+    with pytest.raises(rb.InvalidInput, match="takes no compiled function"):
         _user_function("motion", curve)
 
 
@@ -199,12 +199,8 @@ def test_a_cfunc_of_numba_is_called_by_its_address():
     assert user(*ARGUMENTS) == (-3.5, -4.0, -4.5)
     with pytest.raises(rb.InvalidInput, match=r"here it is double\(double\)"):
         _user_function("time", f)
-    sine = numba.cfunc(numba.float64(numba.float64))(math.sin) if False else numba.cfunc("float64(float64)")(sine_of)
+    sine = numba.cfunc("float64(float64)")(lambda t: math.sin(t))
     assert _user_function("time", sine)(0.5) == math.sin(0.5)
-
-
-def sine_of(t):
-    return math.sin(t)
 
 
 def test_what_numba_compiles_on_demand_is_recorded_from_its_source():
