@@ -7,18 +7,17 @@
 #include <pybind11/typing.h>
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <ostream>
 #include <rbdyn/basics/error.hpp>
 #include <rbdyn/basics/vector.hpp>
+#include <rbdyn/expression/callback.hpp>
+#include <rbdyn/expression/time_function.hpp>
 #include <sstream>
 #include <string>
 #include <type_traits>
 #include <vector>
-
-namespace rbdyn {
-class Function;
-class TimeFunction;
-}  // namespace rbdyn
 
 namespace binding {
 
@@ -79,11 +78,31 @@ Vector3 vector3(py::handle value, const std::string& object, const std::string& 
 /// A list of numbers.
 std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what);
 
-// --- functions of the user's, called once with expressions (functions.cpp) ---
+// --- functions of the user's: recorded, or called back (functions.cpp; recording.hpp for other kinds) ---
 
-/// From f(t).
+/// One of the two.
+struct UserFunction {
+    rbdyn::Function function;
+    std::shared_ptr<const rbdyn::Callback> callback;
+    std::string name;
+};
+// trace: none, recorded if it can be; true, recorded or InvalidInput says why not; false, called back
+
+/// f(t, position, velocity), or f(t, x, y, z, vx, vy, vz) -> three components. 7 inputs, 3 results.
+UserFunction user_force(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(position), or f(x, y, z) -> a number. 3 inputs, 1 result.
+UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t) -> a number.
+UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t) -> three components.
+UserFunction user_curve(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t) -> a displacement, a rotation matrix, both, or a homogeneous matrix. 1 input, 12 results: the matrix row by
+/// row, then the displacement.
+UserFunction user_motion(const py::object& f, std::optional<bool> trace, const std::string& user);
+
+/// From f(t), recorded.
 rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user);
-/// From f(t, position, velocity) -> three components.
+/// From f(t, position, velocity) -> three components, recorded.
 rbdyn::Function recorded_force(const py::object& f, const std::string& user);
 
 // --- results ---
@@ -130,9 +149,11 @@ std::string list_text(const Vector3& v);
 // --- one function a file ---
 
 void bind_curves(py::module_& m);
+void bind_expressions(py::module_& m);
 void bind_functions(py::module_& m);
 void bind_joints(py::module_& m);
 void bind_loads(py::module_& m);
+void bind_parameters(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_trajectory(py::module_& m);

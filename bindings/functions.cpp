@@ -1,100 +1,22 @@
-// Functions of the user's, written in plain Python and NumPy: called once with expressions, which record what is done
-// with them. The recorded function runs at native speed, and no Python with it.
-//
-// NumPy keeps expressions in arrays of objects and asks each for its method of a function's name (x.sin(), x.sqrt()),
-// so that np.sin, np.dot, np.cross, np.linalg.norm and the like work on them as they are.
-#include <memory>
-#include <optional>
-#include <rbdyn/expression/function.hpp>
+// Functions of the user's, written in plain Python and NumPy: recorded by calling them with expressions, or called back
+// where that is not possible; and recorded functions as data.
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "binding.hpp"
+#include "recording.hpp"
 
 namespace binding {
 
-using rbdyn::Expression;
+using rbdyn::Function;
 using rbdyn::Node;
 using rbdyn::Operation;
-using rbdyn::Recorder;
+using rbdyn::Parameter;
 
 namespace {
 
-/// An expression as Python holds it. It may outlive its recording, which nothing but `recording` then tells.
-struct Recorded {
-    Expression value;
-    std::shared_ptr<const bool> recording;  // true while the function is being called
-};
-
-const Expression& live(const Recorded& x) {
-    if (!*x.recording)
-        throw InvalidInput(
-            "Expression: the function it was recorded in has returned; a function may use only what it is called with");
-    return x.value;
-}
-
-/// What a Python object means beside an expression; nothing if it is not a number.
-std::optional<Expression> operand(py::handle x) {
-    if (py::isinstance<Recorded>(x)) return live(x.cast<const Recorded&>());
-    const PyNumberMethods* numeric = Py_TYPE(x.ptr())->tp_as_number;
-    const bool is_number = numeric != nullptr && (numeric->nb_float != nullptr || numeric->nb_index != nullptr);
-    if (!is_number || py::hasattr(x, "__len__")) return std::nullopt;
-    return Expression(x.cast<double>());
-}
-
-[[noreturn]] void refuse(const std::string& what, const std::string& instead) {
-    throw InvalidInput("Expression: " + what + " cannot be recorded: its value is not known while the function is; " +
-                       instead);
-}
-
-/// Whether a node is a sum of at most three squares; of what goes to `roots`.
-bool is_sum_of_squares(const Recorder& recorder, std::int32_t index, std::vector<std::int32_t>& roots) {
-    const Node& node = recorder.node(index);
-    if (node.operation == Operation::add)
-        return is_sum_of_squares(recorder, node.a, roots) && is_sum_of_squares(recorder, node.b, roots);
-    if (node.operation != Operation::multiply || node.a != node.b) return false;
-    roots.push_back(node.a);
-    return roots.size() <= 3;
-}
-
-/// The square root; of a sum of squares a length, whose zero is a switching point.
-Expression root(const Expression& x) {
-    std::vector<std::int32_t> parts;
-    if (x.is_constant() || !is_sum_of_squares(*x.recorder(), x.node(), parts)) return sqrt(x);
-    rbdyn::Vector3Of<Expression> v{0.0, 0.0, 0.0};
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        const bool is_constant = x.recorder()->node(parts[i]).operation == Operation::constant;
-        const double value = x.recorder()->node(parts[i]).value;
-        v[static_cast<Eigen::Index>(i)] = is_constant ? Expression(value) : Expression(x.recorder(), parts[i]);
-    }
-    return length(v);
-}
-
-Expression raised(const Expression& x, const Expression& n) {
-    if (!n.is_constant() && x.is_constant() && !(x.value() > 0.0))
-        throw InvalidInput("Expression: the base of a power is " + rbdyn::text(x.value()) +
-                           "; with an exponent that varies it is positive");
-    return pow(x, n);
-}
-
-template <class F>
-auto unary(F f) {
-    return [f](const Recorded& x) { return Recorded{f(live(x)), x.recording}; };
-}
-
-/// f(x, y) and, for numbers on the left, f(y, x); Python's NotImplemented for what is not a number.
-template <class F>
-auto binary(F f) {
-    return [f](const Recorded& x, const py::object& y) -> py::object {
-        const auto other = operand(y);
-        if (!other) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
-        return py::cast(Recorded{f(live(x), *other), x.recording});
-    };
-}
-
-std::string name_of_function(const py::object& f) {
-    const py::object name = py::getattr(f, "__name__", py::none());
-    if (name.is_none()) return shown(f);
-    return "\"" + std::string(py::str(name)) + "\"";
+std::vector<py::ssize_t> shape_of_argument(int size) {
+    return size == 9 ? std::vector<py::ssize_t>{3, 3} : std::vector<py::ssize_t>{size};
 }
 
 /// One result of a function.
@@ -107,135 +29,310 @@ Expression result(py::handle value, const std::string& user, const std::string& 
     return *y;
 }
 
-/// Calls f with what `arguments` makes of the inputs, and keeps what it does.
-template <class Arguments, class Results>
-rbdyn::Function recorded(const py::object& f, const std::string& user, int inputs, Arguments&& arguments,
-                         Results&& results) {
-    const auto recording = std::make_shared<bool>(true);
-    struct End {
-        bool& recording;
-        ~End() { recording = false; }
-    } end{*recording};
-    const std::string name = name_of_function(f);
-    try {
-        return rbdyn::Function::record(inputs, [&](const std::vector<Expression>& x) {
-            std::vector<Recorded> given;
-            for (const Expression& e : x) given.push_back({e, recording});
-            return results(f(*arguments(given)), name);
-        });
-    } catch (py::error_already_set& error) {
-        const py::module_ errors = py::module_::import("rbdyn.errors");
-        const bool is_ours = error.matches(errors.attr("Error"));
-        if (!is_ours && !error.matches(PyExc_TypeError) && !error.matches(PyExc_AttributeError)) throw;
-        const std::string reason = py::str(error.value());
-        const std::string message =
-            user + ": function " + name + " cannot be recorded: " + reason +
-            ". It may use arithmetic, abs, and NumPy's sin, cos, tan, exp, log, sqrt, tanh, hypot, "
-            "dot, cross and norm, without asking for values";
-        py::raise_from(error, errors.attr("InvalidInput").ptr(), message.c_str());
-        throw py::error_already_set();
+std::vector<Expression> results_of(const py::object& returned, const Signature& signature, const std::string& user,
+                                   const std::string& name) {
+    std::vector<Expression> y;
+    if (signature.is_motion) {
+        for (const py::handle item : py::module_::import("rbdyn.tracing").attr("rigid_motion")(returned, user, name))
+            y.push_back(result(item, user, name));
+        return y;
     }
+    const bool is_list = PyTuple_CheckExact(returned.ptr()) != 0 || PyList_CheckExact(returned.ptr()) != 0;
+    if (signature.results == 1 && !is_list && !py::isinstance<py::array>(returned))
+        return {result(returned, user, name)};
+    const py::array array = py::module_::import("numpy").attr("asarray")(returned, py::arg("dtype") = "object");
+    if (array.ndim() != (signature.results == 1 ? 0 : 1) || array.size() != signature.results)
+        throw InvalidInput(user + ": function " + name + " returns " + form_of(returned, array) + "; " + signature.rule);
+    for (const py::handle item : array.attr("ravel")().cast<py::array>()) y.push_back(result(item, user, name));
+    return y;
 }
 
-py::object array_of_objects(const py::list& items) {
-    return py::module_::import("numpy").attr("array")(items, py::arg("dtype") = "object");
+py::tuple arguments_of(Recording& recording, const Signature& signature, bool spread) {
+    py::list given;
+    int first = 0;
+    for (const int size : signature.arguments) {
+        if (size == 1 || spread)
+            for (int i = 0; i < size; ++i) given.append(recording.input(first + i));
+        else
+            given.append(recording.inputs(first, shape_of_argument(size)));
+        first += size;
+    }
+    return given;
+}
+
+/// A function has all inputs of its signature, used or not.
+Function with_inputs(const Function& f, int inputs) {
+    if (f.inputs() == inputs) return f;
+    std::vector<Node> nodes;
+    for (std::int32_t i = 0; i < f.size(); ++i) nodes.push_back(f.node(i));
+    return Function::from_data(inputs, nodes, f.output_nodes(), f.names(), f.parameters());
+}
+
+[[noreturn]] void refuse(const py::object& cause, const std::string& message) {
+    const py::object type = py::module_::import("rbdyn.errors").attr("InvalidInput");
+    const py::object error = type(message);
+    if (cause) error.attr("__cause__") = cause;
+    PyErr_SetObject(type.ptr(), error.ptr());
+    throw py::error_already_set();
+}
+
+// --- functions as data ---
+
+const char* const operation_names[] = {"constant", "input", "time",  "parameter", "cell", "add",   "multiply", "divide",
+                                       "sqrt",     "norm",  "sin",   "cos",       "sinh", "cosh",  "tanh",     "exp",
+                                       "log",      "power", "angle", "call",      "sign", "where", "floor"};
+
+/// (inputs, nodes, outputs, names, parameters), from plain Python values.
+py::tuple data(const Function& f) {
+    py::list nodes, parameters;
+    for (std::int32_t i = 0; i < f.size(); ++i) {
+        const Node& n = f.node(i);
+        nodes.append(py::make_tuple(operation_names[static_cast<int>(n.operation)], n.a, n.b, n.c, n.d, n.value));
+    }
+    for (const Parameter& p : f.parameters()) parameters.append(parameter_object(p));
+    return py::make_tuple(f.inputs(), nodes, f.output_nodes(), f.names(), parameters);
+}
+
+Function from_data(int inputs, const std::vector<std::tuple<std::string, int, int, int, int, double>>& nodes,
+                   const std::vector<std::int32_t>& outputs, const std::vector<std::string>& names,
+                   const std::vector<Parameter>& parameters) {
+    std::vector<Node> made;
+    for (const auto& [operation, a, b, c, d, value] : nodes) {
+        const auto* const found = std::find(std::begin(operation_names), std::end(operation_names), operation);
+        if (found == std::end(operation_names))
+            throw InvalidInput("Function: an operation in its data is \"" + operation +
+                               "\"; there is none of that name");
+        made.push_back({static_cast<Operation>(found - std::begin(operation_names)), a, b, c, d, value});
+    }
+    return Function::from_data(inputs, made, outputs, names, parameters);
+}
+
+/// From any function of numbers that returns numbers, in whatever arrangement.
+Function recorded_by_hand(const py::object& f, const std::optional<int>& inputs) {
+    if (py::isinstance<Function>(f)) return f.cast<Function>();
+    if (PyCallable_Check(f.ptr()) == 0) throw InvalidInput("Function: f is " + shown(f) + "; it is a function");
+    const int count = inputs ? *inputs : py::module_::import("rbdyn.reasons").attr("parameters")(f).cast<int>();
+    const std::string name = name_of(f);
+    const Attempt a = attempt(
+        f,
+        [&](Recording& recording) {
+            py::list given;
+            for (int i = 0; i < count; ++i) given.append(recording.input(i));
+            return py::tuple(given);
+        },
+        [&](const py::object& returned) {
+            const py::array array = py::module_::import("numpy").attr("asarray")(returned, py::arg("dtype") = "object");
+            std::vector<Expression> y;
+            for (const py::handle item : array.attr("ravel")().cast<py::array>())
+                y.push_back(result(item, "Function", name));
+            return y;
+        });
+    if (!a.function) refuse(a.cause, "Function: function " + name + " cannot be recorded: " + a.reason);
+    return with_inputs(a.function, count);
+}
+
+py::object to_python(const std::vector<double>& y) {
+    if (y.size() == 1) return py::float_(y[0]);
+    return py::tuple(py::cast(y));
+}
+
+py::object applied(const Function& f, const py::args& arguments) {
+    if (static_cast<int>(arguments.size()) != f.inputs())
+        throw InvalidInput("Function: it is called with " + std::to_string(arguments.size()) + " numbers; it takes " +
+                           std::to_string(f.inputs()));
+    std::vector<double> x;
+    for (const py::handle a : arguments) x.push_back(number(a, "Function", "an input"));
+    return to_python(f(std::span<const double>(x)));
 }
 
 }  // namespace
 
-rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user) {
-    return recorded(
-        f, user, 1, [](const std::vector<Recorded>& x) { return py::make_tuple(x[0]); },
-        [&](const py::object& returned, const std::string& name) {
-            py::object value = returned;
-            if (py::isinstance<py::array>(value)) {
-                const py::array array = value;
-                if (array.ndim() != 0)
-                    throw InvalidInput(user + ": function " + name + " returns shape " + shape_of(array) +
-                                       "; it returns one number");
-                value = array.attr("item")();
-            }
-            return std::vector<Expression>{result(value, user, name)};
-        });
+int Signature::inputs() const {
+    int sum = 0;
+    for (const int size : arguments) sum += size;
+    return sum;
 }
 
-rbdyn::Function recorded_force(const py::object& f, const std::string& user) {
-    return recorded(
-        f, user, 7,
-        [](const std::vector<Recorded>& x) {
-            py::list position, velocity;
-            for (std::size_t i = 0; i < 3; ++i) {
-                position.append(x[1 + i]);
-                velocity.append(x[4 + i]);
-            }
-            return py::make_tuple(x[0], array_of_objects(position), array_of_objects(velocity));
-        },
-        [&](const py::object& returned, const std::string& name) {
-            const py::module_ numpy = py::module_::import("numpy");
-            const py::array array = numpy.attr("asarray")(returned, py::arg("dtype") = "object");
-            if (array.ndim() != 1 || array.size() != 3)
-                throw InvalidInput(user + ": function " + name + " returns shape " + shape_of(array) +
-                                   "; a force has three components, in N");
-            std::vector<Expression> components;
-            for (const py::handle item : array) components.push_back(result(item, user, name));
-            return components;
-        });
+std::string form_of(const py::object& returned, const py::array& array) {
+    return array.ndim() == 0 ? shown(returned) : "shape " + shape_of(array);
 }
+
+std::string name_of(const py::object& f) {
+    const py::object name = py::getattr(f, "__name__", py::none());
+    return name.is_none() ? shown(f) : "\"" + std::string(py::str(name)) + "\"";
+}
+
+bool takes_numbers(const py::object& f, const Signature& signature, const std::string& user, const std::string& name) {
+    const auto few = static_cast<int>(signature.arguments.size()), many = signature.inputs();
+    const py::tuple range = py::module_::import("rbdyn.reasons").attr("positional")(f);
+    if (range.empty()) return false;
+    const int least = range[0].cast<int>(), most = range[1].cast<int>();
+    if (least <= few && few <= most) return false;
+    const bool has_matrix = std::count(signature.arguments.begin(), signature.arguments.end(), 9) > 0;
+    if (!has_matrix && least <= many && many <= most) return true;
+    const auto plural = [](int n) { return std::to_string(n) + (n == 1 ? " argument" : " arguments"); };
+    throw InvalidInput(
+        user + ": function " + name + " takes " + plural(least) + "; it is called with " + std::to_string(few) +
+        (many != few && !has_matrix ? ", or with each of the " + std::to_string(many) + " numbers" : ""));
+}
+
+UserFunction user_function(const py::object& f, std::optional<bool> trace, const std::string& user,
+                           const Signature& signature) {
+    UserFunction result;
+    const py::object plain = py::getattr(f, "__name__", py::none());
+    result.name = plain.is_none() ? shown(f) : std::string(py::str(plain));
+    if (py::isinstance<Function>(f)) {
+        result.function = f.cast<Function>();
+        const bool fits =
+            result.function.inputs() == signature.inputs() && result.function.outputs() == signature.results;
+        if (!fits)
+            throw InvalidInput(user + ": Function has " + std::to_string(result.function.inputs()) + " inputs and " +
+                               std::to_string(result.function.outputs()) + " results; here it has " +
+                               std::to_string(signature.inputs()) + " and " + std::to_string(signature.results));
+        return result;
+    }
+    result.callback = native_callback(f, signature, user);
+    if (result.callback) {
+        if (trace.value_or(false))
+            throw InvalidInput(user + ": function " + result.name +
+                               " is compiled, and cannot be recorded; leave trace out, or give it in Python");
+        return result;
+    }
+    if (PyCallable_Check(f.ptr()) == 0) throw InvalidInput(user + ": " + shown(f) + " is no function; give one");
+    const std::string name = name_of(f);
+    const bool spread = takes_numbers(f, signature, user, name);
+    if (!trace.value_or(true)) {
+        result.callback = python_callback(f, signature, spread, user, "trace=False");
+        return result;
+    }
+    // what numba compiles on demand has its Python source with it
+    const py::object source = py::getattr(f, "py_func", f);
+    const Attempt a = attempt(
+        source, [&](Recording& recording) { return arguments_of(recording, signature, spread); },
+        [&](const py::object& returned) { return results_of(returned, signature, user, name); });
+    if (a.function) {
+        result.function = with_inputs(a.function, signature.inputs());
+    } else if (trace.value_or(false)) {
+        refuse(a.cause, user + ": function " + name + " cannot be recorded: " + a.reason);
+    } else {
+        result.callback = python_callback(f, signature, spread, user, a.reason);
+    }
+    return result;
+}
+
+UserFunction user_force(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1, 3, 3}, 3, "a force has three components, in N"});
+}
+UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{3}, 1, "it returns one number, in J"});
+}
+UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1}, 1, "it returns one number"});
+}
+UserFunction user_curve(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1}, 3, "a point has three coordinates, in m"});
+}
+UserFunction user_motion(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1}, 12, "a motion is a displacement, a rotation matrix, or both", true});
+}
+
+rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user) {
+    return user_time_function(f, true, user).function;
+}
+Function recorded_force(const py::object& f, const std::string& user) { return user_force(f, true, user).function; }
 
 void bind_functions(py::module_& m) {
-    py::class_<Recorded> expression(
-        m, "Expression",
-        R"(A number that is being recorded: what a function of the user's is called with, once.
+    py::class_<Function> function(m, "Function",
+                                  R"(A recorded function: numbers in, numbers out, kept as a list of operations.
 
-Arithmetic, abs and NumPy's sin, cos, tan, exp, log, sqrt, tanh, hypot, dot, cross and linalg.norm are recorded; zeros
-of absolute values and lengths become switching points, located like events. Its value is not known: comparing it or
-asking for a float raises InvalidInput.)");
-    const auto add = [](const Expression& a, const Expression& b) { return a + b; };
-    const auto subtract = [](const Expression& a, const Expression& b) { return a - b; };
-    const auto multiply = [](const Expression& a, const Expression& b) { return a * b; };
-    const auto divide = [](const Expression& a, const Expression& b) { return a / b; };
-    const auto reversed = [](auto f) { return [f](const Expression& a, const Expression& b) { return f(b, a); }; };
-    expression.def("__add__", binary(add))
-        .def("__radd__", binary(add))
-        .def("__sub__", binary(subtract))
-        .def("__rsub__", binary(reversed(subtract)))
-        .def("__mul__", binary(multiply))
-        .def("__rmul__", binary(multiply))
-        .def("__truediv__", binary(divide))
-        .def("__rtruediv__", binary(reversed(divide)))
-        .def("__pow__", binary(raised))
-        .def("__rpow__", binary(reversed(raised)))
-        .def("__neg__", unary([](const Expression& x) { return -x; }))
-        .def("__pos__", unary([](const Expression& x) { return x; }))
-        .def("__abs__", unary([](const Expression& x) { return abs(x); }));
-    // the names NumPy looks for
-    expression.def("conjugate", unary([](const Expression& x) { return x; }))
-        .def("fabs", unary([](const Expression& x) { return abs(x); }))
-        .def("sqrt", unary(root))
-        .def("sin", unary([](const Expression& x) { return sin(x); }))
-        .def("cos", unary([](const Expression& x) { return cos(x); }))
-        .def("tan", unary([](const Expression& x) { return tan(x); }))
-        .def("exp", unary([](const Expression& x) { return exp(x); }))
-        .def("log", unary([](const Expression& x) { return log(x); }))
-        .def("tanh", unary([](const Expression& x) { return tanh(x); }))
-        .def("hypot", binary([](const Expression& x, const Expression& y) {
-                 return length(rbdyn::Vector3Of<Expression>{x, y, 0.0});
-             }));
-    for (const char* comparison : {"__eq__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__"})
-        expression.def(comparison, [](const Recorded&, const py::object&) -> bool {
-            refuse("a comparison", "abs() and np.linalg.norm() may take the place of a case distinction");
+    f = rb.Function(lambda x, y: np.hypot(x, y))
+    f(3.0, 4.0)  # 5.0
+
+Recorded by calling f once, or once for each side of an `if`. Data: it can be printed, compared, copied and pickled, and
+given wherever a function with its inputs is taken. Raises InvalidInput if f cannot be recorded.)");
+    function
+        .def(py::init(&recorded_by_hand), py::arg("f"), py::arg("inputs") = py::none(),
+             "f: of `inputs` numbers, by default as many as it has parameters; returns a number, or an array of them.")
+        .def_property_readonly("inputs", &Function::inputs, "How many numbers it takes.")
+        .def_property_readonly("outputs", &Function::outputs, "How many numbers it gives.")
+        .def_property_readonly(
+            "parameters",
+            [](const Function& f) {
+                std::vector<py::object> parameters;
+                for (const Parameter& p : f.parameters()) parameters.push_back(parameter_object(p));
+                return parameters;
+            },
+            "The parameters it uses by reference.")
+        .def("__call__", &applied, "One number for one result, a tuple for several.")
+        .def("__str__",
+             [](const Function& f) {
+                 std::string text = f.text();
+                 while (!text.empty() && text.back() == '\n') text.pop_back();
+                 return text;
+             })
+        .def("__repr__",
+             [](const Function& f) {
+                 return "Function(" + std::to_string(f.inputs()) + " inputs, " + std::to_string(f.outputs()) +
+                        " results, " + std::to_string(f.size()) + " operations)";
+             })
+        .def("__eq__",
+             [](const Function& f, const py::object& other) -> py::object {
+                 if (!py::isinstance<Function>(other)) return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+                 return py::bool_(f == other.cast<const Function&>());
+             })
+        .def("__hash__",
+             [](const Function& f) {
+                 const py::tuple d = data(f);
+                 return py::hash(py::make_tuple(d[0], py::tuple(d[1]), py::tuple(d[2]), py::tuple(d[3])));
+             })
+        .def("__reduce__", [](const py::object& self) {
+            return py::make_tuple(py::module_::import("rbdyn._core").attr("_function"),
+                                  data(self.cast<const Function&>()));
         });
-    expression.def("__bool__", [](const Recorded&) -> bool { refuse("an if", "the function has one formula"); });
-    for (const char* conversion : {"__float__", "__complex__"})
-        expression.def(conversion, [](const Recorded&) -> double {
-            refuse("float()", "use NumPy's functions in place of those of math, and make arrays from lists");
+
+    py::class_<UserFunction>(m, "UserFunction",
+                             "How a function of the user's is run: recorded, or called back, and why.")
+        .def_readonly("name", &UserFunction::name)
+        .def_property_readonly(
+            "recorded", [](const UserFunction& f) { return f.callback ? std::nullopt : std::optional(f.function); },
+            "The recorded function; None if it is called back.")
+        .def_property_readonly(
+            "reason", [](const UserFunction& f) { return f.callback ? f.callback->reason : std::string(); },
+            "Why it is called back; empty if it is not.")
+        .def_property_readonly(
+            "is_python", [](const UserFunction& f) { return f.callback != nullptr && f.callback->is_python; },
+            "Whether Python runs it.")
+        .def_property_readonly(
+            "calls", [](const UserFunction& f) { return f.callback ? f.callback->calls.load() : 0; },
+            "How often it was called back.")
+        .def(
+            "__call__",
+            [](const UserFunction& f, const py::args& arguments) -> py::object {
+                if (!f.callback) return applied(f.function, arguments);
+                std::vector<double> x, y(static_cast<std::size_t>(f.callback->outputs));
+                for (const py::handle a : arguments) x.push_back(number(a, "UserFunction", "an input"));
+                rbdyn::require(static_cast<int>(x.size()) == f.callback->inputs, "UserFunction", "count of numbers",
+                               static_cast<double>(x.size()), "it takes " + std::to_string(f.callback->inputs));
+                (*f.callback)(x.data(), y.data());
+                return to_python(y);
+            },
+            "Its results for numbers.")
+        .def("__repr__", [](const UserFunction& f) {
+            return "UserFunction(" + f.name + ", " +
+                   (f.callback ? "called back: " + f.callback->reason : std::string("recorded")) + ")";
         });
-    for (const char* conversion : {"__int__", "__index__", "__round__", "__floor__", "__ceil__", "__trunc__"})
-        expression.def(conversion, [](const Recorded&) -> int { refuse("rounding", "use smooth functions"); });
-    expression.attr("__hash__") = py::none();
-    expression.def("__repr__", [](const Recorded& x) {
-        return x.value.is_constant() ? "Expression(" + rbdyn::text(x.value.value()) + ")" : std::string("Expression");
-    });
+    m.def(
+        "_user_function",
+        [](const std::string& kind, const py::object& f, std::optional<bool> trace) {
+            if (kind == "force") return user_force(f, trace, "Force");
+            if (kind == "potential") return user_potential(f, trace, "Potential");
+            if (kind == "curve") return user_curve(f, trace, "Curve");
+            if (kind == "motion") return user_motion(f, trace, "Motion");
+            return user_time_function(f, trace, "TimeFunction");
+        },
+        py::arg("kind"), py::arg("f"), py::arg("trace") = py::none());
+    m.def("_function", &from_data, py::arg("inputs"), py::arg("nodes"), py::arg("outputs"), py::arg("names"),
+          py::arg("parameters"));
 }
 
 }  // namespace binding

@@ -19,6 +19,8 @@ PYBIND11_MODULE(_core, m) {
             raise("Error", e);
         }
     });
+    binding::bind_expressions(m);
+    binding::bind_parameters(m);
     binding::bind_functions(m);
     binding::bind_curves(m);
     binding::bind_joints(m);

@@ -59,6 +59,18 @@ public:
         }
     }
 
+    /// Whether it holds, `positive` saying it of each comparison's margin that has to be known.
+    template <class P>
+    bool holds(const P& positive) const {
+        switch (kind_) {
+            case Kind::always: return true;
+            case Kind::never: return false;
+            case Kind::positive: return positive(margin_);
+            case Kind::negation: return !a_->holds(positive);
+            default: return a_->holds(positive) && b_->holds(positive);
+        }
+    }
+
 private:
     enum class Kind { always, never, positive, negation, both };
 

@@ -375,6 +375,10 @@ inline std::string Function::text() const {
                     if (k >= 0) out += " " + operand(k);
                 break;
         }
+        // the event where it changes
+        const bool switches = i.operation == Operation::sign || i.operation == Operation::select ||
+                              i.operation == Operation::whole;
+        if (switches && !name(i.d).empty()) out += "  (" + name(i.d) + ")";
         out += '\n';
     }
     for (std::size_t k = 0; k < outputs_.size(); ++k)
