@@ -49,6 +49,14 @@ class VectorOrFunction : public py::object {
 class NumberOrFunction : public py::object {
     PYBIND11_OBJECT_DEFAULT(NumberOrFunction, py::object, any_object)
 };
+/// A function that gives a rigid motion, or none.
+class MotionOrNone : public py::object {
+    PYBIND11_OBJECT_DEFAULT(MotionOrNone, py::object, any_object)
+};
+/// "record", "stop", or a function.
+class ActionName : public py::object {
+    PYBIND11_OBJECT_DEFAULT(ActionName, py::object, any_object)
+};
 /// "after" or "before".
 class SideName : public py::str {
     PYBIND11_OBJECT_DEFAULT(SideName, py::str, PyUnicode_Check)
@@ -105,6 +113,28 @@ rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::strin
 /// From f(t, position, velocity) -> three components, recorded.
 rbdyn::Function recorded_force(const py::object& f, const std::string& user);
 
+// --- words for the members of an enumeration ---
+
+template <class E>
+using Words = std::vector<std::pair<std::string, E>>;
+
+/// The member a word stands for. Throws InvalidInput for any other word.
+template <class E>
+E one_of(const std::string& word, const Words<E>& words, const std::string& object, const std::string& what) {
+    std::string list;
+    for (const auto& [name, member] : words) {
+        if (name == word) return member;
+        list += (list.empty() ? "\"" : ", \"") + name + "\"";
+    }
+    throw InvalidInput(object + ": " + what + " is \"" + word + "\"; it is one of " + list);
+}
+template <class E>
+std::string word_for(E member, const Words<E>& words) {
+    for (const auto& [name, other] : words)
+        if (other == member) return name;
+    return {};
+}
+
 // --- results ---
 
 inline py::object to_python(double value) { return py::float_(value); }
@@ -158,6 +188,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_trajectory(py::module_& m);
 void bind_verbs(py::module_& m);
+void bind_watch(py::module_& m);
 
 }  // namespace binding
 
@@ -181,6 +212,14 @@ struct handle_type_name<binding::VectorOrFunction> {
 template <>
 struct handle_type_name<binding::NumberOrFunction> {
     static constexpr auto name = const_name("float | collections.abc.Callable");
+};
+template <>
+struct handle_type_name<binding::MotionOrNone> {
+    static constexpr auto name = const_name("collections.abc.Callable | None");
+};
+template <>
+struct handle_type_name<binding::ActionName> {
+    static constexpr auto name = const_name("str | collections.abc.Callable");
 };
 template <>
 struct handle_type_name<binding::FrenetObject> {

@@ -98,7 +98,8 @@ private:
         py::object& array = arrays_[i];
         // nobody else holds it: neither what the function kept, nor a call that is still under way
         if (!array || Py_REFCNT(array.ptr()) != 1) array = fresh(sizes_[i]);
-        std::memcpy(py::detail::array_proxy(array.ptr())->data, x, static_cast<std::size_t>(sizes_[i]) * sizeof(double));
+        std::memcpy(py::detail::array_proxy(array.ptr())->data, x,
+                    static_cast<std::size_t>(sizes_[i]) * sizeof(double));
         return array.inc_ref().ptr();
     }
     static py::array fresh(int size) {

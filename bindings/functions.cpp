@@ -42,7 +42,8 @@ std::vector<Expression> results_of(const py::object& returned, const Signature& 
         return {result(returned, user, name)};
     const py::array array = py::module_::import("numpy").attr("asarray")(returned, py::arg("dtype") = "object");
     if (array.ndim() != (signature.results == 1 ? 0 : 1) || array.size() != signature.results)
-        throw InvalidInput(user + ": function " + name + " returns " + form_of(returned, array) + "; " + signature.rule);
+        throw InvalidInput(user + ": function " + name + " returns " + form_of(returned, array) + "; " +
+                           signature.rule);
     for (const py::handle item : array.attr("ravel")().cast<py::array>()) y.push_back(result(item, user, name));
     return y;
 }
@@ -58,14 +59,6 @@ py::tuple arguments_of(Recording& recording, const Signature& signature, bool sp
         first += size;
     }
     return given;
-}
-
-/// A function has all inputs of its signature, used or not.
-Function with_inputs(const Function& f, int inputs) {
-    if (f.inputs() == inputs) return f;
-    std::vector<Node> nodes;
-    for (std::int32_t i = 0; i < f.size(); ++i) nodes.push_back(f.node(i));
-    return Function::from_data(inputs, nodes, f.output_nodes(), f.names(), f.parameters());
 }
 
 [[noreturn]] void refuse(const py::object& cause, const std::string& message) {
@@ -146,6 +139,13 @@ py::object applied(const Function& f, const py::args& arguments) {
 }
 
 }  // namespace
+
+Function with_inputs(const Function& f, int inputs) {
+    if (f.inputs() == inputs) return f;
+    std::vector<Node> nodes;
+    for (std::int32_t i = 0; i < f.size(); ++i) nodes.push_back(f.node(i));
+    return Function::from_data(inputs, nodes, f.output_nodes(), f.names(), f.parameters());
+}
 
 int Signature::inputs() const {
     int sum = 0;

@@ -15,7 +15,7 @@
 namespace binding {
 
 struct Handle {
-    enum class Of { body, load, coupling } of = Of::body;
+    enum class Of { body, load, coupling, watch } of = Of::body;
     int index = -1;
     std::uint64_t id = 0;
     std::string name;
@@ -27,26 +27,33 @@ struct Handle {
 struct BodyHandle : Handle {};
 struct LoadHandle : Handle {};
 struct CouplingHandle : Handle {};
+struct WatchHandle : Handle {};
 
 /// The handles of a scene, by order of addition.
 struct Handles {
     std::vector<BodyHandle> bodies;
     std::vector<LoadHandle> loads;
     std::vector<CouplingHandle> couplings;
+    std::vector<WatchHandle> watches;
 
     bool has(const Handle& h) const {
         const auto among = [&](const auto& known) {
             const auto index = static_cast<std::size_t>(h.index);
             return h.index >= 0 && index < known.size() && known[index] == h;
         };
-        return h.of == Handle::Of::body ? among(bodies) : h.of == Handle::Of::load ? among(loads) : among(couplings);
+        switch (h.of) {
+            case Handle::Of::body: return among(bodies);
+            case Handle::Of::load: return among(loads);
+            case Handle::Of::coupling: return among(couplings);
+            default: return among(watches);
+        }
     }
     /// Throws InvalidInput for a handle of another scene.
     void require(const Handle& h, const std::string& user) const {
         if (!has(h))
             throw InvalidInput(
                 user + ": \"" + h.name +
-                "\" is a handle of another scene; use what add(), connect() or apply() of this one returned");
+                "\" is a handle of another scene; use what add(), connect(), apply() or watch() of this one returned");
     }
     /// The body of a handle. Throws InvalidInput for any other handle.
     rbdyn::BodyHandle body(const Handle& h, const std::string& user) const {

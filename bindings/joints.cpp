@@ -7,8 +7,27 @@
 
 namespace binding {
 
+namespace {
+
+using rbdyn::TimeFunction;
+
+const Words<rbdyn::RailSide> sides = {
+    {"both", rbdyn::RailSide::both}, {"+", rbdyn::RailSide::plus}, {"-", rbdyn::RailSide::minus}};
+const Words<rbdyn::RailEnds> endings = {{"stop", rbdyn::RailEnds::stop}, {"release", rbdyn::RailEnds::release}};
+
+rbdyn::Function recorded(const UserFunction& f) { return f.function; }
+
+TimeFunction speed_of(const py::object& drive) {
+    const bool is_function = PyCallable_Check(drive.ptr()) != 0;
+    return is_function ? TimeFunction(recorded(user_time_function(drive, true, "Rail: drive")))
+                       : TimeFunction(number(drive, "Rail", "drive"));
+}
+
+}  // namespace
+
 void bind_joints(py::module_& m) {
-    using rbdyn::Coulomb, rbdyn::Curve, rbdyn::Free, rbdyn::Particle, rbdyn::Rail, rbdyn::text, rbdyn::TimeFunction;
+    using rbdyn::Coulomb, rbdyn::Curve, rbdyn::Free, rbdyn::Particle, rbdyn::Rail, rbdyn::RailOptions,
+        rbdyn::RigidMotion, rbdyn::text;
 
     py::class_<Particle>(m, "Particle", "A material point.")
         .def(py::init([](double mass) {
@@ -22,6 +41,8 @@ void bind_joints(py::module_& m) {
              [](const Particle& a, const py::object& b) {
                  return py::isinstance<Particle>(b) && a.mass == b.cast<const Particle&>().mass;
              })
+        .def(py::pickle([](const Particle& p) { return py::make_tuple(p.mass); },
+                        [](const py::tuple& d) { return Particle{d[0].cast<double>()}; }))
         .def("__hash__", [](const Particle& p) { return py::hash(py::float_(p.mass)); })
         .def("__repr__", [](const Particle& p) { return "Particle(mass=" + text(p.mass) + ")"; });
 
@@ -29,6 +50,7 @@ void bind_joints(py::module_& m) {
                      "No constraint. A particle then starts with position [m] and velocity [m/s], world axes.")
         .def(py::init<>())
         .def("__eq__", [](const Free&, const py::object& b) { return py::isinstance<Free>(b); })
+        .def(py::pickle([](const Free&) { return py::tuple(); }, [](const py::tuple&) { return Free{}; }))
         .def("__hash__", [](const Free&) { return 1; })
         .def("__repr__", [](const Free&) { return "Free()"; });
 
@@ -51,6 +73,10 @@ rest needs, up to mu_static times the perpendicular one.)")
                  const auto& c = b.cast<const Coulomb&>();
                  return a.mu_static == c.mu_static && a.dynamic() == c.dynamic();
              })
+        .def(py::pickle([](const Coulomb& c) { return py::make_tuple(c.mu_static, c.dynamic()); },
+                        [](const py::tuple& d) {
+                            return Coulomb{d[0].cast<double>(), d[1].cast<double>()};
+                        }))
         .def("__hash__", [](const Coulomb& c) { return py::hash(py::make_tuple(c.mu_static, c.dynamic())); })
         .def("__repr__", [](const Coulomb& c) {
             return "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(c.dynamic()) + ")";
@@ -60,23 +86,34 @@ rest needs, up to mu_static times the perpendicular one.)")
 
 A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
 it reverse, stick and slip events, is speed - drive.)")
-        .def(
-            py::init([](const Curve& curve, const std::optional<Coulomb>& friction, const NumberOrFunction& drive,
-                        const std::string& ends) {
-                if (ends != "stop")
-                    throw InvalidInput("Rail: ends is \"" + ends +
-                                       "\"; the end of a curve stops the run, so it is \"stop\"");
-                const TimeFunction speed = PyCallable_Check(drive.ptr()) != 0
-                                               ? recorded_time_function(drive, "Rail: drive")
-                                               : TimeFunction(number(drive, "Rail", "drive"));
-                return Rail(curve, friction, {.drive = speed});
-            }),
-            py::arg("curve"), py::kw_only(), py::arg("friction") = py::none(), py::arg("drive") = 0.0,
-            py::arg("ends") = "stop",
-            R"(friction: Coulomb, or none. drive: the speed with which the rail's surface slides along itself [m/s], a number or
-a function of time [s]; the curve stays. ends: "stop", the run ends where the body reaches an end of the curve.
+        .def(py::init([](const Curve& curve, const std::optional<Coulomb>& friction, const NumberOrFunction& drive,
+                         const MotionOrNone& motion, const std::string& side, const std::string& ends) {
+                 RailOptions options;
+                 options.drive = speed_of(drive);
+                 if (!motion.is_none())
+                     options.motion = RigidMotion(recorded(user_motion(motion, true, "Rail: motion")));
+                 options.side = one_of(side, sides, "Rail", "side");
+                 options.ends = one_of(ends, endings, "Rail", "ends");
+                 return Rail(curve, friction, options);
+             }),
+             py::arg("curve"), py::kw_only(), py::arg("friction") = py::none(), py::arg("drive") = 0.0,
+             py::arg("motion") = py::none(), py::arg("side") = "both", py::arg("ends") = "stop",
+             R"(friction: Coulomb, or none.
 
-A function is called once, with an Expression, and recorded. Raises InvalidInput if it cannot be.)")
+drive: the speed with which the rail's surface slides along itself [m/s], a number or a function of time [s]; the curve
+stays.
+
+motion: a rigid motion of the rail itself, a function of time that returns a displacement (3,) [m], a rotation matrix
+(3, 3), a pair of them, or a homogeneous matrix (4, 4); the curve is where it was given for no displacement and no
+rotation. The reaction then has power, also without friction (Theorem 7.7 needs a rail at rest).
+
+side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: that of Frenet's axes
+where the body starts, carried on continuously. Pulled away, the body leaves ("detach") and flies; where it meets the
+curve again from that side it lands ("land") and keeps its velocity along the curve. For plane curves at rest.
+
+ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
+
+Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.)")
         .def_property_readonly("curve", &Rail::curve)
         .def_property_readonly("friction", &Rail::friction, "Friction, if any of its coefficients is not zero.")
         .def(
@@ -85,6 +122,32 @@ A function is called once, with an Expression, and recorded. Raises InvalidInput
                 return over(t, "Rail", "time", [&](double x) { return rail.drive()(x); });
             },
             py::arg("t"), "The speed of the rail's surface along itself at a time [m/s].")
+        .def_property_readonly(
+            "side", [](const Rail& rail) { return word_for(rail.side(), sides); }, R"("both", "+" or "-".)")
+        .def_property_readonly(
+            "ends", [](const Rail& rail) { return word_for(rail.ends(), endings); }, R"("stop" or "release".)")
+        .def_property_readonly(
+            "moves", [](const Rail& rail) { return rail.motion().present(); }, "Whether the rail itself moves.")
+        .def("__eq__",
+             [](const Rail& a, const py::object& b) { return py::isinstance<Rail>(b) && a == b.cast<const Rail&>(); })
+        .def("__hash__", [](const Rail& rail) { return py::hash(py::cast(rail.curve())); })
+        .def(py::pickle(
+            [](const Rail& rail) {
+                const py::object drive = rail.drive().is_constant() ? py::object(py::float_(rail.drive().constant()))
+                                                                    : py::cast(rail.drive().function());
+                const py::object motion = rail.motion().present() ? py::cast(rail.motion().function()) : py::none();
+                return py::make_tuple(rail.curve(), rail.friction(), drive, motion, word_for(rail.side(), sides),
+                                      word_for(rail.ends(), endings));
+            },
+            [](const py::tuple& d) {
+                RailOptions options;
+                options.drive = py::isinstance<rbdyn::Function>(d[2]) ? TimeFunction(d[2].cast<rbdyn::Function>())
+                                                                      : TimeFunction(d[2].cast<double>());
+                if (!d[3].is_none()) options.motion = RigidMotion(d[3].cast<rbdyn::Function>());
+                options.side = one_of(d[4].cast<std::string>(), sides, "Rail", "side");
+                options.ends = one_of(d[5].cast<std::string>(), endings, "Rail", "ends");
+                return Rail(d[0].cast<const Curve&>(), d[1].cast<std::optional<Coulomb>>(), options);
+            }))
         .def("__repr__", [](const Rail& rail) {
             std::string result = "Rail(" + std::string(py::repr(py::cast(rail.curve())));
             if (const auto friction = rail.friction())
@@ -92,6 +155,9 @@ A function is called once, with an Expression, and recorded. Raises InvalidInput
             if (!rail.drive().is_zero())
                 result +=
                     ", drive=" + (rail.drive().is_constant() ? text(rail.drive().constant()) : "function of time");
+            if (rail.motion().present()) result += ", motion=function of time";
+            if (rail.side() != rbdyn::RailSide::both) result += ", side=\"" + word_for(rail.side(), sides) + "\"";
+            if (rail.ends() != rbdyn::RailEnds::stop) result += ", ends=\"" + word_for(rail.ends(), endings) + "\"";
             return result + ")";
         });
 }

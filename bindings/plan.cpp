@@ -16,6 +16,7 @@ void bind_plan(py::module_& m) {
         .def_readonly("coordinates", &Plan::coordinates, "One line for each body.")
         .def_readonly("effects", &Plan::effects, "Effects the scene has, such as \"gravity\" or \"static friction\".")
         .def_readonly("guards", &Plan::guards, "What is watched for.")
+        .def_readonly("functions", &Plan::functions, "The user's own functions: traced, or called back and why.")
         .def_readonly("engine", &Plan::engine, "The automatic choice.")
         .def_readonly("reason", &Plan::reason, "Why that engine.")
         .def_readonly("omissions", &Plan::omissions, "What is left out, and why.")
@@ -26,7 +27,7 @@ void bind_plan(py::module_& m) {
         });
 
     m.def(
-        "plan", [](const BoundScene& scene) { return rbdyn::make_plan(scene.scene); }, py::arg("scene"),
+        "plan", [](const BoundScene& scene) { return rbdyn::make_plan(scene.scene.frozen()); }, py::arg("scene"),
         R"(What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
 
 Raises InvalidInput for a scene without bodies.)");

@@ -156,6 +156,9 @@ struct Attempt {
 Attempt attempt(const py::object& f, const std::function<py::tuple(Recording&)>& arguments,
                 const std::function<std::vector<Expression>(const py::object&)>& results);
 
+/// The same function with more inputs, which it does not use.
+rbdyn::Function with_inputs(const rbdyn::Function& f, int inputs);
+
 /// Recorded if it can be and `trace` is not false, else called back; InvalidInput if `trace` asks for more.
 UserFunction user_function(const py::object& f, std::optional<bool> trace, const std::string& user,
                            const Signature& signature);

@@ -1,10 +1,11 @@
 // The scene and its handles.
 #include <algorithm>
 #include <atomic>
+#include <random>
 #include <utility>
 #include <variant>
 
-#include "handles.hpp"
+#include "watch.hpp"
 
 namespace binding {
 
@@ -13,7 +14,11 @@ using rbdyn::Free, rbdyn::FreeStart, rbdyn::Particle, rbdyn::Rail, rbdyn::RailSt
 namespace {
 
 Handle new_handle(Handle::Of of, int index, std::string name) {
-    static std::atomic<std::uint64_t> last{0};
+    // from a start of its own in every process, so that handles of unpickled scenes meet no others
+    static std::atomic<std::uint64_t> last{[] {
+        std::random_device device;
+        return (static_cast<std::uint64_t>(device()) << 32) ^ device();
+    }()};
     return {of, index, ++last, std::move(name)};
 }
 
@@ -65,12 +70,121 @@ CouplingHandle connect(BoundScene& self, const rbdyn::Spring& coupling, const Ar
     return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, added.index, name)});
 }
 
-LoadHandle apply(BoundScene& self, const std::variant<rbdyn::Drag, rbdyn::Force>& load, const Handle& handle) {
+// the first of them can be made from nothing, as Python's arguments must
+using AnyLoad = std::variant<rbdyn::Drag, rbdyn::Force, rbdyn::Lorentz, rbdyn::Potential>;
+
+rbdyn::Load load_from(const AnyLoad& load) {
+    return std::visit([](const auto& l) { return rbdyn::Load(l); }, load);
+}
+
+LoadHandle apply(BoundScene& self, const AnyLoad& load, const Handle& handle) {
     const rbdyn::BodyHandle body = self.handles.body(handle, "Scene.apply");
-    const auto added = std::visit([&](const auto& l) { return self.scene.apply(l, body); }, load);
-    const char* kind = std::holds_alternative<rbdyn::Force>(load) ? "force " : "drag ";
+    const auto added = self.scene.apply(load_from(load), body);
+    const char* kinds[] = {"drag ", "force ", "Lorentz force ", "potential "};
     return self.handles.loads.emplace_back(
-        LoadHandle{new_handle(Handle::Of::load, added.index, kind + std::to_string(added.index + 1))});
+        LoadHandle{new_handle(Handle::Of::load, added.index, kinds[load.index()] + std::to_string(added.index + 1))});
+}
+
+WatchHandle watch(BoundScene& self, const std::string& name, const py::object& function, const std::string& direction,
+                  const ActionName& action, std::optional<bool> trace) {
+    rbdyn::WatchOptions options;
+    options.direction = one_of(direction, directions, "Scene.watch", "direction");
+    options.action = action_of(action, self, name);
+    const auto added =
+        self.scene.watch(name, watched_function(function, self, trace, "watch \"" + name + "\""), options);
+    return self.handles.watches.emplace_back(WatchHandle{new_handle(Handle::Of::watch, added.index, name)});
+}
+
+/// Handles as data: what they are of is where they stand.
+template <class H>
+py::list data_of(const std::vector<H>& handles) {
+    py::list result;
+    for (const H& h : handles) result.append(py::make_tuple(h.id, h.name));
+    return result;
+}
+template <class H>
+std::vector<H> handles_from(const py::handle& data, Handle::Of of) {
+    std::vector<H> result;
+    for (const py::handle item : data) {
+        const auto pair = item.cast<std::pair<std::uint64_t, std::string>>();
+        result.push_back(H{{of, static_cast<int>(result.size()), pair.first, pair.second}});
+    }
+    return result;
+}
+
+py::tuple data(const BoundScene& s) {
+    py::list bodies, loads, couplings, watches, integrals;
+    for (const Scene::Body& b : s.scene.bodies()) {
+        const py::object start = b.rail() != nullptr ? py::object(py::make_tuple(b.parameter, b.speed))
+                                                     : py::make_tuple(to_python(b.position), to_python(b.velocity));
+        bodies.append(py::make_tuple(b.particle, b.joint, start, b.name));
+    }
+    for (const auto& l : s.scene.loads()) loads.append(py::make_tuple(l.load, l.body));
+    const auto end = [](const rbdyn::End& e) -> py::object {
+        if (const auto* body = std::get_if<rbdyn::BodyHandle>(&e)) return py::int_(body->index);
+        return to_python(std::get<Vector3>(e));
+    };
+    for (const auto& c : s.scene.connections())
+        couplings.append(py::make_tuple(std::get<rbdyn::Spring>(c.coupling), end(c.a), end(c.b)));
+    for (const auto& w : s.scene.watches()) {
+        if (w.options.action.change)
+            throw py::type_error("Scene: the action of watch \"" + w.name +
+                                 "\" is a function of Python's own, and a scene "
+                                 "with one cannot be pickled");
+        const char* action = w.options.action.kind == rbdyn::WatchAction::Kind::stop ? "stop" : "record";
+        watches.append(py::make_tuple(w.name, watch_data(w.function, "watch \"" + w.name + "\""),
+                                      word_for(w.options.direction, directions), action));
+    }
+    for (const auto& i : s.scene.integrals())
+        integrals.append(py::make_tuple(i.name, watch_data(i.function, "integral \"" + i.name + "\"")));
+    return py::make_tuple(to_python(s.scene.gravity()), bodies, loads, couplings, watches, integrals,
+                          py::make_tuple(data_of(s.handles.bodies), data_of(s.handles.loads),
+                                         data_of(s.handles.couplings), data_of(s.handles.watches)));
+}
+
+BoundScene scene_from(const py::tuple& d) {
+    BoundScene s{Scene(vector3(d[0], "Scene", "gravity")), {}};
+    for (const py::handle item : d[1]) {
+        const auto b = item.cast<py::tuple>();
+        const auto particle = b[0].cast<Particle>();
+        const auto start = b[2].cast<py::tuple>();
+        const auto name = b[3].cast<std::string>();
+        if (py::isinstance<Rail>(b[1]))
+            s.scene.add(particle, b[1].cast<const Rail&>(),
+                        {.parameter = start[0].cast<double>(), .speed = start[1].cast<double>()}, name);
+        else
+            s.scene.add(particle, Free{}, {vector3(start[0], name, "position"), vector3(start[1], name, "velocity")},
+                        name);
+    }
+    for (const py::handle item : d[2]) {
+        const auto l = item.cast<py::tuple>();
+        s.scene.apply(load_from(l[0].cast<AnyLoad>()), rbdyn::BodyHandle{l[1].cast<int>()});
+    }
+    const auto end = [](const py::object& e) -> rbdyn::End {
+        if (py::isinstance<py::int_>(e)) return rbdyn::BodyHandle{e.cast<int>()};
+        return vector3(e, "Scene.connect", "end");
+    };
+    for (const py::handle item : d[3]) {
+        const auto c = item.cast<py::tuple>();
+        s.scene.connect(c[0].cast<rbdyn::Spring>(), end(c[1]), end(c[2]));
+    }
+    for (const py::handle item : d[4]) {
+        const auto w = item.cast<py::tuple>();
+        rbdyn::WatchOptions options;
+        options.direction = one_of(w[2].cast<std::string>(), directions, "Scene.watch", "direction");
+        if (w[3].cast<std::string>() == "stop") options.action.kind = rbdyn::WatchAction::Kind::stop;
+        s.scene.watch(w[0].cast<std::string>(), watch_from(w[1]), options);
+    }
+    for (const py::handle item : d[5]) {
+        const auto i = item.cast<py::tuple>();
+        s.scene.integral(i[0].cast<std::string>(), watch_from(i[1]));
+    }
+    const auto handles = d[6].cast<py::tuple>();
+    s.handles = {handles_from<BodyHandle>(handles[0], Handle::Of::body),
+                 handles_from<LoadHandle>(handles[1], Handle::Of::load),
+                 handles_from<CouplingHandle>(handles[2], Handle::Of::coupling),
+                 handles_from<WatchHandle>(handles[3], Handle::Of::watch)};
+    return s;
 }
 
 }  // namespace
@@ -87,10 +201,24 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
         .def(
             "__deepcopy__", [](const py::object& self, const py::dict&) { return self; }, py::arg("memo"))
         .def("__repr__", [](const Handle& h) { return "<Handle: " + h.name + ">"; });
+    const auto pickled = [](auto& type, auto of) {
+        using H = typename std::decay_t<decltype(type)>::type;
+        type.def(py::pickle([](const H& h) { return py::make_tuple(h.index, h.id, h.name); },
+                            [of](const py::tuple& d) {
+                                return H{{of, d[0].cast<int>(), d[1].cast<std::uint64_t>(), d[2].cast<std::string>()}};
+                            }));
+    };
 
-    py::class_<BodyHandle, Handle>(m, "BodyHandle", "The handle of a body; run[handle] is a BodyMotion.");
-    py::class_<LoadHandle, Handle>(m, "LoadHandle", "The handle of a load.");
-    py::class_<CouplingHandle, Handle>(m, "CouplingHandle", "The handle of a coupling; run[handle] is a SpringMotion.");
+    py::class_<BodyHandle, Handle> body(m, "BodyHandle", "The handle of a body; run[handle] is a BodyMotion.");
+    py::class_<LoadHandle, Handle> load(m, "LoadHandle", "The handle of a load.");
+    py::class_<CouplingHandle, Handle> coupling(m, "CouplingHandle",
+                                                "The handle of a coupling; run[handle] is a SpringMotion.");
+    py::class_<WatchHandle, Handle> watched(m, "WatchHandle",
+                                            "The handle of a watched function; run[handle] is a Watched.");
+    pickled(body, Handle::Of::body);
+    pickled(load, Handle::Of::load);
+    pickled(coupling, Handle::Of::coupling);
+    pickled(watched, Handle::Of::watch);
 
     py::class_<BoundScene>(m, "Scene",
                            R"(What there is, as data: bodies with their joints, loads, couplings, a uniform field.
@@ -123,6 +251,32 @@ another keyword.)")
         .def("connect", &connect, py::arg("coupling"), py::arg("a"), py::arg("b"),
              R"(Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.)")
         .def("apply", &apply, py::arg("load"), py::arg("handle"), "Applies a load to a body. Returns a handle.")
+        .def("watch", &watch, py::arg("name"), py::arg("function"), py::kw_only(), py::arg("direction") = "either",
+             py::arg("action") = "record", py::arg("trace") = py::none(),
+             R"(Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
+
+function: function(now) -> number, with now.time [s] and now[handle].quantity for position, velocity, acceleration, force
+(all (3,), world axes), kinetic_energy; on a rail reaction, parameter, speed, tangential_force; of a spring length and
+force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+with numbers, and its zeros are located but not certain (trace as for Force).
+
+direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that
+changes the state: it returns {handle: {"velocity": ...}}, in the joint's own words as add() takes them.
+
+run[handle].value(t) is its value. Raises InvalidInput for a name that is taken, or a quantity that is not there.)")
+        .def(
+            "integral",
+            [](BoundScene& self, const std::string& name, const py::object& function) {
+                self.scene.integral(name, watched_function(function, self, true, "integral \"" + name + "\""));
+            },
+            py::arg("name"), py::arg("function"),
+            R"(A first integral of one's own: function(now) as for watch(). run.drift[name] says how far it departs from its value
+at the start, relative to its largest size.)")
+        .def("__eq__",
+             [](const BoundScene& a, const py::object& b) {
+                 return py::isinstance<BoundScene>(b) && a.scene == b.cast<const BoundScene&>().scene;
+             })
+        .def(py::pickle(&data, &scene_from))
         .def("__copy__", [](const BoundScene& s) { return BoundScene(s); })
         .def(
             "__deepcopy__", [](const BoundScene& s, const py::dict&) { return BoundScene(s); }, py::arg("memo"))
@@ -133,7 +287,8 @@ another keyword.)")
             return "<Scene: gravity " + list_text(s.scene.gravity()) + ", " +
                    count(s.handles.bodies.size(), "body", "bodies") + ", " +
                    count(s.handles.loads.size(), "load", "loads") + ", " +
-                   count(s.handles.couplings.size(), "coupling", "couplings") + ">";
+                   count(s.handles.couplings.size(), "coupling", "couplings") +
+                   (s.handles.watches.empty() ? "" : ", " + count(s.handles.watches.size(), "watch", "watches")) + ">";
         });
 }
 

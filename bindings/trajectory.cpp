@@ -99,6 +99,8 @@ Parts parts_of(const BoundTrajectory& self, const Of& of) {
             case Handle::Of::body: parts.bodies.push_back({h.index}); break;
             case Handle::Of::load: parts.loads.push_back({h.index}); break;
             case Handle::Of::coupling: parts.couplings.push_back({h.index}); break;
+            case Handle::Of::watch:
+                throw InvalidInput("Trajectory: \"" + h.name + "\" is a watched function, which has no power");
         }
     };
     if (const Handle* one = std::get_if<Handle>(&*of)) {
@@ -123,6 +125,7 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
     }
     for (const Event& e : self.list()) known.insert(e.name);
     for (const Handle& h : self.handles->bodies) known.insert(h.name);
+    for (const Handle& h : self.handles->watches) known.insert(h.name);
     if (known.count(kind_or_name) == 0)
         throw InvalidInput("Events: \"" + kind_or_name +
                            "\" is no name in this run and no kind of event; the kinds are " + kinds);
@@ -272,6 +275,18 @@ BoundSpring motion_of_spring(const BoundTrajectory& self, const CouplingHandle& 
     return {self.run[rbdyn::CouplingHandle{handle.index}], handle.name};
 }
 
+/// A watched function of a run, a function of time.
+struct BoundWatched {
+    Trajectory run;
+    rbdyn::WatchHandle watch;
+    std::string name;
+};
+
+BoundWatched motion_of_watch(const BoundTrajectory& self, const WatchHandle& handle) {
+    self.handles->require(handle, "Trajectory");
+    return {self.run, {handle.index}, handle.name};
+}
+
 py::typing::Never motion_of_load(const BoundTrajectory& self, const LoadHandle& handle) {
     self.handles->require(handle, "Trajectory");
     throw InvalidInput("Trajectory: \"" + handle.name + "\" is a load, which has no motion; ask for its body's force");
@@ -299,6 +314,18 @@ auto of_system(R (Trajectory::*quantity)(double, Side) const) {
 void bind_trajectory(py::module_& m) {
     bind_events(m);
     bind_motions(m);
+    py::class_<BoundWatched>(m, "Watched", "A watched function of a run: its value at a time.")
+        .def(
+            "value",
+            [](const BoundWatched& w, const ArrayLike& t, const SideName& name) {
+                const Side side = side_of(name);
+                return over(t, "Trajectory", "time", [&](double x) { return w.run.watched(w.watch, x, side); });
+            },
+            py::arg("t"), py::arg("side") = after(), "At a time [s], a number or an array.")
+        .def_property_readonly(
+            "quantities", [](const BoundWatched&) { return std::vector<std::string>{"value"}; },
+            "Names of the quantities it has.")
+        .def("__repr__", [](const BoundWatched& w) { return "<Watched: " + w.name + ">"; });
 
     py::class_<BoundTrajectory> run(m, "Trajectory", R"(The result of simulate(): motion, events, error estimate, price.
 
@@ -349,6 +376,7 @@ size of its terms.)")
             "The ends of the integrator's pieces (n,) [s].")
         .def("__getitem__", &motion_of_body, py::arg("handle"))
         .def("__getitem__", &motion_of_spring, py::arg("handle"))
+        .def("__getitem__", &motion_of_watch, py::arg("handle"))
         .def("__getitem__", &motion_of_load, py::arg("handle"));
 
     const auto of_time_and_bodies = [&](const char* name, auto quantity, const char* doc) {

@@ -93,6 +93,40 @@ rbdyn::Keep keep_of(const std::variant<std::string, ArrayLike>& keep) {
     throw InvalidInput("simulate: keep is \"" + name + "\"; it is \"all\", \"end\", or a list of times");
 }
 
+/// Whether functions in Python are called at every step: then the lock is kept, which makes that cheap.
+bool calls_python(const rbdyn::Scene& scene) {
+    const auto is_python = [](const auto& l) {
+        const auto* force = std::get_if<rbdyn::Force>(&l.load);
+        return force != nullptr && force->callback() && force->callback()->is_python;
+    };
+    const auto is_called = [](const auto& w) { return !w.function.is_recorded(); };
+    return std::any_of(scene.loads().begin(), scene.loads().end(), is_python) ||
+           std::any_of(scene.watches().begin(), scene.watches().end(), is_called);
+}
+
+/// Raises an error of the library with the run it left behind.
+[[noreturn]] void raise_with(const BoundTrajectory& run, const char* type_name, const std::string& message) {
+    const py::object type = py::module_::import("rbdyn.errors").attr(type_name);
+    const py::object raised = type(message);
+    raised.attr("run") = run;
+    PyErr_SetObject(type.ptr(), raised.ptr());
+    throw py::error_already_set();
+}
+
+/// What a function of the user's threw, unchanged but for the run it broke off.
+[[noreturn]] void raise_with(const BoundTrajectory& run, const std::exception_ptr& thrown) {
+    try {
+        std::rethrow_exception(thrown);
+    } catch (py::error_already_set& e) {
+        if (PyObject_SetAttrString(e.value().ptr(), "run", py::cast(run).ptr()) != 0) PyErr_Clear();
+        throw;
+    } catch (const InvalidInput& e) {
+        raise_with(run, "InvalidInput", e.what());
+    } catch (const rbdyn::Error& e) {
+        raise_with(run, "Error", e.what());
+    }
+}
+
 BoundTrajectory simulate(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
                          const std::string& engine, const std::variant<std::string, ArrayLike>& keep,
                          std::int64_t max_steps, const py::object& progress) {
@@ -110,31 +144,24 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, do
     options.max_steps = max_steps;
     options.monitor = watch.monitor();
 
-    std::optional<BoundTrajectory> run;
-    std::string failure, message;
+    using Outcome = rbdyn::simulating::Solution::Outcome;
+    std::optional<rbdyn::Attempt> result;
     {
-        const py::gil_scoped_release free;
-        try {
-            run = BoundTrajectory{rbdyn::simulate(copy, options), handles};
-        } catch (const rbdyn::AccuracyError& e) {
-            run = BoundTrajectory{e.run, handles};
-            failure = "AccuracyError";
-            message = e.what();
-        } catch (const rbdyn::IntegrationError& e) {
-            run = BoundTrajectory{e.run, handles};
-            failure = "IntegrationError";
-            message = e.what();
-        }
+        std::optional<py::gil_scoped_release> free;
+        if (!calls_python(copy)) free.emplace();
+        result = rbdyn::attempt(copy, options);
     }
+    const std::optional<BoundTrajectory> run = BoundTrajectory{result->run, handles};
     // also what came since the last look
     watch.look((run->run.end() - start) / (until - start));
     watch.raise_if_raised(run);
-    if (!failure.empty()) {
-        const py::object type = py::module_::import("rbdyn.errors").attr(failure.c_str());
-        const py::object raised = type(message);
-        raised.attr("run") = *run;
-        PyErr_SetObject(type.ptr(), raised.ptr());
-        throw py::error_already_set();
+    switch (result->outcome) {
+        case Outcome::good: break;
+        case Outcome::thrown: raise_with(*run, result->thrown);
+        default: {
+            const bool inaccurate = result->outcome == Outcome::inaccurate;
+            raise_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", result->message);
+        }
     }
     return *run;
 }

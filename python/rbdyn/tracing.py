@@ -93,7 +93,9 @@ def _each(f: Callable[..., Any], *inputs: Any) -> Any:
     arrays = [_objects(x) for x in inputs]
     if len(arrays) > 1:
         shape = np.broadcast_shapes(*(a.shape for a in arrays))
-        columns = [a.ravel().tolist() if a.shape == shape else np.broadcast_to(a, shape).ravel().tolist() for a in arrays]
+        columns = [
+            a.ravel().tolist() if a.shape == shape else np.broadcast_to(a, shape).ravel().tolist() for a in arrays
+        ]
     else:
         shape = arrays[0].shape
         columns = [arrays[0].ravel().tolist()]

@@ -376,8 +376,8 @@ inline std::string Function::text() const {
                 break;
         }
         // the event where it changes
-        const bool switches = i.operation == Operation::sign || i.operation == Operation::select ||
-                              i.operation == Operation::whole;
+        const bool switches =
+            i.operation == Operation::sign || i.operation == Operation::select || i.operation == Operation::whole;
         if (switches && !name(i.d).empty()) out += "  (" + name(i.d) + ")";
         out += '\n';
     }

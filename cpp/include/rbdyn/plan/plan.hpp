@@ -168,10 +168,14 @@ inline Plan make_plan(const Scene& scene) {
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         }
     }
-    for (const auto& watch : scene.watches())
-        plan.functions.push_back(
-            "watch \"" + watch.name + "\" " +
-            (watch.function.is_recorded() ? "traced, native" : "called back: " + watch.function.reason()));
+    for (const auto& watch : scene.watches()) {
+        const bool recorded = watch.function.is_recorded();
+        if (!recorded) plan.callbacks.push_back(watch.function.counter());
+        plan.functions.push_back("watch \"" + watch.name + "\" " +
+                                 (recorded
+                                      ? "traced, native"
+                                      : "called back, located but not certain: " + watch.function.counter()->reason));
+    }
     for (const auto& c : scene.connections()) {
         const Spring& s = std::get<Spring>(c.coupling);
         spring = spring || s.stiffness > 0.0;

@@ -117,17 +117,22 @@ public:
     WatchFunction(Function function, std::vector<Observable> arguments)
         : function_(std::move(function)), arguments_(std::move(arguments)) {}
     /// Called back with numbers. `reason`: why it is not recorded.
-    static WatchFunction called_back(std::function<double(const Observe&)> callback, std::string reason) {
+    static WatchFunction called_back(std::function<double(const Observe&)> callback, std::string reason,
+                                     bool is_python = false) {
         WatchFunction result;
         result.callback_ = std::move(callback);
-        result.reason_ = std::move(reason);
+        auto counter = std::make_shared<Callback>();
+        counter->reason = std::move(reason);
+        counter->is_python = is_python;
+        result.counter_ = std::move(counter);
         return result;
     }
 
     bool is_recorded() const { return static_cast<bool>(function_); }
     const Function& function() const { return function_; }
     const std::vector<Observable>& arguments() const { return arguments_; }
-    const std::string& reason() const { return reason_; }
+    /// Counts the calls of one that is called back, and says why it is.
+    const std::shared_ptr<const Callback>& counter() const { return counter_; }
     bool asks_for(Quantity quantity) const {
         return std::any_of(arguments_.begin(), arguments_.end(),
                            [&](const Observable& o) { return o.quantity == quantity; });
@@ -140,7 +145,10 @@ public:
 
     /// Its value at a moment.
     double operator()(const Observe& observe) const {
-        if (callback_) return callback_(observe);
+        if (callback_) {
+            counter_->calls.fetch_add(1, std::memory_order_relaxed);
+            return callback_(observe);
+        }
         std::vector<double> x;
         for (const Observable& o : arguments_) x.push_back(observe(o));
         return function_(std::span<const double>(x))[0];
@@ -154,7 +162,7 @@ private:
     Function function_;
     std::vector<Observable> arguments_;
     std::function<double(const Observe&)> callback_;
-    std::string reason_;
+    std::shared_ptr<const Callback> counter_;
 };
 
 /// A new state of one body, in its joint's own words; what is not given stays as it is.

@@ -1,0 +1,227 @@
+// Watched functions: the present moment of a motion as Python sees it, in expressions or in numbers.
+#include "watch.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "recording.hpp"
+
+namespace binding {
+
+using rbdyn::Observable, rbdyn::Observe, rbdyn::Quantity, rbdyn::WatchFunction;
+
+namespace {
+
+/// What `now` is: gives what it is asked for, as long as the function it was made for runs.
+struct Present {
+    std::function<py::object(Quantity, int subject, bool is_vector)> ask;
+    Handles handles;
+};
+
+struct PresentThing {
+    std::shared_ptr<const Present> now;
+    int index;
+    std::string name;
+};
+struct PresentBody : PresentThing {
+    bool on_rail;
+};
+struct PresentCoupling : PresentThing {};
+
+py::object ask(const Present& now, Quantity quantity, int subject, bool is_vector) {
+    if (!now.ask)
+        throw InvalidInput("Now: the function it was made for has returned; ask for quantities while it runs");
+    return now.ask(quantity, subject, is_vector);
+}
+
+/// Calls f with a present moment that ends with the call.
+template <class F>
+auto with_present(std::function<py::object(Quantity, int, bool)> asked, const Handles& handles, F&& f) {
+    const auto now = std::make_shared<Present>(Present{std::move(asked), handles});
+    struct End {
+        Present& now;
+        ~End() { now.ask = nullptr; }
+    } end{*now};
+    return f(py::cast(now));
+}
+
+/// The same in numbers.
+template <class F>
+auto with_numbers(const Observe& observe, const Handles& handles, F&& f) {
+    return with_present(
+        [&observe](Quantity quantity, int subject, bool is_vector) -> py::object {
+            if (!is_vector) return py::float_(observe({quantity, subject, 0}));
+            py::array_t<double> result(3);
+            for (int i = 0; i < 3; ++i) result.mutable_at(i) = observe({quantity, subject, i});
+            return result;
+        },
+        handles, std::forward<F>(f));
+}
+
+double one_number(const py::object& value, const std::string& user) {
+    const py::array array = py::array::ensure(value);
+    if (!array || array.size() != 1)
+        throw InvalidInput(user + ": its function returns " + shown(value) + "; it returns one number");
+    return number(array.attr("reshape")(py::tuple()), user, "what its function returns");
+}
+
+std::vector<rbdyn::StateChange> changes(const py::object& returned, const Handles& handles, const std::string& user) {
+    std::vector<rbdyn::StateChange> result;
+    if (returned.is_none()) return result;
+    if (!py::isinstance<py::dict>(returned))
+        throw InvalidInput(user + ": its action returns " + shown(returned) +
+                           "; it returns None, or {handle: {\"velocity\": ...}} with what changes");
+    for (const auto& [key, value] : returned.cast<py::dict>()) {
+        if (!py::isinstance<Handle>(key) || !py::isinstance<py::dict>(value))
+            throw InvalidInput(user + ": its action returns an item " + shown(key) + ": " + shown(value) +
+                               "; each is a handle with a dict of what changes");
+        rbdyn::StateChange change{handles.body(key.cast<const Handle&>(), user)};
+        for (const auto& [word, what] : value.cast<py::dict>()) {
+            const auto name = word.cast<std::string>();
+            if (name == "position")
+                change.position = vector3(what, user, name);
+            else if (name == "velocity")
+                change.velocity = vector3(what, user, name);
+            else if (name == "parameter")
+                change.parameter = number(what, user, name);
+            else if (name == "speed")
+                change.speed = number(what, user, name);
+            else
+                throw InvalidInput(user + ": its action changes \"" + name +
+                                   "\"; a free body has position and velocity, one on a rail parameter and speed");
+        }
+        result.push_back(change);
+    }
+    return result;
+}
+
+}  // namespace
+
+WatchFunction watched_function(const py::object& f, const BoundScene& scene, std::optional<bool> trace,
+                               const std::string& user) {
+    if (PyCallable_Check(f.ptr()) == 0)
+        throw InvalidInput(user + ": " + shown(f) + " is no function; give function(now)");
+    std::string reason = "trace=False";
+    const Handles handles = scene.handles;
+    if (trace.value_or(true)) {
+        std::vector<Observable> asked;
+        const auto now = std::make_shared<Present>(Present{nullptr, handles});
+        const auto ask_in = [&](Recording& recording, Quantity quantity, int subject, bool is_vector) -> py::object {
+            const int count = is_vector ? 3 : 1;
+            scene.scene.require_observable({quantity, subject, 0}, user);
+            const auto found = std::find(asked.begin(), asked.end(), Observable{quantity, subject, 0});
+            const auto first = static_cast<int>(found - asked.begin());
+            if (found == asked.end())
+                for (int i = 0; i < count; ++i) asked.push_back({quantity, subject, i});
+            return is_vector ? recording.inputs(first, {3}) : recording.input(first);
+        };
+        const Attempt a = attempt(
+            f,
+            [&](Recording& recording) {
+                now->ask = [&](Quantity quantity, int subject, bool is_vector) {
+                    return ask_in(recording, quantity, subject, is_vector);
+                };
+                return py::make_tuple(now);
+            },
+            [&](const py::object& returned) {
+                py::object value = returned;
+                if (py::isinstance<py::array>(value) && value.cast<py::array>().size() == 1)
+                    value = value.attr("reshape")(py::tuple()).attr("item")();
+                const auto y = operand(value);
+                if (!y)
+                    throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
+                return std::vector<Expression>{*y};
+            });
+        now->ask = nullptr;
+        if (a.function) {
+            return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
+        }
+        if (trace.value_or(false)) throw InvalidInput(user + ": its function cannot be recorded: " + a.reason);
+        reason = a.reason;
+    }
+    return WatchFunction::called_back(
+        [f, handles, user](const Observe& observe) {
+            const py::gil_scoped_acquire lock;
+            return with_numbers(observe, handles, [&](const py::object& now) { return one_number(f(now), user); });
+        },
+        reason, true);
+}
+
+rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, const std::string& name) {
+    using Kind = rbdyn::WatchAction::Kind;
+    const std::string user = "watch \"" + name + "\"";
+    if (py::isinstance<py::str>(action)) {
+        static const std::vector<std::pair<std::string, Kind>> words = {{"record", Kind::record}, {"stop", Kind::stop}};
+        return {one_of(action.cast<std::string>(), words, user, "action"), {}};
+    }
+    if (PyCallable_Check(action.ptr()) == 0)
+        throw InvalidInput(user + ": action is " + shown(action) +
+                           "; it is \"record\", \"stop\", or a function of now");
+    return {Kind::change, [f = action, handles = scene.handles, user](const Observe& observe) {
+                const py::gil_scoped_acquire lock;
+                return with_numbers(observe, handles,
+                                    [&](const py::object& now) { return changes(f(now), handles, user); });
+            }};
+}
+
+py::tuple watch_data(const WatchFunction& function, const std::string& user) {
+    if (!function.is_recorded())
+        throw py::type_error(user + ": its function is called back, and only what is traced can be pickled");
+    py::list asked;
+    for (const Observable& o : function.arguments())
+        asked.append(py::make_tuple(static_cast<int>(o.quantity), o.subject, o.component));
+    return py::make_tuple(function.function(), asked);
+}
+
+WatchFunction watch_from(const py::handle& data) {
+    const auto d = py::reinterpret_borrow<py::tuple>(data);
+    std::vector<Observable> asked;
+    for (const py::handle item : d[1]) {
+        const auto o = item.cast<std::tuple<int, int, int>>();
+        asked.push_back({static_cast<Quantity>(std::get<0>(o)), std::get<1>(o), std::get<2>(o)});
+    }
+    return {d[0].cast<rbdyn::Function>(), asked};
+}
+
+void bind_watch(py::module_& m) {
+    py::class_<PresentBody> body(m, "BodyNow", "A body at the present moment, for watched functions. World axes.");
+    const auto define = [](auto& type, const char* name, Quantity quantity, bool is_vector, const char* doc) {
+        using Thing = typename std::decay_t<decltype(type)>::type;
+        type.def_property_readonly(
+            name, [quantity, is_vector](const Thing& b) { return ask(*b.now, quantity, b.index, is_vector); }, doc);
+    };
+    define(body, "position", Quantity::position, true, "(3,) [m]");
+    define(body, "velocity", Quantity::velocity, true, "(3,) [m/s]");
+    define(body, "acceleration", Quantity::acceleration, true, "(3,) [m/s^2]");
+    define(body, "force", Quantity::force, true, "Resultant of the active forces (3,) [N].");
+    define(body, "reaction", Quantity::reaction, true, "Of its rail (3,) [N].");
+    define(body, "parameter", Quantity::parameter, false, "The curve's parameter. On a rail.");
+    define(body, "speed", Quantity::speed, false, "ds/dt along the curve [m/s]. On a rail.");
+    define(body, "tangential_force", Quantity::tangential_force, false, "Q_s = F.t [N]. On a rail.");
+    define(body, "kinetic_energy", Quantity::kinetic_energy, false, "[J]");
+    py::class_<PresentCoupling> coupling(m, "CouplingNow", "A spring at the present moment, for watched functions.");
+    define(coupling, "length", Quantity::length, false, "[m]");
+    define(coupling, "force", Quantity::coupling_force, true, "On its first end (3,) [N].");
+
+    py::class_<Present, std::shared_ptr<Present>>(
+        m, "Now", "The present moment of a motion: what watched functions are called with.")
+        .def_property_readonly(
+            "time", [](const Present& now) { return ask(now, Quantity::time, -1, false); }, "[s]")
+        .def(
+            "__getitem__",
+            [](const std::shared_ptr<Present>& now, const BodyHandle& handle) {
+                now->handles.require(handle, "Now");
+                return PresentBody{{now, handle.index, handle.name}, true};
+            },
+            py::arg("handle"))
+        .def(
+            "__getitem__",
+            [](const std::shared_ptr<Present>& now, const CouplingHandle& handle) {
+                now->handles.require(handle, "Now");
+                return PresentCoupling{{now, handle.index, handle.name}};
+            },
+            py::arg("handle"));
+}
+
+}  // namespace binding

@@ -1,0 +1,25 @@
+// Watched functions of Python's: what they are called with, and what becomes of them.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "handles.hpp"
+
+namespace binding {
+
+inline const Words<rbdyn::Direction> directions = {
+    {"either", rbdyn::Direction::either}, {"rising", rbdyn::Direction::rising}, {"falling", rbdyn::Direction::falling}};
+
+/// Recorded if it can be and `trace` is not false, else called back.
+rbdyn::WatchFunction watched_function(const py::object& f, const BoundScene& scene, std::optional<bool> trace,
+                                      const std::string& user);
+/// "record", "stop", or a function that changes the state.
+rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, const std::string& name);
+
+/// A recorded watched function as data, and from it.
+py::tuple watch_data(const rbdyn::WatchFunction& function, const std::string& user);
+rbdyn::WatchFunction watch_from(const py::handle& data);
+
+}  // namespace binding
