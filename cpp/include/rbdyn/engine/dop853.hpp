@@ -1,14 +1,15 @@
 // Dormand and Prince's explicit Runge-Kutta method of order 8, as an engine.
 //
-// Source: Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", 2nd edition, Springer 1993: the method
-// and its error estimate from embedded ones of order 5 and 3 (sec. II.5), step control (II.4), and the interpolant of
-// order 7, a polynomial of degree 7 with the states and slopes of both ends (II.6).
+// Source: Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", 2nd edition, Springer 1993: the
+// method and its error estimate from embedded ones of order 5 and 3 (sec. II.5), step control (II.4), and the
+// interpolant of order 7, a polynomial of degree 7 with the states and slopes of both ends (II.6).
 //
 // Conventions: errors are measured against the scales of the motion itself (extent of positions, largest velocities) or
-// of the step where there is none yet; nothing here has a unit, and the same motion in units that differ by powers of two
-// takes the same steps to the last bit. Slopes are kept as differences from the one at the start of the step, for the
-// weights of the method are far larger than their sum. Sums are compensated and step lengths exact (see taylor.hpp).
-// Invariant: a piece is the whole step or, where guards ask for shorter ones, a part of it; pieces join to rounding.
+// of the step where there is none yet; nothing here has a unit, and the same motion in units that differ by powers of
+// two takes the same steps to the last bit. Slopes are kept as differences from the one at the start of the step, for
+// the weights of the method are far larger than their sum. Sums are compensated and step lengths exact (see
+// taylor.hpp). Invariant: a piece is the whole step or, where guards ask for shorter ones, a part of it; pieces join to
+// rounding.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +51,8 @@ public:
         t_ = t;
         x_.assign(x.begin(), x.end());
         std::fill(low_.begin(), low_.end(), 0.0);
-        std::fill(estimates_.begin(), estimates_.end(), 0.0);
+        estimates_.assign(equations.groups.size(), 0.0);
+        next_estimates_ = rounding_ = estimates_;
         has_slope_ = false;
         is_first_ = true;
         is_cut_ = false;
@@ -78,7 +80,10 @@ public:
                 h = next - t_.hi;
                 capped = h >= span;
                 end = {next, t_.lo};
-                if (!(h > 4.0 * epsilon * std::abs(t_.hi)) || h <= 0.0) return StepStatus::stalled;
+                if (!(h > 4.0 * epsilon * std::abs(t_.hi)) || h <= 0.0) {
+                    wanted = 0.0;
+                    return StepStatus::stalled;
+                }
             }
             if (capped) {
                 h = span;
@@ -88,7 +93,9 @@ public:
             if (error <= 1.0) error = std::max(error, interpolate(h));
             if (error <= 1.0) break;
             ++work_.rejected;
+            if (!rejected) find_rounding();
             wanted = h * factor(error);
+            estimates_ = next_estimates_;
         }
         // not longer at once after a step that was too long; not shorter because the end of the run was near
         const double next = h * (rejected ? std::min(1.0, factor(error)) : factor(error));
@@ -130,7 +137,7 @@ private:
     static constexpr int series_order = 12;
     // the interpolant's error is steepest near here, and its slope there two to four times its largest value
     static constexpr double defect_place = 0.65625;
-    static constexpr double defect_weight = 0.5;
+    static constexpr double defect_weight = 0.25;
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
     /// What one set of equations needs.
@@ -165,7 +172,6 @@ private:
         part_.assign(variables * (order + 1), 0.0);
         defect_.assign(variables, 0.0);
         allowed_.assign(equations_->groups.size(), 0.0);
-        estimates_.assign(equations_->groups.size(), 0.0);
         scales_.resize(variables);
     }
 
@@ -188,7 +194,8 @@ private:
         return check == 0.0;
     }
 
-    /// sum_j w_j k[j stride] with the weights of a row, j = lo .. hi - 1, in pairs of pairs: the same sum everywhere, and a short way through it.
+    /// sum_j w_j k[j stride] with the weights of a row, j = lo .. hi - 1, in pairs of pairs: the same sum everywhere,
+    /// and a short way through it.
     template <int row, int lo, int hi>
     static double weighted(const double* k, std::ptrdiff_t stride) {
         if constexpr (hi - lo == 1) {
@@ -248,19 +255,33 @@ private:
             }
             const double moved = scales_.scale(group);
             const double scale = std::max({moved, reach, estimates_[g]});
-            const double allowed = allowed_[g] = std::max(tolerance_ * scale, 8.0 * epsilon * scales_.magnitude(group));
+            const double allowed = allowed_[g] =
+                std::max({tolerance_ * scale, 8.0 * epsilon * scales_.magnitude(group), 32.0 * h * rounding_[g]});
             if (size5 == 0.0 && size3 == 0.0) continue;
             fifth = std::max(fifth, h * size5 / allowed);
             third = std::max(third, h * size3 / allowed);
             // a trial that is too long but roughly right tells the scale of motion that has hardly begun
-            if (moved == 0.0 && h * size5 < 0.5 * reach) estimates_[g] = std::max(estimates_[g], reach);
+            if (moved == 0.0) next_estimates_[g] = h * size5 < 0.5 * reach ? reach : 0.0;
         }
         if (fifth == 0.0) return 0.0;
         return fifth * fifth / std::sqrt(fifth * fifth + 0.01 * third * third);
     }
 
+    /// What rounding of the state does to the slopes: steps of a motion far from its origin must not shrink for that.
+    void find_rounding() {
+        for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] * (i % 2 == 0 ? 1.0 + epsilon : 1.0 - epsilon);
+        if (!evaluate(t_, y_, defect_.data())) return;
+        for (std::size_t g = 0; g < rounding_.size(); ++g) {
+            const VariableGroup& group = equations_->groups[g];
+            rounding_[g] = 0.0;
+            for (int i = group.first; i < group.first + group.count; ++i)
+                rounding_[g] = std::max(rounding_[g], std::abs(defect_[at(i)] - slope_[at(i)]));
+        }
+    }
+
     /// How much longer the next step may be; the error goes as its eighth power. Estimates of what swings pass through
-    /// zero, so that at nine tenths, not three quarters, of the length that they promise a fourth of the steps is rejected.
+    /// zero, so that at nine tenths, not three quarters, of the length that they promise a fourth of the steps is
+    /// rejected.
     static double factor(double error) {
         if (!(error < std::numeric_limits<double>::infinity())) return 0.125;
         if (error == 0.0) return 6.0;
@@ -353,14 +374,14 @@ private:
 
     /// The next part of a step that was cut.
     StepStatus next_part() {
+        const Instant start = piece_.at(piece_.length);
         offset_ += piece_.length;
         for (int i = 0; i < n(); ++i) {
             double* c = part_.data() + i * (order + 1);
             std::copy_n(whole_.variable(i), order + 1, c);
-            for (int j = 0; j < order; ++j)
-                for (int k = order - 1; k >= j; --k) c[k] += offset_ * c[k + 1];
+            series::shift(c, order, offset_);
         }
-        piece_ = {whole_.at(offset_), whole_.unit, 1.0 - offset_, n(), order, part_.data()};
+        piece_ = {start, whole_.unit, 1.0 - offset_, n(), order, part_.data()};
         if (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
         natural_ = piece_.length;
         cut();
@@ -387,21 +408,21 @@ private:
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     std::vector<double> parameters_;
 
-    Instant t_;                                          // where the motion has come to
-    std::vector<double> x_, low_, slope_;                // the state there, what rounding left out of it, and its slope
-    Instant start_t_;                                    // the same at the start of the last step
+    Instant t_;                            // where the motion has come to
+    std::vector<double> x_, low_, slope_;  // the state there, what rounding left out of it, and its slope
+    Instant start_t_;                      // the same at the start of the last step
     std::vector<double> start_, start_low_, start_slope_;
-    mutable std::vector<double> y_, differences_;        // of the stage; slopes of the stages less that at the start
+    mutable std::vector<double> y_, differences_;  // of the stage; slopes of the stages less that at the start
     bool has_slope_ = false, is_first_ = true, is_cut_ = false;
-    Piece whole_;                                        // the whole step, where guards cut it
-    double offset_ = 0.0, natural_ = 1.0;                // where the piece begins on it
-    std::vector<double> coefficients_, part_;            // of the whole step; of a part of it
-    std::vector<double> next_coefficients_, defect_;     // of the step that is tried; of its polynomial
-    std::vector<double> allowed_;                        // per group, error of the step that is tried
-    mutable double anchor_ = 0.0;                        // a place on the whole step
-    mutable std::vector<double> anchor_state_;           // and the state there
+    Piece whole_;                                     // the whole step, where guards cut it
+    double offset_ = 0.0, natural_ = 1.0;             // where the piece begins on it
+    std::vector<double> coefficients_, part_;         // of the whole step; of a part of it
+    std::vector<double> next_coefficients_, defect_;  // of the step that is tried; of its polynomial
+    std::vector<double> allowed_, rounding_;  // per group, error of the step that is tried; that of slopes by rounding
+    mutable double anchor_ = 0.0;             // a place on the whole step
+    mutable std::vector<double> anchor_state_;  // and the state there
     MotionScales scales_;
-    std::vector<double> estimates_;                      // per group, where there has been no motion yet
+    std::vector<double> estimates_, next_estimates_;  // per group, its scale where there has been no motion yet
 };
 
 }  // namespace rbdyn

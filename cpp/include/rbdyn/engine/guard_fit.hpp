@@ -27,26 +27,31 @@ public:
           evaluator_(equations.program),
           state_(static_cast<std::size_t>(equations.variables())),
           values_(equations.guards.size() * Fit::points),
-          coefficients_(equations.guards.size() * Fit::points) {}
+          coefficients_(equations.guards.size() * Fit::points),
+          allowed_(equations.guards.size()),
+          rounding_(equations.guards.size()) {
+        for (std::size_t g = 0; g < equations.guards.size(); ++g)
+            if (!equations.is_variable(equations.guards[g])) fitted_.push_back(g);
+    }
 
     void set_parameters(std::span<const double> parameters) { evaluator_.set_parameters(parameters); }
 
-    /// Fits all guards on [0, length] of the piece, in its unit of time. Whether each is met within `tolerance` times
-    /// its largest value there, or within rounding of its terms; one that is not finite at the start is not weighed.
+    /// Fits all guards but those that are variables on [0, length] of the piece, in its unit of time. Whether each is
+    /// met within `tolerance` times its largest value there, or within rounding of its terms; one that is not finite at
+    /// the start is not weighed.
     bool operator()(const Piece& piece, double length, double tolerance) {
-        const std::size_t count = equations_->guards.size();
-        allowed_.assign(count, 0.0);
+        std::fill(allowed_.begin(), allowed_.end(), 0.0);
         for (int j = 0; j < Fit::points; ++j) {
             evaluate(piece, Fit::place(j) * length);
-            for (std::size_t g = 0; g < count; ++g) {
+            for (const std::size_t g : fitted_) {
                 const int output = equations_->guards[g].output;
                 const double value = evaluator_.output(output);
                 values_[g * Fit::points + static_cast<std::size_t>(j)] = value;
                 allowed_[g] = std::max(allowed_[g], tolerance * std::abs(value));
-                if (j == 0) rounding_of(g, output);
+                if (j == 0) rounding_[g] = 64.0 * epsilon * evaluator_.magnitude(output);
             }
         }
-        for (std::size_t g = 0; g < count; ++g) {
+        for (const std::size_t g : fitted_) {
             double* c = coefficients_.data() + g * Fit::points;
             allowed_[g] = std::max(allowed_[g], rounding_[g]);
             Fit::coefficients(values_.data() + g * Fit::points, std::max(1e-3 * allowed_[g], 0.25 * rounding_[g]), c);
@@ -62,21 +67,18 @@ public:
     }
 
 private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
     void evaluate(const Piece& piece, double tau) {
         piece.state(tau, state_);
         evaluator_(piece.at(tau).hi, state_);
-    }
-
-    void rounding_of(std::size_t g, int output) {
-        rounding_.resize(equations_->guards.size());
-        rounding_[g] = 64.0 * std::numeric_limits<double>::epsilon() * evaluator_.magnitude(output);
     }
 
     bool holds(const Piece& piece, double length) {
         for (int j = 0; j < Fit::checks; ++j) {
             const double tau = Fit::check(j) * length;
             evaluate(piece, tau);
-            for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
+            for (const std::size_t g : fitted_) {
                 if (!std::isfinite(values_[g * Fit::points])) continue;
                 const double* c = coefficients_.data() + g * Fit::points;
                 const double error = evaluator_.output(equations_->guards[g].output) - series::value(c, order, tau);
@@ -89,6 +91,7 @@ private:
     const Equations* equations_;
     Evaluator<double> evaluator_;
     std::vector<double> state_, values_, coefficients_, allowed_, rounding_;
+    std::vector<std::size_t> fitted_;
 };
 
 }  // namespace rbdyn

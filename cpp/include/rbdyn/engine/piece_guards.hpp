@@ -51,7 +51,6 @@ public:
     }
 
     const double* coefficients(int guard) {
-        if (fit_ && need_more_) return fit_->coefficients(guard);
         const Guard& g = equations_->guards[static_cast<std::size_t>(guard)];
         if (equations_->is_variable(g)) {
             // the row of the piece, with zeros after it
@@ -59,7 +58,7 @@ public:
             std::copy_n(piece_.variable(equations_->program.output(g.output)), piece_.order + 1, row_.data());
             return row_.data();
         }
-        return series_->output(g.output);
+        return fit_ ? fit_->coefficients(guard) : series_->output(g.output);
     }
 
 private:
@@ -69,8 +68,7 @@ private:
     void expand() {
         series_->begin(piece_.start.hi, piece_.unit);
         for (int i = 0; i < piece_.variables; ++i)
-            for (int k = 0; k <= order_; ++k)
-                series_->set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
+            for (int k = 0; k <= order_; ++k) series_->set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
         for (int k = 0; k <= order_; ++k) series_->advance(k);
     }
 
@@ -81,8 +79,7 @@ private:
             const double* c = series_->output(guard.output);
             std::array<double, 32> size{};
             for (int k = 0; k <= order_; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
-            log_length =
-                std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance_));
+            log_length = std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance_));
         }
         if (!(log_length > -most_halvings)) log_length = std::isnan(log_length) ? 0.0 : -most_halvings;
         return std::exp2(log_length);
