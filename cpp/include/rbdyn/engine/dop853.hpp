@@ -256,7 +256,7 @@ private:
             const double moved = scales_.scale(group);
             const double scale = std::max({moved, reach, estimates_[g]});
             const double allowed = allowed_[g] =
-                std::max({tolerance_ * scale, 8.0 * epsilon * scales_.magnitude(group), 32.0 * h * rounding_[g]});
+                std::max({tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group), 32.0 * h * rounding_[g]});
             if (size5 == 0.0 && size3 == 0.0) continue;
             fifth = std::max(fifth, h * size5 / allowed);
             third = std::max(third, h * size3 / allowed);

@@ -31,7 +31,7 @@ public:
           allowed_(equations.guards.size()),
           rounding_(equations.guards.size()) {
         for (std::size_t g = 0; g < equations.guards.size(); ++g)
-            if (!equations.is_variable(equations.guards[g])) fitted_.push_back(g);
+            if (equations.guards[g].output >= 0 && !equations.is_variable(equations.guards[g])) fitted_.push_back(g);
     }
 
     void set_parameters(std::span<const double> parameters) { evaluator_.set_parameters(parameters); }

@@ -18,7 +18,7 @@
 namespace rbdyn {
 
 /// Whether every instruction of the equations has a series.
-inline bool series_are_known(const Equations&) { return true; }
+inline bool series_are_known(const Equations& equations) { return !equations.program.has_calls(); }
 
 class PieceGuards {
 public:
@@ -31,7 +31,7 @@ public:
           order_(series == nullptr ? GuardFit::order : order),
           tolerance_(tolerance),
           log_tolerance_(std::log2(tolerance)) {
-        for (const Guard& guard : equations.guards) need_more_ = need_more_ || !equations.is_variable(guard);
+        for (const Guard& guard : equations.guards) need_more_ = need_more_ || is_computed(guard);
     }
 
     /// Of what coefficients() gives.
@@ -65,6 +65,9 @@ private:
     // a guard is halved at most so often: one that is not finite ahead is the driver's to judge
     static constexpr int most_halvings = 10;
 
+    /// Not a variable itself, nor found otherwise than by its value.
+    bool is_computed(const Guard& guard) const { return guard.output >= 0 && !equations_->is_variable(guard); }
+
     void expand() {
         series_->begin(piece_.start.hi, piece_.unit);
         for (int i = 0; i < piece_.variables; ++i)
@@ -75,7 +78,7 @@ private:
     double series_length() const {
         double log_length = 0.0;
         for (const Guard& guard : equations_->guards) {
-            if (equations_->is_variable(guard)) continue;
+            if (!is_computed(guard)) continue;
             const double* c = series_->output(guard.output);
             std::array<double, 32> size{};
             for (int k = 0; k <= order_; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
