@@ -48,8 +48,6 @@ public:
 
     /// The state at tau on the current piece, as exactly as the engine knows it.
     virtual void state(double tau, std::span<double> x) const { piece_.state(tau, x); }
-    /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
-    virtual bool refines() const { return false; }
 
     /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
     virtual bool refines() const { return false; }
