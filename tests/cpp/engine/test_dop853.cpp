@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -618,6 +620,73 @@ TEST(Dop853, a_thousand_changes_of_mode_reuse_what_is_there) {
     }
     EXPECT_LT(swing_error(x, at_90_degrees), 1e-9);
     EXPECT_EQ(engine.work().steps, 1000);
+}
+
+/// The pendulum with a sine that is called back, and a guard that needs it.
+Equations called_back(std::function<double(double)> sine) {
+    const auto function = std::make_shared<Callback>();
+    function->name = "sine";
+    function->inputs = function->outputs = 1;
+    function->function = [sine](const double* x, double* y) { y[0] = sine(x[0]); };
+    Recorder r;
+    const std::array<Expression, 1> u{r.input(0)};
+    const Expression force = r.call(function, u)[0];
+    return equations(r, {r.input(1), -9.81 * force, force - 0.25}, 2, one_freedom);
+}
+
+TEST(Dop853, a_function_called_back_gives_the_same_motion_and_guards) {
+    const Equations recorded = free_pendulum(), swing = called_back([](double u) { return std::sin(u); });
+    for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
+        Dop853Engine engine(tolerance), other(tolerance);
+        double worst = 0.0;
+        const Motion result = follow(engine, swing, {}, at_90_degrees, 2.0 * period, [&](const Piece& piece) {
+            for (const double fraction : {0.0, 0.3, 0.9, 1.0}) {
+                const double tau = fraction * piece.length;
+                std::array<double, 2> x;
+                piece.state(tau, x);
+                const double g = series::value(engine.guard(0), engine.guard_order(), tau);
+                worst = std::max(worst, std::abs(g - (std::sin(x[0]) - 0.25)));
+            }
+        });
+        const Motion expected = follow(other, recorded, {}, at_90_degrees, 2.0 * period);
+        EXPECT_EQ(result.x, expected.x);
+        EXPECT_EQ(engine.work().steps, other.work().steps);
+        EXPECT_LT(worst, 32.0 * tolerance + 1e-14);
+    }
+}
+
+TEST(Dop853, what_a_function_called_back_throws_comes_out_unharmed_and_the_engine_goes_on_after_it) {
+    struct Refusal {
+        double u;
+    };
+    bool refuses = true;
+    const Equations swing = called_back([&](double u) {
+        if (refuses && u < 0.5) throw Refusal{u};
+        return std::sin(u);
+    });
+    Dop853Engine engine(1e-9);
+    try {
+        follow(engine, swing, {}, at_90_degrees, period);
+        FAIL() << "nothing was thrown";
+    } catch (const Refusal& refusal) {
+        EXPECT_LT(refusal.u, 0.5);
+    }
+    refuses = false;
+    const Motion result = follow(engine, swing, {}, at_90_degrees, period);
+    EXPECT_LT(swing_error(result.x, at_90_degrees), 1e-7);
+}
+
+TEST(Dop853, a_function_called_back_is_never_given_what_is_no_number) {
+    bool was_finite = true;
+    const Equations swing = called_back([&](double u) {
+        was_finite = was_finite && std::isfinite(u);
+        // no number beyond a wall, very large before it
+        return u < 0.0 ? std::numeric_limits<double>::quiet_NaN() : 1e300 * u * u;
+    });
+    Dop853Engine engine(1e-6);
+    const Motion result = follow(engine, swing, {}, at_90_degrees, 1e6);
+    EXPECT_NE(result.status, StepStatus::ok);
+    EXPECT_TRUE(was_finite);
 }
 
 }  // namespace

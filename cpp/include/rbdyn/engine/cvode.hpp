@@ -309,7 +309,7 @@ private:
             c[0] = series::value(from_end_.data() + i * row, row - 1, offset_ - 1.0);
         }
         piece_ = {whole_.at(offset_), whole_.unit, 1.0 - offset_, n, row - 1, part_.data()};
-        if (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
+        while (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
         shorten();
         return StepStatus::ok;
     }

@@ -111,7 +111,7 @@ public:
     void state(double tau, std::span<double> x) const override {
         const double place = offset_ + tau;
         if (tau == 0.0) return piece_.state(tau, x);
-        if (place >= 1.0) {
+        if (place >= 1.0 || (!is_cut_ && tau >= piece_.length)) {
             std::copy(x_.begin(), x_.end(), x.begin());
             return;
         }
@@ -181,12 +181,14 @@ private:
         workshop_->guards.set_parameters(parameters_);
     }
 
-    /// x' at (t, x); false if it is not finite.
+    /// x' at (t, x); false if it is not finite, or not asked for since x is not.
     bool evaluate(Instant t, std::span<const double> x, double* slope) const {
+        double check = 0.0;
+        for (const double value : x) check += 0.0 * value;
+        if (check != 0.0) return false;
         Evaluator<double>& evaluator = workshop_->evaluator;
         ++work_.right_hand_sides;
         evaluator(t.hi, x);
-        double check = 0.0;
         for (int i = 0; i < n(); ++i) {
             slope[i] = evaluator.output(i);
             check += 0.0 * slope[i];
@@ -381,8 +383,9 @@ private:
             std::copy_n(whole_.variable(i), order + 1, c);
             series::shift(c, order, offset_);
         }
-        piece_ = {start, whole_.unit, 1.0 - offset_, n(), order, part_.data()};
-        if (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
+        const Instant end = whole_.at(1.0);
+        piece_ = {start, whole_.unit, (end - start) / whole_.unit, n(), order, part_.data()};
+        while (end - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
         natural_ = piece_.length;
         cut();
         return StepStatus::ok;
