@@ -161,9 +161,10 @@ private:
         return *workshops_.back().second;
     }
 
-    int n() const { return static_cast<int>(x_.size()); }
+    int n() const { return n_; }
 
     void resize(std::size_t variables) {
+        n_ = static_cast<int>(variables);
         x_.resize(variables);
         for (std::vector<double>* v : {&low_, &slope_, &start_, &start_low_, &start_slope_, &y_, &anchor_state_})
             v->assign(variables, 0.0);
@@ -408,6 +409,7 @@ private:
     bool fits_guards_;
     const Equations* equations_ = nullptr;
     Workshop* workshop_ = nullptr;
+    int n_ = 0;  // variables
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     std::vector<double> parameters_;
 
