@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/engine/piece.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/fit.hpp"
+#include "rbdyn/series/piece.hpp"
 
 namespace rbdyn {
 

@@ -11,8 +11,8 @@
 #include <span>
 
 #include "rbdyn/engine/guard_fit.hpp"
-#include "rbdyn/engine/piece.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/series/piece.hpp"
 #include "rbdyn/series/step_length.hpp"
 
 namespace rbdyn {
