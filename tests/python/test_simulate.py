@@ -23,7 +23,7 @@ def oscillator():
 ENDLESS = {"until": 1e12, "rtol": 1e-12, "keep": "end"}
 
 
-@pytest.mark.parametrize("engine", ["auto", "taylor", "cvode-adams", "cvode-bdf"])
+@pytest.mark.parametrize("engine", ["auto", "taylor", "dop853", "cvode-adams", "cvode-bdf"])
 def test_every_engine_gives_the_motion_of_the_closed_form(engine):
     scene, mass = oscillator()
     run = rb.simulate(scene, until=3.0, error=1e-8, engine=engine)
@@ -227,7 +227,7 @@ def price():
 
 
 def test_a_price_is_a_table_of_engines_over_tolerances(price):
-    assert {row.engine for row in price} == {"taylor", "cvode-adams", "cvode-bdf"}
+    assert {row.engine for row in price} == {"taylor", "dop853", "cvode-adams", "cvode-bdf"}
     assert len(price) == len(price.rows) and price[-1].engine == price.rows[-1].engine
     assert all(row.seconds > 0 and row.steps > 0 and row.right_hand_sides > 0 for row in price)
     assert str(price).startswith("engine") and not str(price).endswith("\n")
@@ -255,5 +255,5 @@ def test_a_price_may_be_asked_of_one_engine():
 def test_the_work_precision_diagram_has_a_line_an_engine(price, tmp_path):
     figure = price.plot(tmp_path / "price.png")
     (axes,) = figure.axes
-    assert [line.get_label() for line in axes.lines] == ["taylor", "cvode-adams", "cvode-bdf"]
+    assert [line.get_label() for line in axes.lines] == ["taylor", "dop853", "cvode-adams", "cvode-bdf"]
     assert (tmp_path / "price.png").stat().st_size > 10_000

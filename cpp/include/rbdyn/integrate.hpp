@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/engine/dop853.hpp"
 #include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/event/driver.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
@@ -29,7 +30,7 @@ struct SimulateOptions {
     double start = 0.0;                         // s
     double error = 1e-9;                        // global, relative to the motion's own scales
     std::optional<double> rtol = std::nullopt;  // local tolerance only, no estimate: the cheap way
-    std::string engine = "auto";                // "taylor", "cvode-adams", "cvode-bdf"
+    std::string engine = "auto";                // "taylor", "dop853", "cvode-adams", "cvode-bdf"
     Keep keep = {};
     std::int64_t max_steps = 100'000'000;
     Driver::Monitor monitor = {};  // called now and then with the time reached; false stops the run
@@ -46,14 +47,15 @@ inline constexpr int compared_times = 2000;
 /// The names of the engines of this build.
 inline std::vector<std::string> engines() {
 #ifdef RBDYN_WITH_SUNDIALS
-    return {"taylor", "cvode-adams", "cvode-bdf"};
+    return {"taylor", "dop853", "cvode-adams", "cvode-bdf"};
 #else
-    return {"taylor"};
+    return {"taylor", "dop853"};
 #endif
 }
 
 inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, int order = 0) {
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, order);
+    if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance);
 #ifdef RBDYN_WITH_SUNDIALS
     if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
     if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
@@ -200,7 +202,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         if (is_cut_short(run)) return result;
         const bool at_floor = tolerance <= least_tolerance(engine);
         const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
-                                      : std::clamp(options.error * 1e-3, 1e-17, 1e-13);
+                                      : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
         Timed better = run_with(judge, finer, compared, is_judge && at_floor ? other_order : 0);
         Comparison comparison;
         try {

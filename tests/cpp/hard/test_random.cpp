@@ -215,18 +215,33 @@ std::string fault(const RandomScene& random) {
     return out.str();
 }
 
-TEST(RandomScenes, a_bead_on_any_rough_rail_ends_its_run_as_asked) {
-    const int count = setting("RBDYN_RANDOM_SCENES", 300), first = setting("RBDYN_RANDOM_FIRST", 0);
+/// How many random scenes fail with an engine; each is printed.
+int failures(const std::string& engine, int first, int count) {
     int failures = 0;
     for (int i = first; i < first + count; ++i) {
-        const RandomScene scene = some_scene(i);
+        RandomScene scene = some_scene(i);
+        scene.options.engine = engine;
         const std::string what = fault(scene);
         if (what.empty()) continue;
         ++failures;
-        std::cout << "FAULT " << scene.text << "\n      " << what << std::endl;
+        std::cout << "FAULT " << engine << " " << scene.text << "\n      " << what << std::endl;
     }
-    RecordProperty("failures", failures);
-    EXPECT_LE(failures, count / 1000) << "of " << count << " scenes; each is printed above";
+    return failures;
+}
+
+TEST(RandomScenes, a_bead_on_any_rough_rail_ends_its_run_as_asked) {
+    const int count = setting("RBDYN_RANDOM_SCENES", 300), first = setting("RBDYN_RANDOM_FIRST", 0);
+    const int failed = failures("taylor", first, count);
+    RecordProperty("failures", failed);
+    EXPECT_LE(failed, count / 1000) << "of " << count << " scenes; each is printed above";
+}
+
+TEST(RandomScenes, dop853_gives_the_same_motion_to_the_error_asked_for) {
+    // the error of a run by another engine than Taylor series is its distance from one by these
+    const int count = setting("RBDYN_RANDOM_SCENES", 300), first = setting("RBDYN_RANDOM_FIRST", 0);
+    const int failed = failures("dop853", first, count);
+    RecordProperty("failures", failed);
+    EXPECT_LE(failed, count / 1000) << "of " << count << " scenes; each is printed above";
 }
 
 }  // namespace

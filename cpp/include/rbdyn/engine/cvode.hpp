@@ -26,7 +26,6 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/expression/evaluate.hpp"
-#include "rbdyn/series/step_length.hpp"
 
 namespace rbdyn {
 
@@ -120,14 +119,15 @@ public:
 
     const double* guard(int index) override {
         ++work_.guard_evaluations;
-        expand_guards();
-        return integrator_->series.output(equations_->guards[at(index)].output);
+        return integrator_->guards.coefficients(index);
     }
-    /// Guards with a singularity near the motion, 1 / (1.1 + sin u) on a pendulum through sin u = -1, are then cut off
-    /// below the error of the method for tolerances from 1e-6 on, smooth ones at rounding.
-    int guard_order() const override { return rtol_ > 1e-8 ? 18 : 14; }
+    int guard_order() const override { return integrator_->guards.order(); }
 
 private:
+    /// Guards with a singularity near the motion, 1 / (1.1 + sin u) on a pendulum through sin u = -1, are then cut off
+    /// below the error of the method for tolerances from 1e-6 on, smooth ones at rounding.
+    int series_order() const { return rtol_ > 1e-8 ? 18 : 14; }
+
     static constexpr int start_order = 12;  // of the Taylor series that tells scales and the first step
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
@@ -135,9 +135,9 @@ private:
     cvode::Integrator& integrator_for(const Equations& equations) {
         for (auto& [known, integrator] : integrators_)
             if (known == &equations) return *integrator;
-        integrators_.emplace_back(&equations,
-                                  std::make_unique<cvode::Integrator>(equations, method_ == Method::bdf, guard_order(),
-                                                                      context_.get(), work_));
+        integrators_.emplace_back(
+            &equations, std::make_unique<cvode::Integrator>(equations, method_ == Method::bdf, series_order(),
+                                                            rtol_ * std::exp2(guard_slack), context_.get(), work_));
         return *integrators_.back().second;
     }
 
@@ -292,36 +292,9 @@ private:
         }
     }
 
-    /// The piece from t_, x_ to the end: the same polynomial about its start.
-    /// Series of the guards along the piece's polynomial.
-    void expand_guards() {
-        if (has_guards_) return;
-        SeriesEvaluator& series = integrator_->series;
-        series.begin(piece_.start.hi, piece_.unit);
-        for (int i = 0; i < piece_.variables; ++i)
-            for (int k = 0; k <= guard_order(); ++k)
-                series.set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
-        for (int k = 0; k <= guard_order(); ++k) series.advance(k);
-        has_guards_ = true;
-    }
-
-    /// Cuts the piece where the series of its guards would be cut off too soon: CVODE's steps know nothing of guards,
-    /// and a bead that is carried at a constant speed takes very long ones.
-    void shorten() {
-        double log_length = 0.0;
-        for (const Guard& guard : equations_->guards) {
-            if (guard.output < 0 || equations_->is_variable(guard)) continue;
-            expand_guards();
-            const double* c = integrator_->series.output(guard.output);
-            std::array<double, 32> size{};
-            for (int k = 0; k <= guard_order(); ++k) size[at(k)] = std::abs(c[k]);
-            log_length = std::min(
-                log_length, series::log_step(size.data(), guard_order(), size[0], std::log2(rtol_) + guard_slack));
-        }
-        // a guard that is not finite is the driver's to judge
-        if (!(log_length > -10.0)) log_length = std::isnan(log_length) ? 0.0 : -10.0;
-        piece_.length = std::min(piece_.length, std::exp2(log_length));
-    }
+    /// Cuts the piece where the coefficients of its guards hold no longer: CVODE's steps know nothing of guards, and a
+    /// bead that is carried at a constant speed takes very long ones.
+    void shorten() { piece_.length = integrator_->guards.begin(piece_); }
 
     /// The next part of a step that was cut.
     StepStatus next_part() {
@@ -332,25 +305,23 @@ private:
         for (int i = 0; i < n; ++i) {
             double* c = part_.data() + i * row;
             std::copy_n(coefficients_.data() + i * row, row, c);
-            for (int j = 0; j < row - 1; ++j)
-                for (int k = row - 2; k >= j; --k) c[k] += offset_ * c[k + 1];
+            series::shift(c, row - 1, offset_);
             c[0] = series::value(from_end_.data() + i * row, row - 1, offset_ - 1.0);
         }
         piece_ = {whole_.at(offset_), whole_.unit, 1.0 - offset_, n, row - 1, part_.data()};
-        if (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
-        has_guards_ = false;
+        while (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
         shorten();
         return StepStatus::ok;
     }
 
+    /// The piece from t_, x_ to the end: the same polynomial about its start.
     void fill_piece(Instant end) {
         offset_ = 0.0;
         const int n = integrator_->n, row = order_ + 1;
         coefficients_ = from_end_;
         for (int i = 0; i < n; ++i) {
             double* c = coefficients_.data() + i * row;
-            for (int j = 0; j < order_; ++j)
-                for (int k = order_ - 1; k >= j; --k) c[k] -= c[k + 1];
+            series::shift(c, order_, -1.0);
             // the polynomial passes through x_ but for rounding
             c[0] = x_[at(i)];
             x_[at(i)] = from_end_[at(i * row)];
@@ -358,7 +329,6 @@ private:
         piece_ = {t_, end - t_, 1.0, n, order_, coefficients_.data()};
         // who adds start and length must not find the end still ahead
         if (end - piece_.at(1.0) > 0.0) piece_.unit = std::nextafter(piece_.unit, 2.0 * piece_.unit);
-        has_guards_ = false;
     }
 
     Method method_;
@@ -376,7 +346,6 @@ private:
     double clock_ = 0.0;    // the same on CVODE's clock
     bool running_ = false;  // CVODE goes on from there
     bool is_first_ = true;  // no step since start()
-    bool has_guards_ = false;
     int order_ = 0;
     long steps_ = 0, rejected_ = 0;  // CVODE's counts since it was set off
     std::vector<double> x_, from_end_, coefficients_, parameters_;

@@ -12,6 +12,7 @@
 
 #include "rbdyn/engine/cvode_vector.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 
 namespace rbdyn {
@@ -21,9 +22,11 @@ namespace cvode {
 /// CVODE set up for one set of equations; stays where it is, for CVODE holds its address.
 class Integrator {
 public:
-    Integrator(const Equations& equations, bool stiff, int series_order, SUNContext context, Work& work)
+    Integrator(const Equations& equations, bool stiff, int series_order, double guard_tolerance, SUNContext context,
+               Work& work)
         : evaluator(equations.program),
           series(equations.program, series_order),
+          guards(equations, series_are_known(equations) ? &series : nullptr, series_order, guard_tolerance),
           n(equations.variables()),
           weights(static_cast<std::size_t>(n), 0.0),
           y(owned(new_vector(n, context))),
@@ -74,6 +77,7 @@ public:
     void set_parameters(std::span<const double> parameters) {
         evaluator.set_parameters(parameters);
         series.set_parameters(parameters);
+        guards.set_parameters(parameters);
     }
 
     double* state() { return values(y.get()); }
@@ -88,6 +92,7 @@ public:
 
     JacobianEvaluator evaluator;
     SeriesEvaluator series;
+    PieceGuards guards;
     int n;
     std::vector<double> weights;
     Instant origin;

@@ -41,10 +41,13 @@ public:
                 case Code::divide: s[i.out] = s[i.a] / s[i.b]; break;
                 case Code::square_root: s[i.out] = sqrt(s[i.a]); break;
                 case Code::norm: s[i.out] = sqrt(s[i.a] * s[i.a] + s[i.b] * s[i.b] + s[i.c] * s[i.c]); break;
-                case Code::sine_cosine:
-                    s[i.out] = sin(s[i.a]);
-                    s[i.out2] = cos(s[i.a]);
+                case Code::sine_cosine: {
+                    // of a copy: the compiler then sees that one call gives both
+                    const T a = s[i.a];
+                    s[i.out] = sin(a);
+                    s[i.out2] = cos(a);
                     break;
+                }
                 case Code::hyperbolic:
                     s[i.out] = sinh(s[i.a]);
                     s[i.out2] = cosh(s[i.a]);

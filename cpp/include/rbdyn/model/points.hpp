@@ -97,6 +97,7 @@ public:
                     break;
                 }
                 case EventKind::slip: {
+                    carry(i, t, x);
                     const Holding h = laws_.holding(i, t, x, mode.slip);
                     const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
                     after.slip[at(i)] = s;
@@ -196,11 +197,17 @@ private:
         return settle(mode, i, t, x);
     }
 
-    /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
-    signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
+    /// Sets w of a bead without slip exactly: the speed of its rail.
+    void carry(int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
         x[at(b.first + laws_.freedoms())] = b.drive(t) / std::sqrt(c.speed_squared);
+    }
+
+    /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
+    signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
+        const PointLaws::Body& b = laws_.body(i);
+        carry(i, t, x);
         const Holding h = laws_.holding(i, t, x, mode.slip);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
         const signed char escape = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);

@@ -1,4 +1,4 @@
-// The value of a polynomial.
+// The value of a polynomial, and the same polynomial from elsewhere.
 #pragma once
 
 namespace rbdyn::series {
@@ -8,6 +8,12 @@ inline double value(const double* c, int degree, double x) {
     double sum = c[degree];
     for (int k = degree - 1; k >= 0; --k) sum = sum * x + c[k];
     return sum;
+}
+
+/// The coefficients of p(x + by) in place of those of p (Horner's scheme, repeated).
+inline void shift(double* c, int degree, double by) {
+    for (int j = 0; j < degree; ++j)
+        for (int k = degree - 1; k >= j; --k) c[k] += by * c[k + 1];
 }
 
 }  // namespace rbdyn::series

@@ -1,0 +1,97 @@
+// Guards along a piece as polynomials through their values (series/fit.hpp): for equations without a series.
+//
+// The piece's polynomial stands for the motion; the fit is held against the guards themselves between the points.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/series/fit.hpp"
+#include "rbdyn/series/piece.hpp"
+
+namespace rbdyn {
+
+class GuardFit {
+public:
+    using Fit = series::Fit;
+    static constexpr int order = Fit::degree;
+
+    explicit GuardFit(const Equations& equations)
+        : equations_(&equations),
+          evaluator_(equations.program),
+          state_(static_cast<std::size_t>(equations.variables())),
+          values_(equations.guards.size() * Fit::points),
+          coefficients_(equations.guards.size() * Fit::points),
+          allowed_(equations.guards.size()),
+          rounding_(equations.guards.size()) {
+        for (std::size_t g = 0; g < equations.guards.size(); ++g)
+            if (equations.guards[g].output >= 0 && !equations.is_variable(equations.guards[g])) fitted_.push_back(g);
+    }
+
+    void set_parameters(std::span<const double> parameters) { evaluator_.set_parameters(parameters); }
+
+    /// Fits all guards but those that are variables on [0, length] of the piece, in its unit of time. Whether each is
+    /// met within `tolerance` times its largest value there, or within rounding of its terms; one that is not finite at
+    /// the start is not weighed.
+    bool operator()(const Piece& piece, double length, double tolerance) {
+        std::fill(allowed_.begin(), allowed_.end(), 0.0);
+        for (int j = 0; j < Fit::points; ++j) {
+            evaluate(piece, Fit::place(j) * length);
+            for (const std::size_t g : fitted_) {
+                const int output = equations_->guards[g].output;
+                const double value = evaluator_.output(output);
+                values_[g * Fit::points + static_cast<std::size_t>(j)] = value;
+                allowed_[g] = std::max(allowed_[g], tolerance * std::abs(value));
+                if (j == 0) rounding_[g] = 64.0 * epsilon * evaluator_.magnitude(output);
+            }
+        }
+        for (const std::size_t g : fitted_) {
+            double* c = coefficients_.data() + g * Fit::points;
+            allowed_[g] = std::max(allowed_[g], rounding_[g]);
+            Fit::coefficients(values_.data() + g * Fit::points, std::max(1e-3 * allowed_[g], 0.25 * rounding_[g]), c);
+            double power = 1.0;
+            for (int k = 1; k < Fit::points; ++k) c[k] /= (power *= length);
+        }
+        return holds(piece, length);
+    }
+
+    /// Coefficients 0 .. order of a guard.
+    const double* coefficients(int guard) const {
+        return coefficients_.data() + static_cast<std::ptrdiff_t>(guard) * Fit::points;
+    }
+
+private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+    void evaluate(const Piece& piece, double tau) {
+        piece.state(tau, state_);
+        evaluator_(piece.at(tau).hi, state_);
+    }
+
+    bool holds(const Piece& piece, double length) {
+        for (int j = 0; j < Fit::checks; ++j) {
+            const double tau = Fit::check(j) * length;
+            evaluate(piece, tau);
+            for (const std::size_t g : fitted_) {
+                if (!std::isfinite(values_[g * Fit::points])) continue;
+                const double* c = coefficients_.data() + g * Fit::points;
+                const double error = evaluator_.output(equations_->guards[g].output) - series::value(c, order, tau);
+                if (!(std::abs(error) <= allowed_[g])) return false;
+            }
+        }
+        return true;
+    }
+
+    const Equations* equations_;
+    Evaluator<double> evaluator_;
+    std::vector<double> state_, values_, coefficients_, allowed_, rounding_;
+    std::vector<std::size_t> fitted_;
+};
+
+}  // namespace rbdyn

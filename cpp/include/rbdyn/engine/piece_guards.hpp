@@ -1,0 +1,107 @@
+// Guards along the pieces of an engine whose steps know nothing of them: their coefficients, and how far these hold.
+//
+// Where the equations have series, a guard is the series of its function along the polynomial of the piece; else a
+// polynomial through its values. A step on which these would be cut off too soon is handed out in parts.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <span>
+
+#include "rbdyn/engine/guard_fit.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/series/piece.hpp"
+#include "rbdyn/series/step_length.hpp"
+
+namespace rbdyn {
+
+/// Whether every instruction of the equations has a series.
+inline bool series_are_known(const Equations& equations) { return !equations.program.has_calls(); }
+
+class PieceGuards {
+public:
+    /// `tolerance`: what may be cut off of a guard, relative to its size. Orders of series: 0 .. order. The series
+    /// evaluator is shared with the engine; none: values are fitted.
+    PieceGuards(const Equations& equations, SeriesEvaluator* series, int order, double tolerance)
+        : equations_(&equations),
+          series_(series),
+          fit_(series == nullptr ? std::make_unique<GuardFit>(equations) : nullptr),
+          order_(series == nullptr ? GuardFit::order : order),
+          tolerance_(tolerance),
+          log_tolerance_(std::log2(tolerance)) {
+        for (const Guard& guard : equations.guards) need_more_ = need_more_ || is_computed(guard);
+    }
+
+    /// Of what coefficients() gives.
+    int order() const { return order_; }
+
+    void set_parameters(std::span<const double> parameters) {
+        if (fit_) fit_->set_parameters(parameters);
+    }
+
+    /// Looks at another piece. Returns its length, or less: how far the guards' coefficients hold.
+    double begin(const Piece& piece) {
+        piece_ = piece;
+        if (!need_more_) return piece.length;
+        if (fit_) return fitted_length();
+        expand();
+        return std::min(piece.length, series_length());
+    }
+
+    const double* coefficients(int guard) {
+        const Guard& g = equations_->guards[static_cast<std::size_t>(guard)];
+        if (equations_->is_variable(g)) {
+            // the row of the piece, with zeros after it
+            row_.fill(0.0);
+            std::copy_n(piece_.variable(equations_->program.output(g.output)), piece_.order + 1, row_.data());
+            return row_.data();
+        }
+        return fit_ ? fit_->coefficients(guard) : series_->output(g.output);
+    }
+
+private:
+    // a guard is halved at most so often: one that is not finite ahead is the driver's to judge
+    static constexpr int most_halvings = 10;
+
+    /// Not a variable itself, nor found otherwise than by its value.
+    bool is_computed(const Guard& guard) const { return guard.output >= 0 && !equations_->is_variable(guard); }
+
+    void expand() {
+        series_->begin(piece_.start.hi, piece_.unit);
+        for (int i = 0; i < piece_.variables; ++i)
+            for (int k = 0; k <= order_; ++k) series_->set_input(i, k, k <= piece_.order ? piece_.variable(i)[k] : 0.0);
+        for (int k = 0; k <= order_; ++k) series_->advance(k);
+    }
+
+    double series_length() const {
+        double log_length = 0.0;
+        for (const Guard& guard : equations_->guards) {
+            if (!is_computed(guard)) continue;
+            const double* c = series_->output(guard.output);
+            std::array<double, 32> size{};
+            for (int k = 0; k <= order_; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
+            log_length = std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance_));
+        }
+        if (!(log_length > -most_halvings)) log_length = std::isnan(log_length) ? 0.0 : -most_halvings;
+        return std::exp2(log_length);
+    }
+
+    double fitted_length() {
+        double length = piece_.length;
+        for (int halving = 0; !(*fit_)(piece_, length, tolerance_) && halving < most_halvings; ++halving) length *= 0.5;
+        return length;
+    }
+
+    const Equations* equations_;
+    SeriesEvaluator* series_;
+    std::unique_ptr<GuardFit> fit_;
+    int order_;
+    double tolerance_, log_tolerance_;
+    bool need_more_ = false;  // than the variables themselves
+    Piece piece_;
+    std::array<double, 32> row_{};
+};
+
+}  // namespace rbdyn
