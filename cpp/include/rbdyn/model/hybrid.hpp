@@ -21,6 +21,7 @@ struct Mode {
     std::vector<double> parameters;  // of the program of `equations`
     const Equations* equations = nullptr;
     bool still = false;  // nothing can move or happen in this mode
+    int jumps = 0;       // how often the state has jumped so far
 };
 
 /// Something that happened at an event.

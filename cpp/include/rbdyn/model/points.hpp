@@ -79,6 +79,7 @@ public:
             happenings.push_back({EventKind::watch, -1, guard.direction, guard.name});
             change(after, watches_[at(guard.watch)], t, x);
             is_new = true;
+            ++after.jumps;
         }
         for (int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
@@ -111,6 +112,7 @@ public:
                     break;
                 case EventKind::land: {
                     const double impulse = land(after, i, t, x);
+                    ++after.jumps;
                     happenings.push_back({EventKind::land, i, Direction::falling, {}, impulse});
                     break;
                 }

@@ -174,7 +174,9 @@ private:
                b.time - a.time <= std::sqrt(wanted_) * (a.time - r.start);
     }
 
-    static bool same_mode(const Mode& a, const Mode& b) { return a.slip == b.slip && a.equations == b.equations; }
+    static bool same_mode(const Mode& a, const Mode& b) {
+        return a.slip == b.slip && a.equations == b.equations && a.jumps == b.jumps;
+    }
 
     const HybridModel& model_;
     double wanted_;
