@@ -2,7 +2,7 @@
 //
 // A component that is a constant in the recorded function vanishes in own axes: a plane curve parallel to two axes of
 // the world has those axes, its own origin lies in its plane. A curve that is straight within rounding wherever it is
-// looked at has the axes of Line, about the point where it is fastest. Else own axes are the world's. Numbers of the
+// looked at has the axes of Line, about a point of its own. Else own axes are the world's. Numbers of the
 // user's (`Parameter`) are taken as they are when the curve is made.
 //
 // A closed curve meets itself in position and r' at the ends of the domain, and its parameter counts on. Where the
@@ -94,7 +94,7 @@ public:
         const Looked looked = look();
         if (looked.straight) {
             straight_ = true;
-            const Placement line{at(looked.fastest).position, curves::axes_of_line(at(looked.fastest).first)};
+            const Placement line{at(samples().front()).position, curves::axes_of_line(at(looked.fastest).first)};
             placement_ = line;
         } else if (moving == 2) {
             placement_.axes = curves::axes_without(constant[2] ? 2 : constant[1] ? 1 : 0);
@@ -167,7 +167,8 @@ private:
 
     /// Records r, r', r'' and r''' in the axes given, of which the first few are kept.
     void record(const Function& function, const Matrix3& axes, const Vector3& origin, int dimension) {
-        const Matrix3 back = axes.transpose();
+        Matrix3 back = axes;
+        back.transposeInPlace();
         const Function r = Function::record(1, [&](const std::vector<Expression>& u) {
             const std::vector<Expression> world = function(std::span<const Expression>(u));
             Vector3Of<Expression> offset;
@@ -304,10 +305,10 @@ private:
         return curves::arc_length([&](double u) { return curves::norm(at(u).first); }, u0, u1, floor, name_);
     }
 
-    /// Three results of a recorded function, with bounds on their rounding; u is rounded to half a unit.
+    /// Three results of a recorded function, with bounds on their rounding, u being known to a unit in its last place.
     static Components rounded(const Function& function, std::size_t result, double u) {
         Rounded x(u);
-        x.error = 0.5 * std::numeric_limits<double>::epsilon() * std::abs(u);
+        x.error = std::numeric_limits<double>::epsilon() * std::abs(u);
         const std::vector<Rounded> y = function(std::span<const Rounded>(&x, 1));
         return {y[result], y[result + 1], y[result + 2]};
     }
