@@ -35,9 +35,15 @@ std::vector<Curve> some_curves() {
         Cycloid{.radius = 0.4, .x = {1, 0, 0}, .y = {0, 1, 1}, .vertex = {0, 1, 0}},
         Spline{.points = {{0, 0, 0}, {1, 0.5, 0}, {1.5, 1.5, 0.2}, {1, 2, 1}, {0, 2, 1.5}, {-1, 1, 1}}},
         Spline{.points = {{1, 0, 0}, {1, 1, 1}, {1, 1, 3}, {1, 0, 2}}},
-        Curve([](const auto& u) { return Vector3Of<Expression>{u, sin(u), 0.2 * u * u}; }),
-        Curve([](const auto& u) { return Vector3Of<Expression>{u * cos(u), 0.5, 1.0 / (2.0 + sin(u))}; }),
-        Curve([](const auto& u) { return Vector3Of<Expression>{u + 0.3 * sin(u), 2.0 * u + 0.6 * sin(u), 1.0}; }),
+        Curve([](const auto& u) {
+            return Vector3Of<Expression>{u, sin(u), 0.2 * u * u};
+        }),
+        Curve([](const auto& u) {
+            return Vector3Of<Expression>{u * cos(u), 0.5, 1.0 / (2.0 + sin(u))};
+        }),
+        Curve([](const auto& u) {
+            return Vector3Of<Expression>{u + 0.3 * sin(u), 2.0 * u + 0.6 * sin(u), 1.0};
+        }),
     };
 }
 

@@ -13,7 +13,8 @@
 
 namespace {
 
-using rbdyn::Curve, rbdyn::Domain, rbdyn::Expression, rbdyn::Frenet, rbdyn::Function, rbdyn::FunctionCurve, rbdyn::Helix;
+using rbdyn::Curve, rbdyn::Domain, rbdyn::Expression, rbdyn::Frenet, rbdyn::Function, rbdyn::FunctionCurve,
+    rbdyn::Helix;
 using rbdyn::InvalidInput, rbdyn::Line, rbdyn::Polynomial, rbdyn::Vector3;
 using Point = rbdyn::Vector3Of<Expression>;
 
@@ -101,9 +102,17 @@ TEST(FunctionCurve, at_an_inflection_the_frame_is_the_one_from_the_side_of_small
 TEST(FunctionCurve, that_is_straight_has_one_frame_and_nothing_beside_its_line) {
     const Curve line = Line{.direction = {1, 2, -2}};
     const std::vector<Curve> all{
-        Curve([](const auto& u) { return Point{u, 2.0 * u, -2.0 * u}; }),
-        Curve([](const auto& u) { return Point{0.1 + sinh(u), 2.0 * sinh(u), 7.0 - 2.0 * sinh(u)}; }),
-        Curve([](const auto& u) { return Point{u + 0.5 * sin(u), 2.0 * u + sin(u), -2.0 * u - sin(u)}; }, {-1, 2}),
+        Curve([](const auto& u) {
+            return Point{u, 2.0 * u, -2.0 * u};
+        }),
+        Curve([](const auto& u) {
+            return Point{0.1 + sinh(u), 2.0 * sinh(u), 7.0 - 2.0 * sinh(u)};
+        }),
+        Curve(
+            [](const auto& u) {
+                return Point{u + 0.5 * sin(u), 2.0 * u + sin(u), -2.0 * u - sin(u)};
+            },
+            {-1, 2}),
     };
     for (const Curve& curve : all) {
         EXPECT_TRUE(curve.straight());
@@ -197,8 +206,14 @@ TEST(FunctionCurve, keeps_what_is_constant_out_of_its_recorded_program) {
 
 TEST(FunctionCurve, may_distinguish_cases) {
     // a straight that goes over into a clothoid-like bend: u + 0, then the cube
-    const Curve rail([](const auto& u) { return Point{u, select(u, [&] { return u * u * u; }, [] { return Expression(0.0); }), 0.0}; },
-                     {-1, 1});
+    const Curve rail(
+        [](const auto& u) {
+            return Point{u,
+                         select(
+                             u, [&] { return u * u * u; }, [] { return Expression(0.0); }),
+                         0.0};
+        },
+        {-1, 1});
     EXPECT_FALSE(rail.straight());
     EXPECT_EQ(rail.curvature(-0.5), 0.0);
     EXPECT_EQ(rail.frenet(-0.5).normal, Vector3::UnitZ());

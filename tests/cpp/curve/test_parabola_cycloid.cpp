@@ -42,7 +42,8 @@ TEST(Parabola, has_the_frame_and_curvature_of_its_formula) {
             expect_equal(f.tangent.z(), w / q, 4, "tangent");
             expect_equal(f.normal.x(), -side * w / q, 4, "normal");
             expect_equal(f.normal.z(), side / q, 4, "normal");
-            expect_equal(curve.curvature(u), 2.0L * std::abs(static_cast<long double>(a)) / (q * q * q), 8, "curvature");
+            expect_equal(curve.curvature(u), 2.0L * std::abs(static_cast<long double>(a)) / (q * q * q), 8,
+                         "curvature");
             EXPECT_EQ(curve.torsion(u), 0.0);
         }
 }
@@ -69,7 +70,8 @@ TEST(Cycloid, has_the_frame_and_curvature_of_its_formula_up_to_its_cusps) {
         SCOPED_TRACE(u);
         const long double c = std::cos(0.5L * u), s = std::sin(0.5L * u), way = c > 0.0L ? 1.0L : -1.0L;
         const Frenet f = curve.frenet(u);
-        EXPECT_NEAR(curve.position(u).x(), static_cast<double>(R * (u + std::sin(1.0L * u))), 2 * epsilon * R * (1 + std::abs(u)));
+        EXPECT_NEAR(curve.position(u).x(), static_cast<double>(R * (u + std::sin(1.0L * u))),
+                    2 * epsilon * R * (1 + std::abs(u)));
         EXPECT_NEAR(curve.position(u).z(), static_cast<double>(R * 2.0L * s * s), 4 * epsilon * R);
         // cos(u/2) itself, with the error of half a unit that a sine of doubles has
         const double near = 8 * epsilon;

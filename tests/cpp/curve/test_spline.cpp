@@ -16,7 +16,8 @@ using rbdyn::Vector3;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-const std::vector<Vector3> bend{{0, 0, 0}, {1, 0.5, 0}, {1.5, 1.5, 0.25}, {1, 2, 1}, {0, 2.25, 1.5}, {-1, 1, 1}, {-1, 0, 3}};
+const std::vector<Vector3> bend{{0, 0, 0},      {1, 0.5, 0}, {1.5, 1.5, 0.25}, {1, 2, 1},
+                                {0, 2.25, 1.5}, {-1, 1, 1},  {-1, 0, 3}};
 
 std::vector<Vector3> mapped(const std::vector<Vector3>& points, const auto& f) {
     std::vector<Vector3> result;
@@ -38,7 +39,8 @@ Sides second(const Curve& c, double u) { return {c.second(std::nextafter(u, -1e9
 TEST(Spline, passes_through_its_points) {
     for (const bool closed : {false, true})
         for (std::size_t n = closed ? 3 : 2; n <= bend.size(); ++n) {
-            const Curve spline = Spline{.points = {bend.begin(), bend.begin() + static_cast<long>(n)}, .closed = closed};
+            const Curve spline =
+                Spline{.points = {bend.begin(), bend.begin() + static_cast<long>(n)}, .closed = closed};
             for (std::size_t k = 0; k < n; ++k)
                 EXPECT_LT((spline.position(static_cast<double>(k)) - bend[k]).norm(), 16 * epsilon) << n << ": " << k;
         }
@@ -157,8 +159,8 @@ TEST(Spline, keeps_the_frame_of_the_last_bend_along_a_straight_stretch) {
     }
     EXPECT_LT((rail.frenet(3.5).binormal + Vector3::UnitY()).norm(), 8 * epsilon);
     // nothing bends before: as on a line
-    const Curve begins = Spline{.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 1, 0}, {4, 3, 1}},
-                                .slopes = {{2, {1, 0, 0}}}};
+    const Curve begins =
+        Spline{.points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 1, 0}, {4, 3, 1}}, .slopes = {{2, {1, 0, 0}}}};
     EXPECT_EQ(begins.frenet(0.7).normal, Vector3::UnitZ());
     EXPECT_EQ(begins.torsion(0.7), 0.0);
 }
@@ -185,8 +187,8 @@ TEST(Spline, in_other_units_and_along_other_axes_keeps_every_bit) {
     const auto turned = [](const Vector3& v) { return Vector3(v.z(), v.x(), v.y()); };
     for (const bool closed : {false, true}) {
         const Curve one = Spline{.points = bend, .closed = closed};
-        const Curve other = Spline{.points = mapped(bend, [&](const Vector3& p) { return Vector3(scale * p); }),
-                                   .closed = closed};
+        const Curve other =
+            Spline{.points = mapped(bend, [&](const Vector3& p) { return Vector3(scale * p); }), .closed = closed};
         const Curve around = Spline{.points = mapped(bend, turned), .closed = closed};
         for (double u : {0.0, 0.3, 1.0, 2.7, 5.5}) {
             EXPECT_EQ(other.position(u), scale * one.position(u));

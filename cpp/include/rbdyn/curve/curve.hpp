@@ -8,9 +8,8 @@
 // Degenerate cases: a curve that is straight all along has kappa = tau = 0 and one frame throughout, that of least
 // rotation from anywhere: normal nearest to world z, or to world x if vertical. Where kappa is zero at one u alone (an
 // inflection) the frame is its limit from the side of smaller u, and kappa = tau = 0. On a straight stretch of a spline
-// it is that of the last bend before, or that of a line if there is none. Where r' = 0 (a cusp) there is no tangent, and
-// asking for one is an error.
-// Invariant: the frame is orthonormal and right-handed, never NaN.
+// it is that of the last bend before, or that of a line if there is none. Where r' = 0 (a cusp) there is no tangent,
+// and asking for one is an error. Invariant: the frame is orthonormal and right-handed, never NaN.
 //
 // To add a kind of curve: a header beside this one, and its name in CurveKinds below.
 #pragma once

@@ -45,12 +45,9 @@ struct Cycloid {
         const S zero(0), R(radius), twice(2.0 * radius), half = S(0.5) * u;
         const S c = cos(half), s = sin(half), cc = c * c, sc = s * c;
         const S along = twice * cc, up = twice * sc;
-        return {{R * u + up, twice * (s * s), zero},
-                {along, up, zero},
-                {-up, R - twice * (s * s), zero},
-                S(4.0 * radius * radius) * cc,
-                S(-2.0 * radius * radius) * sc,
-                {zero, zero, S(2.0 * radius * radius) * cc}};
+        return {{R * u + up, twice * (s * s), zero}, {along, up, zero},
+                {-up, R - twice * (s * s), zero},    S(4.0 * radius * radius) * cc,
+                S(-2.0 * radius * radius) * sc,      {zero, zero, S(2.0 * radius * radius) * cc}};
     }
     /// r''' in own axes.
     Vector3 third(double u) const { return {-radius * std::cos(u), -radius * std::sin(u), 0.0}; }

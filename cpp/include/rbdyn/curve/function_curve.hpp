@@ -132,11 +132,7 @@ public:
         return plain_length(begin, domain_.end) + static_cast<double>(last - first - 1) * once_ +
                plain_length(domain_.begin, end);
     }
-    bool regular_at(double u) const {
-        for (const Rounded& component : rounded(point_, 3, local(u)))
-            if (!component.may_vanish()) return true;
-        return false;
-    }
+    bool regular_at(double u) const { return !may_vanish(rounded(point_, 3, local(u))); }
     bool straight() const { return straight_; }
     /// The binormal where the curvature is zero within rounding, in own axes; nothing where the curve bends.
     ///
@@ -148,7 +144,8 @@ public:
         if (straight_) return Vector3(0.0, 0.0, at(x).first.x() < 0.0 ? -1.0 : 1.0);
         const Components first = rounded(point_, 3, x);
         if (turning(first, rounded(point_, 6, x))) return std::nullopt;
-        // derivatives of a function are few digits long before long: what eight of them do not show is taken as rounding
+        // derivatives of a function are few digits long before long: what eight of them do not show is taken as
+        // rounding
         constexpr int most = 8;
         Function derivative = third_;
         for (int j = 3; j <= most; ++j) {
@@ -191,8 +188,8 @@ private:
     /// What the samples of the domain show.
     struct Looked {
         bool straight;
-        double fastest;         // sample where |r'| is largest
-        double extent, speed;   // of positions; largest |r'|
+        double fastest;        // sample where |r'| is largest
+        double extent, speed;  // of positions; largest |r'|
     };
 
     /// Parameters all over the domain: equally spaced, and at distances that fit no period.
@@ -231,23 +228,24 @@ private:
             if (!finite) continue;
             low = low ? low->cwiseMin(p.position).eval() : p.position;
             high = high ? high->cwiseMax(p.position).eval() : p.position;
-            if (!turns_nowhere(u)) looked.straight = false;
-            if (const double speed = curves::norm(p.first); speed > looked.speed) {
+            const Components first = rounded(point_, 3, u);
+            if (turning(first, rounded(point_, 6, u))) looked.straight = false;
+            const double speed = may_vanish(first) ? 0.0 : curves::norm(p.first);
+            if (speed > looked.speed) {
                 looked.speed = speed;
                 looked.fastest = u;
             }
         }
         looked.extent = curves::norm(*high - *low);
         require(looked.speed > 0.0, name_, "the largest |r'|", looked.speed,
-                "the curve must move with its parameter: it is not a single point");
+                "beyond rounding it must not be zero: a curve is not a single point");
         return looked;
     }
-    bool turns_nowhere(double u) const { return !turning(rounded(point_, 3, u), rounded(point_, 6, u)); }
 
     void require_finite(const CurvePoint<double>& p, double u) const {
         for (int i = 0; i < 3; ++i)
-            for (const auto& [what, value] : {std::pair{"", p.position[i]}, std::pair{"r' of ", p.first[i]},
-                                              std::pair{"r'' of ", p.second[i]}})
+            for (const auto& [what, value] :
+                 {std::pair{"", p.position[i]}, std::pair{"r' of ", p.first[i]}, std::pair{"r'' of ", p.second[i]}})
                 require(std::isfinite(value), name_,
                         what + ("component " + std::to_string(i)) + " at parameter " + text(u), value,
                         "a curve is finite and smooth in its domain, ends included: choose the domain accordingly");
@@ -258,13 +256,12 @@ private:
         const double period = domain_.end - domain_.begin;
         const CurvePoint<double> begin = at(domain_.begin), end = at(domain_.end);
         const double gap = curves::norm(end.position - begin.position), turn = curves::norm(end.first - begin.first);
-        const std::string rule = "; it must be below " + text(agreed) + " of ";
         require(gap <= agreed * looked.extent, name_, "distance between the ends", gap,
                 "a closed curve ends where it began, within " + text(agreed) + " of its extent, " +
                     text(looked.extent) + " m");
-        require(turn <= agreed * looked.speed, name_, "difference of r' at the ends", turn,
-                "a closed curve ends as it began, within " + text(agreed) + " of the largest |r'|, " +
-                    text(looked.speed));
+        require(
+            turn <= agreed * looked.speed, name_, "difference of r' at the ends", turn,
+            "a closed curve ends as it began, within " + text(agreed) + " of the largest |r'|, " + text(looked.speed));
         for (const double u : samples())
             for (const double other : {u + period, u - period}) {
                 const CurvePoint<double> p = at(u), q = at(other);
@@ -312,10 +309,11 @@ private:
         const std::vector<Rounded> y = function(std::span<const Rounded>(&x, 1));
         return {y[result], y[result + 1], y[result + 2]};
     }
+    static bool may_vanish(const Components& v) { return v[0].may_vanish() && v[1].may_vanish() && v[2].may_vanish(); }
     /// a x b, unless it may vanish.
     static std::optional<Vector3> turning(const Components& a, const Components& b) {
         const Components product = cross<Rounded>(a, b);
-        if (product[0].may_vanish() && product[1].may_vanish() && product[2].may_vanish()) return std::nullopt;
+        if (may_vanish(product)) return std::nullopt;
         return Vector3(product[0].value, product[1].value, product[2].value);
     }
 

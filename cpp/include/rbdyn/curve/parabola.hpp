@@ -38,8 +38,8 @@ struct Parabola {
     CurvePoint<S> own(const S& u) const {
         const S zero(0), one(1), bend(2.0 * a);
         const S slope = bend * u;
-        return {{u, S(a) * (u * u), zero},  {one, slope, zero}, {zero, bend, zero},
-                one + slope * slope, bend * slope, {zero, zero, bend}};
+        return {{u, S(a) * (u * u), zero}, {one, slope, zero}, {zero, bend, zero},
+                one + slope * slope,       bend * slope,       {zero, zero, bend}};
     }
     /// r''' in own axes.
     Vector3 third(double) const { return Vector3::Zero(); }

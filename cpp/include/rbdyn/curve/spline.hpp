@@ -1,6 +1,7 @@
 // A cubic spline through points: r(k) = points[k], on each stretch between points a cubic of its own, C2.
 //
-// The slopes m_k = r'(k) follow from r'' being continuous at the points (de Boor, A Practical Guide to Splines, ch. IV):
+// The slopes m_k = r'(k) follow from r'' being continuous at the points (de Boor, A Practical Guide to Splines, ch.
+// IV):
 //   m_(k-1) + 4 m_k + m_(k+1) = 3 (d_(k-1) + d_k),  d_k = points[k+1] - points[k]
 // Ends are not-a-knot, as is usual: at the first and the last inner point r''' is continuous too, so that the two
 // stretches about it are one cubic and four points on a cubic give that cubic. Three points give a parabola, two a
@@ -32,9 +33,9 @@ namespace rbdyn {
 class SplineForm;
 
 struct Spline {
-    std::vector<Vector3> points;          // world, [m]; at u = 0, 1, ...
-    bool closed = false;                  // from the last point on to the first
-    std::map<int, Vector3> slopes = {};   // r' at points, by index, world, [m]
+    std::vector<Vector3> points;         // world, [m]; at u = 0, 1, ...
+    bool closed = false;                 // from the last point on to the first
+    std::map<int, Vector3> slopes = {};  // r' at points, by index, world, [m]
 
     /// Throws InvalidInput unless there are two points, three if closed, all finite and none where its neighbour is,
     /// and slopes, if any, are at points, finite and not zero.
@@ -103,7 +104,8 @@ inline std::vector<Vector3> closed_spline_slopes(const std::vector<Vector3>& cho
     const std::vector<Vector3> none(n, Vector3::Zero());
     const Vector3 zero = Vector3::Zero(), one = Vector3::Ones();
     const std::vector<Vector3> rest = spline_slopes(chord, zero, zero), part = spline_slopes(none, one, one);
-    const Vector3 first = (3.0 * (chord[n - 1] + chord[0]) - rest[n - 1] - rest[1]) / (4.0 + part[n - 1].x() + part[1].x());
+    const Vector3 first =
+        (3.0 * (chord[n - 1] + chord[0]) - rest[n - 1] - rest[1]) / (4.0 + part[n - 1].x() + part[1].x());
     std::vector<Vector3> m(n + 1);
     for (std::size_t k = 0; k <= n; ++k) m[k] = rest[k] + part[k].x() * first;
     return m;
@@ -144,7 +146,8 @@ public:
 
         // what a slope owes to a chord falls by 2 - sqrt(3) a point
         std::vector<double> size(stretches);
-        for (std::size_t k = 0; k < stretches; ++k) size[k] = std::max({curves::norm(chord[k]), curves::norm(m[k]), largest});
+        for (std::size_t k = 0; k < stretches; ++k)
+            size[k] = std::max({curves::norm(chord[k]), curves::norm(m[k]), largest});
         for (std::size_t k = 1; k < stretches; ++k) size[k] = std::max(size[k], 0.3 * size[k - 1]);
         for (std::size_t k = stretches - 1; k-- > 0;) size[k] = std::max(size[k], 0.3 * size[k + 1]);
         Vector3 present = Vector3::Zero();
@@ -228,8 +231,7 @@ public:
 
 private:
     /// Slopes at the beginnings of all stretches and at the end of the last.
-    std::vector<Vector3> slopes(const std::vector<Vector3>& chord,
-                                const std::map<std::size_t, Vector3>& given) const {
+    std::vector<Vector3> slopes(const std::vector<Vector3>& chord, const std::map<std::size_t, Vector3>& given) const {
         const std::size_t n = chord.size();
         if (closed_ && given.empty()) return curves::closed_spline_slopes(chord);
         std::vector<Vector3> m(n + 1);
@@ -270,7 +272,7 @@ private:
     const curves::PolynomialPiece& piece(long k) const { return pieces_[index(k)]; }
 
     bool closed_, straight_ = false;
-    std::size_t last_;            // index of the last point
+    std::size_t last_;               // index of the last point
     long lowest_ = 0, highest_ = 0;  // stretches by the whole number they begin at
     Placement placement_;
     std::vector<curves::PolynomialPiece> pieces_;

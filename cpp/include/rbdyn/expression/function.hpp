@@ -231,7 +231,8 @@ private:
             case Operation::whole: return whole_of(a());
             case Operation::select:
                 if constexpr (std::is_same_v<S, Expression>)
-                    return rbdyn::select(a(), b, [&] { return y[at(node.c)]; }, name(node.d));
+                    return rbdyn::select(
+                        a(), b, [&] { return y[at(node.c)]; }, name(node.d));
                 [[fallthrough]];
             default: throw Error("a recorded function takes time, and what is called back, as its inputs");
         }

@@ -58,8 +58,7 @@ inline Rounded pow(const Rounded& x, double n) {
 }
 inline Rounded atan2(const Rounded& y, const Rounded& x) {
     const double square = x.value * x.value + y.value * y.value;
-    return {std::atan2(y.value, x.value),
-            (std::abs(x.value) * y.error + std::abs(y.value) * x.error) / square};
+    return {std::atan2(y.value, x.value), (std::abs(x.value) * y.error + std::abs(y.value) * x.error) / square};
 }
 inline Rounded floor(const Rounded& x) { return std::floor(x.value); }
 inline Rounded locked_sign(const Rounded& x, const std::string& = {}) { return x.value < 0.0 ? -1.0 : 1.0; }
