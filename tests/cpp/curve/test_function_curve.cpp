@@ -152,6 +152,7 @@ TEST(FunctionCurve, that_is_closed_counts_its_rounds) {
     const Curve periodic(ellipse, {0.0, 2.0 * pi}, true);
     EXPECT_TRUE(periodic.closed());
     EXPECT_EQ(periodic.domain(), Domain{});
+    EXPECT_EQ(periodic.period(), 2.0 * pi);
     const auto around = static_cast<double>(8.0L * boost::math::ellint_2(std::sqrt(0.75L)));
     EXPECT_NEAR(periodic.length(0.0, 2.0 * pi), around, 8 * epsilon * around);
     EXPECT_NEAR(periodic.length(1.0, 1.0 + 200.0 * pi), 100.0 * around, 1e-12 * around);

@@ -60,6 +60,8 @@ TEST(Spline, is_smooth_to_the_second_derivative_at_its_points) {
     }
     EXPECT_EQ(closed.domain().end, std::numeric_limits<double>::infinity());
     EXPECT_TRUE(closed.closed());
+    EXPECT_EQ(closed.period(), 7.0);
+    EXPECT_EQ(open.period(), 0.0);
     EXPECT_EQ(open.domain(), (rbdyn::Domain{0.0, 6.0}));
 }
 

@@ -108,6 +108,7 @@ public:
     Placement placement() const { return placement_; }
     Domain domain() const { return closed_ ? Domain{} : domain_; }
     bool closed() const { return closed_; }
+    double period() const { return closed_ ? domain_.end - domain_.begin : 0.0; }
     std::string name() const { return name_; }
 
     /// The curve in its own axes.
@@ -253,7 +254,6 @@ private:
 
     /// Throws InvalidInput unless the ends meet; finds whether the function goes on with the same period.
     void close(const Looked& looked) {
-        const double period = domain_.end - domain_.begin;
         const CurvePoint<double> begin = at(domain_.begin), end = at(domain_.end);
         const double gap = curves::norm(end.position - begin.position), turn = curves::norm(end.first - begin.first);
         require(gap <= agreed * looked.extent, name_, "distance between the ends", gap,
@@ -263,7 +263,7 @@ private:
             turn <= agreed * looked.speed, name_, "difference of r' at the ends", turn,
             "a closed curve ends as it began, within " + text(agreed) + " of the largest |r'|, " + text(looked.speed));
         for (const double u : samples())
-            for (const double other : {u + period, u - period}) {
+            for (const double other : {u + period(), u - period()}) {
                 const CurvePoint<double> p = at(u), q = at(other);
                 repeats_ = repeats_ || !(curves::norm(q.position - p.position) <= agreed * looked.extent) ||
                            !(curves::norm(q.first - p.first) <= agreed * looked.speed);
@@ -280,10 +280,10 @@ private:
     template <class S>
     long round(const S& u) const {
         if (!closed_) return 0;
-        return curves::stretch((u - S(domain_.begin)) * S(1.0 / (domain_.end - domain_.begin)), -curves::most_stretches,
+        return curves::stretch((u - S(domain_.begin)) * S(1.0 / period()), -curves::most_stretches,
                                curves::most_stretches);
     }
-    double shift(long rounds) const { return static_cast<double>(rounds) * (domain_.end - domain_.begin); }
+    double shift(long rounds) const { return static_cast<double>(rounds) * period(); }
     /// The parameter in the domain, if the function does not go on by itself.
     template <class S>
     S local(const S& u) const {

@@ -177,6 +177,7 @@ public:
     Placement placement() const { return placement_; }
     Domain domain() const { return closed_ ? Domain{} : Domain{0.0, static_cast<double>(last_)}; }
     bool closed() const { return closed_; }
+    double period() const { return closed_ ? static_cast<double>(last_ + 1) : 0.0; }
     std::string name() const {
         return (closed_ ? "closed spline of " : "spline of ") + std::to_string(last_ + 1) + " points";
     }
