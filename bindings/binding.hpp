@@ -102,7 +102,7 @@ UserFunction user_force(const py::object& f, std::optional<bool> trace, const st
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(t) -> a number.
 UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user);
-/// f(t) -> three components.
+/// f(u) -> three components.
 UserFunction user_curve(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(t) -> a displacement, a rotation matrix, both, or a homogeneous matrix. 1 input, 12 results: the matrix row by
 /// row, then the displacement.

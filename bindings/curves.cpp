@@ -1,4 +1,6 @@
 // Curves: geometry that can be asked, and that a rail follows.
+#include <map>
+#include <optional>
 #include <rbdyn/curve/curve.hpp>
 #include <utility>
 
@@ -23,10 +25,52 @@ auto at(const ArrayLike& u, F&& f) {
     return over(u, "Curve", "parameter", std::forward<F>(f));
 }
 
-void bind_base(py::module_& m) {
-    py::class_<Curve>(m, "Curve", R"(A curve r(u) of any kind, in the world. Base of Line, Circle, Helix and Polynomial.
+/// A list of vectors, one a row.
+std::vector<Vector3> rows(py::handle value, const std::string& object, const std::string& what,
+                          const std::string& rule) {
+    const Array a = doubles(value, object, what);
+    if (a.ndim() != 2 || a.shape(1) != 3)
+        throw InvalidInput(object + ": " + what + " has shape " + shape_of(a) + "; it is (n, 3), " + rule);
+    std::vector<Vector3> result;
+    for (py::ssize_t k = 0; k < a.shape(0); ++k) result.emplace_back(a.at(k, 0), a.at(k, 1), a.at(k, 2));
+    return result;
+}
 
-A parameter u is a number, or an array of any shape: a vector then comes back with its components last.)")
+py::array_t<double> rows_to_python(const std::vector<Vector3>& vectors) {
+    py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
+    double* out = result.mutable_data();
+    for (const Vector3& v : vectors) write(out, v);
+    return result;
+}
+
+std::string rows_text(const std::vector<Vector3>& vectors) {
+    std::string list;
+    for (const Vector3& v : vectors) list += (list.empty() ? "" : ", ") + list_text(v);
+    return "[" + list + "]";
+}
+
+rbdyn::Domain domain_of(const std::optional<std::pair<double, double>>& domain) {
+    return domain ? rbdyn::Domain{domain->first, domain->second} : rbdyn::Domain{};
+}
+
+void bind_base(py::module_& m) {
+    py::class_<Curve>(
+        m, "Curve",
+        R"(A curve r(u) in the world, of any function: Curve(lambda u: [u, np.sin(u), 0.2 * u**2], domain=(0, 3)).
+
+Base of Line, Circle, Parabola, Cycloid, Helix, Polynomial and Spline. A parameter u is a number, or an array of any
+shape: a vector then comes back with its components last.)")
+        .def(py::init([](const py::object& function, const std::optional<std::pair<double, double>>& domain,
+                         bool closed) {
+                 rbdyn::FunctionCurve kind{user_curve(function, true, "Curve").function, domain_of(domain), closed, {}};
+                 const py::object name = py::getattr(function, "__name__", py::none());
+                 if (!name.is_none() && std::string(py::str(name)) != "<lambda>") kind.label = py::str(name);
+                 return Curve(kind);
+             }),
+             py::arg("function"), py::arg("domain") = py::none(), py::arg("closed") = false,
+             R"(function: of u, gives the three components of r(u) [m], in plain Python and NumPy; it is called once and
+recorded, with its derivatives. domain: first and last parameter; without it the curve has no ends. closed: it ends
+where it began, in r and r', and its parameter counts on; domain is one round.)")
         .def_property_readonly(
             "domain", [](const Curve& c) { return std::pair(c.domain().begin, c.domain().end); },
             "The first and the last parameter; infinite where the curve goes on.")
@@ -73,7 +117,7 @@ On a straight stretch the frame of least rotation. Raises InvalidInput at a cusp
 }  // namespace
 
 void bind_curves(py::module_& m) {
-    using rbdyn::Circle, rbdyn::Helix, rbdyn::Line, rbdyn::Polynomial;
+    using rbdyn::Circle, rbdyn::Cycloid, rbdyn::Helix, rbdyn::Line, rbdyn::Parabola, rbdyn::Polynomial, rbdyn::Spline;
     const std::vector<double> origin = {0.0, 0.0, 0.0};
     bind_base(m);
 
@@ -136,31 +180,87 @@ the axis beside u = 0 [m]. World axes; u in rad.)")
     py::class_<CurveOf<Polynomial>, Curve>(m, "Polynomial", "A polynomial curve: r(u) = sum of c_k u^k.")
         .def(
             py::init([](const ArrayLike& coefficients, const std::optional<std::pair<double, double>>& domain) {
-                const Array c = doubles(coefficients, "Polynomial", "coefficients");
-                if (c.ndim() != 2 || c.shape(1) != 3)
-                    throw InvalidInput("Polynomial: coefficients has shape " + shape_of(c) +
-                                       "; it is (n, 3), a vector for each power of u, beginning with 0");
-                Polynomial kind;
-                for (py::ssize_t k = 0; k < c.shape(0); ++k)
-                    kind.coefficients.emplace_back(c.at(k, 0), c.at(k, 1), c.at(k, 2));
-                if (domain) kind.domain = {domain->first, domain->second};
-                return CurveOf<Polynomial>(kind);
+                return CurveOf<Polynomial>(
+                    {rows(coefficients, "Polynomial", "coefficients", "a vector for each power of u, beginning with 0"),
+                     domain_of(domain)});
             }),
             py::arg("coefficients"), py::kw_only(), py::arg("domain") = py::none(),
             R"(coefficients: (n, 3), vectors in the world in increasing powers of u [m]. domain: first and last parameter; without
 it the curve has no ends.)")
         .def_property_readonly("coefficients",
-                               [](const CurveOf<Polynomial>& c) {
-                                   const auto n = static_cast<py::ssize_t>(c.kind.coefficients.size());
-                                   py::array_t<double> result({n, py::ssize_t{3}});
-                                   double* out = result.mutable_data();
-                                   for (const Vector3& v : c.kind.coefficients) write(out, v);
+                               [](const CurveOf<Polynomial>& c) { return rows_to_python(c.kind.coefficients); })
+        .def("__repr__",
+             [](const CurveOf<Polynomial>& c) { return "Polynomial(" + rows_text(c.kind.coefficients) + ")"; });
+
+    py::class_<CurveOf<Parabola>, Curve>(
+        m, "Parabola", "A parabola by the distance along its tangent at the vertex: r(u) = vertex + u x + a u^2 y.")
+        .def(
+            py::init([](double a, const ArrayLike& x, const ArrayLike& y, const ArrayLike& vertex) {
+                return CurveOf<Parabola>({a, vector3(x, "Parabola", "x"), vector3(y, "Parabola", "y"),
+                                          vector3(vertex, "Parabola", "vertex")});
+            }),
+            py::arg("a"), py::arg("x"), py::arg("y"), py::arg("vertex") = origin,
+            R"(a [1/m], not zero. x: direction of the tangent at the vertex; y: side to which the parabola opens, if a is
+positive; made orthonormal. vertex [m]. World axes; u in m.)")
+        .def_property_readonly("a", [](const CurveOf<Parabola>& c) { return c.kind.a; })
+        .def_property_readonly("x", [](const CurveOf<Parabola>& c) { return to_python(c.kind.x); })
+        .def_property_readonly("y", [](const CurveOf<Parabola>& c) { return to_python(c.kind.y); })
+        .def_property_readonly("vertex", [](const CurveOf<Parabola>& c) { return to_python(c.kind.vertex); })
+        .def("__repr__", [](const CurveOf<Parabola>& c) {
+            return "Parabola(a=" + text(c.kind.a) + ", x=" + list_text(c.kind.x) + ", y=" + list_text(c.kind.y) +
+                   ", vertex=" + list_text(c.kind.vertex) + ")";
+        });
+
+    py::class_<CurveOf<Cycloid>, Curve>(
+        m, "Cycloid",
+        R"(A cycloid by the angle of its rolling circle: r(u) = vertex + radius ((u + sin u) x + (1 - cos u) y).
+
+The tautochrone, if y is up. At its cusps, u = pi, 3 pi, ... and their opposites, it has no tangent.)")
+        .def(
+            py::init([](double radius, const ArrayLike& x, const ArrayLike& y, const ArrayLike& vertex) {
+                return CurveOf<Cycloid>({radius, vector3(x, "Cycloid", "x"), vector3(y, "Cycloid", "y"),
+                                         vector3(vertex, "Cycloid", "vertex")});
+            }),
+            py::arg("radius"), py::arg("x"), py::arg("y"), py::arg("vertex") = origin,
+            R"(radius of the rolling circle [m], positive. x: direction of the tangent at the vertex; y: side of the cusps;
+made orthonormal. vertex: where u = 0 [m]. World axes; u in rad.)")
+        .def_property_readonly("radius", [](const CurveOf<Cycloid>& c) { return c.kind.radius; })
+        .def_property_readonly("x", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.x); })
+        .def_property_readonly("y", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.y); })
+        .def_property_readonly("vertex", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.vertex); })
+        .def("__repr__", [](const CurveOf<Cycloid>& c) {
+            return "Cycloid(radius=" + text(c.kind.radius) + ", x=" + list_text(c.kind.x) +
+                   ", y=" + list_text(c.kind.y) + ", vertex=" + list_text(c.kind.vertex) + ")";
+        });
+
+    py::class_<CurveOf<Spline>, Curve>(m, "Spline",
+                                       R"(A cubic spline through points, r(k) = points[k]; C2, not-a-knot at its ends.
+
+Three points give a parabola, two a line. Where slopes gives r' at a point, that is what it is there, and r'' may jump:
+at an end, or where the curvature of a rail changes at once.)")
+        .def(
+            py::init([](const ArrayLike& points, bool closed, const std::map<int, ArrayLike>& slopes) {
+                Spline kind{rows(points, "Spline", "points", "one a row"), closed, {}};
+                for (const auto& [k, slope] : slopes)
+                    kind.slopes.emplace(k, vector3(slope, "Spline", "slope at point " + std::to_string(k)));
+                return CurveOf<Spline>(kind);
+            }),
+            py::arg("points"), py::arg("closed") = false, py::kw_only(), py::arg("slopes") = py::dict(),
+            R"(points: (n, 3), at u = 0 .. n-1 [m]; neighbours differ. closed: from the last point on to the first, which is
+not repeated; the parameter counts on, n a round. slopes: {index of a point: r' there} [m]. World axes.)")
+        .def_property_readonly("points", [](const CurveOf<Spline>& c) { return rows_to_python(c.kind.points); })
+        .def_property_readonly("slopes",
+                               [](const CurveOf<Spline>& c) {
+                                   py::typing::Dict<py::int_, py::array_t<double>> result;
+                                   for (const auto& [k, slope] : c.kind.slopes) result[py::int_(k)] = to_python(slope);
                                    return result;
                                })
-        .def("__repr__", [](const CurveOf<Polynomial>& c) {
-            std::string list;
-            for (const Vector3& v : c.kind.coefficients) list += (list.empty() ? "" : ", ") + list_text(v);
-            return "Polynomial([" + list + "])";
+        .def("__repr__", [](const CurveOf<Spline>& c) {
+            std::string more = c.kind.closed ? ", closed=True" : "", list;
+            for (const auto& [k, slope] : c.kind.slopes)
+                list += (list.empty() ? "" : ", ") + std::to_string(k) + ": " + list_text(slope);
+            if (!list.empty()) more += ", slopes={" + list + "}";
+            return "Spline(" + rows_text(c.kind.points) + more + ")";
         });
 }
 

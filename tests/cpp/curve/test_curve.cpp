@@ -15,8 +15,9 @@
 
 namespace {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::CurvePoint, rbdyn::Expression, rbdyn::Frenet, rbdyn::Helix, rbdyn::Line;
-using rbdyn::Matrix3, rbdyn::Placement, rbdyn::Polynomial, rbdyn::Vector3;
+using rbdyn::Circle, rbdyn::Curve, rbdyn::CurvePoint, rbdyn::Cycloid, rbdyn::Expression, rbdyn::Frenet, rbdyn::Helix;
+using rbdyn::Line, rbdyn::Matrix3, rbdyn::Parabola, rbdyn::Placement, rbdyn::Polynomial, rbdyn::Spline, rbdyn::Vector3;
+using rbdyn::Vector3Of;
 using LongVector = Eigen::Matrix<long double, 3, 1>;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -30,6 +31,19 @@ std::vector<Curve> some_curves() {
         Polynomial{.coefficients = {{1, 1, 1}, {0.6, 0.48, 0.64}, {-0.4, 0.18, 0.24}, {0.2, 0.66, 0.88}}},
         Polynomial{.coefficients = {{0, 0, 1}, {1, 0, 0}, {0.5, 0, 0.5}}},
         Polynomial{.coefficients = {{0, 0, 0}, {1, 1, 2}, {0, 0, 0}, {1, 1, 2}}},
+        Parabola{.a = -0.6, .x = {1, 1, 0}, .y = {0, 1, 2}, .vertex = {1, 0, 2}},
+        Cycloid{.radius = 0.4, .x = {1, 0, 0}, .y = {0, 1, 1}, .vertex = {0, 1, 0}},
+        Spline{.points = {{0, 0, 0}, {1, 0.5, 0}, {1.5, 1.5, 0.2}, {1, 2, 1}, {0, 2, 1.5}, {-1, 1, 1}}},
+        Spline{.points = {{1, 0, 0}, {1, 1, 1}, {1, 1, 3}, {1, 0, 2}}},
+        Curve([](const auto& u) {
+            return Vector3Of<Expression>{u, sin(u), 0.2 * u * u};
+        }),
+        Curve([](const auto& u) {
+            return Vector3Of<Expression>{u * cos(u), 0.5, 1.0 / (2.0 + sin(u))};
+        }),
+        Curve([](const auto& u) {
+            return Vector3Of<Expression>{u + 0.3 * sin(u), 2.0 * u + 0.6 * sin(u), 1.0};
+        }),
     };
 }
 

@@ -9,7 +9,8 @@
 
 namespace {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::Helix, rbdyn::InvalidInput, rbdyn::Line, rbdyn::Polynomial;
+using rbdyn::Circle, rbdyn::Curve, rbdyn::Cycloid, rbdyn::Domain, rbdyn::Expression, rbdyn::FunctionCurve, rbdyn::Helix;
+using rbdyn::InvalidInput, rbdyn::Line, rbdyn::Parabola, rbdyn::Polynomial, rbdyn::Spline;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -69,6 +70,84 @@ TEST(CurveInput, a_polynomial_that_stays_at_one_point_is_refused) {
     expect_no_curve(Polynomial{.coefficients = {{1, 2, 3}, {0, infinity, 0}}}, {"coefficient 1[1] is inf"});
     expect_no_curve(Polynomial{.coefficients = {{0, 0, 0}, {1, 0, 0}}, .domain = {2.5, 2.5}}, {"is 2.5;", "less"});
     expect_no_curve(Polynomial{.coefficients = {{0, 0, 0}, {1, 0, 0}}, .domain = {std::nan(""), 1.0}}, {"is nan;"});
+}
+
+TEST(CurveInput, a_parabola_that_is_a_line_is_refused_with_advice) {
+    expect_no_curve(Parabola{.a = 0.0, .x = {1, 0, 0}, .y = {0, 1, 0}}, {"parabola", "a is 0;", "Line"});
+    expect_no_curve(Parabola{.a = infinity, .x = {1, 0, 0}, .y = {0, 1, 0}}, {"a is inf;"});
+    expect_no_curve(Parabola{.a = 1.0, .x = {1, 0, 0}, .y = {3, 0, 0}}, {"from x to y is 0;", "parallel to x"});
+    expect_no_curve(Parabola{.a = 1.0, .y = {3, 0, 0}}, {"length of x is 0;"});
+    expect_no_curve(Parabola{.a = 1.0, .x = {1, 0, 0}, .y = {0, 1, 0}, .vertex = {0, infinity, 0}},
+                    {"vertex[1] is inf"});
+}
+
+TEST(CurveInput, a_cycloid_of_no_size_or_no_plane_is_refused) {
+    expect_no_curve(Cycloid{.radius = -0.5, .x = {1, 0, 0}, .y = {0, 1, 0}}, {"cycloid", "radius is -0.5;"});
+    expect_no_curve(Cycloid{.radius = 1.0, .x = {1, 0, 0}}, {"length of y is 0;"});
+    expect_no_curve(Cycloid{.radius = 1.0, .x = {1, 0, 0}, .y = {1, 0, 0}}, {"parallel"});
+    expect_no_curve(Cycloid{.radius = 1.0, .x = {1, 0, 0}, .y = {0, 1, 0}, .vertex = {std::nan(""), 0, 0}},
+                    {"vertex[0] is nan"});
+}
+
+TEST(CurveInput, a_spline_needs_points_that_differ) {
+    expect_no_curve(Spline{.points = {{1, 2, 3}}}, {"spline", "number of points is 1;", "at least 2"});
+    expect_no_curve(Spline{.points = {{1, 2, 3}, {0, 0, 0}}, .closed = true}, {"is 2;", "at least 3"});
+    expect_no_curve(Spline{.points = {{1, 2, 3}, {0, infinity, 0}}}, {"point 1[1] is inf"});
+    expect_no_curve(Spline{.points = {{1, 2, 3}, {0, 1, 0}, {0, 1, 0}, {1, 1, 1}}},
+                    {"distance from point 1 to point 2 is 0;", "differ"});
+    expect_no_curve(Spline{.points = {{1, 2, 3}, {0, 1, 0}, {0, 1, 1}, {1, 2, 3}}, .closed = true},
+                    {"distance from point 3 to point 0 is 0;", "do not repeat"});
+    const std::vector<rbdyn::Vector3> points{{0, 0, 0}, {1, 0, 0}, {2, 1, 0}};
+    expect_no_curve(Spline{.points = points, .slopes = {{3, {1, 0, 0}}}}, {"index of a slope is 3;", "0 to 2"});
+    expect_no_curve(Spline{.points = points, .slopes = {{-1, {1, 0, 0}}}}, {"index of a slope is -1;"});
+    expect_no_curve(Spline{.points = points, .slopes = {{1, {0, 0, 0}}}}, {"slope at point 1 is 0;"});
+    expect_no_curve(Spline{.points = points, .slopes = {{1, {0, infinity, 0}}}}, {"slope at point 1[1] is inf"});
+}
+
+TEST(CurveInput, a_function_that_makes_no_curve_is_refused) {
+    using Point = rbdyn::Vector3Of<Expression>;
+    const auto refuse = [](auto f, Domain domain, bool closed, std::initializer_list<std::string> words) {
+        const FunctionCurve kind{FunctionCurve::recorded(f), domain, closed, "f"};
+        expect_refused([&] { Curve{kind}; }, words);
+        expect_refused([&] { Curve(f, domain, closed); }, {"curve of a function: "});
+    };
+    const auto sine = [](const auto& u) { return Point{u, sin(u), 0.0}; };
+    refuse(sine, {1.0, 1.0}, false, {"curve of f", "begin of the domain is 1;"});
+    refuse(sine, {std::nan(""), 1.0}, false, {"is nan;"});
+    refuse(sine, {}, true, {"an end of the domain is -inf;", "one round"});
+    refuse(sine, {0.0, 6.0}, true, {"distance between the ends is 6.0", "ends where it began"});
+    refuse(
+        [](const auto& u) {
+            return Point{sin(u), sin(2.0 * u), 0.0};
+        },
+        {0.0, 3.141592653589793}, true, {"difference of r' at the ends is 2;", "ends as it began"});
+    refuse([](const auto&) { return Point{1.0, 2.0, 3.0}; }, {}, false, {"that depend on the parameter is 0;"});
+    refuse(
+        [](const auto& u) {
+            return Point{pow(sin(u) + 2.0, 0.3) * pow(sin(u) + 2.0, -0.3), 0.0 * u, 3.0};
+        },
+        {}, false, {"the largest |r'| is 0;", "single point"});
+    refuse(
+        [](const auto& u) {
+            return Point{log(u), u, 0.0};
+        },
+        {-1.0, 1.0}, false, {"component 0 at parameter -1 is", "finite", "domain"});
+    refuse(
+        [](const auto& u) {
+            return Point{u, 1.0 / (u - 0.5), 0.0};
+        },
+        {0.0, 1.0}, false, {"component 1 at parameter 0.5 is"});
+    refuse(
+        [](const auto& u) {
+            return Point{u, sqrt(u), 0.0};
+        },
+        {0.0, 1.0}, false, {"r' of component 1 at parameter 0"});
+
+    const auto two = rbdyn::Function::record(1, [](const std::vector<Expression>& u) { return u; });
+    expect_no_curve(FunctionCurve{two, {}, false, {}}, {"number of components is 1;"});
+    const auto both = rbdyn::Function::record(2, [](const std::vector<Expression>& u) { return u; });
+    expect_no_curve(FunctionCurve{both, {}, false, {}}, {"number of arguments is 2;"});
+    expect_no_curve(FunctionCurve{}, {"number of arguments is 0;"});
 }
 
 TEST(CurveInput, a_cusp_has_no_tangent) {

@@ -12,7 +12,8 @@
 
 namespace {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::Frenet, rbdyn::Helix, rbdyn::Line, rbdyn::Polynomial, rbdyn::Vector3;
+using rbdyn::Circle, rbdyn::Curve, rbdyn::Cycloid, rbdyn::Expression, rbdyn::Frenet, rbdyn::Helix, rbdyn::Line;
+using rbdyn::Parabola, rbdyn::Polynomial, rbdyn::Vector3, rbdyn::Vector3Of;
 
 // parameters and arc lengths are read as doubles, so that each value differs by a few units in the last place times
 // the slope of what is compared; slopes are below 10 in these files
@@ -50,7 +51,9 @@ void expect_bent_curve(const Curve& curve, const std::string& name) {
         expect_near(frame.tangent, vector(now["tangent"]), 1.0, "tangent");
         expect_near(frame.normal, vector(now["normal"]), 1.0, "normal");
         expect_near(frame.binormal, vector(now["binormal"]), 1.0, "binormal");
-        const double curvature = number(now["curvature"]), torsion = number(now["torsion"]);
+        const double curvature = number(now["curvature"]);
+        // plane curves have no entry for it beyond the first
+        const double torsion = now.contains("torsion") ? number(now["torsion"]) : 0.0;
         EXPECT_NEAR(curve.curvature(u), curvature, tolerance * std::max(1.0, curvature));
         EXPECT_NEAR(curve.torsion(u), torsion, tolerance * std::max(1.0, std::abs(torsion)));
     }
@@ -67,6 +70,22 @@ TEST(CurveReference, a_helix_has_the_reference_frame_curvature_torsion_and_arc_l
 
 TEST(CurveReference, a_twisted_cubic_has_the_reference_frame_curvature_torsion_and_arc_length) {
     expect_bent_curve(Polynomial{.coefficients = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, "f_twisted_cubic");
+}
+
+TEST(CurveReference, a_helix_pushed_round_has_the_reference_frame_also_when_it_is_given_as_a_function) {
+    const double pitch = 2.0 * std::numbers::pi * 0.25;
+    expect_bent_curve(Helix{.radius = 0.5, .pitch = pitch, .start = {1, 0, 0}, .toward = {0, 1, 0}}, "f_helix_swirl");
+    const Curve helix([](const auto& u) { return Vector3Of<Expression>{0.5 * cos(u), 0.5 * sin(u), 0.25 * u}; });
+    expect_bent_curve(helix, "f_helix_swirl");
+}
+
+TEST(CurveReference, a_parabola_has_the_reference_frame_curvature_and_arc_length) {
+    expect_bent_curve(Parabola{.a = 0.75, .x = {1, 0, 0}, .y = {0, 0, 1}}, "f_parabola");
+    expect_bent_curve(Curve([](const auto& u) { return Vector3Of<Expression>{u, 0.0, 0.75 * u * u}; }), "f_parabola");
+}
+
+TEST(CurveReference, a_cycloid_has_the_reference_frame_curvature_and_arc_length) {
+    expect_bent_curve(Cycloid{.radius = 0.5, .x = {1, 0, 0}, .y = {0, 0, 1}}, "f_cycloid");
 }
 
 TEST(CurveReference, a_line_and_a_polynomial_of_degree_one_are_the_reference_line) {

@@ -4,15 +4,13 @@
 //
 // The range is halved until the Gauss-Kronrod pair of each piece agrees; since |r'| is never negative nothing cancels,
 // and relative errors of pieces are relative errors of the sum. A cusp, where |r'| has a corner, is closed in on by
-// halving until its piece no longer counts. The pair is Boost's, the halving is not: that of Boost 1.74 leaves the
-// factor of the change of variable out of its error, and does not see a corner beyond the outermost node.
+// halving until its piece no longer counts.
 //
 // Accuracy: relative error about 1e-15 where |r'| itself is accurate; an error is thrown if 1e-12 is out of reach.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -24,6 +22,32 @@
 
 namespace rbdyn::curves {
 
+/// A node of the rules and its weights in both; Gauss's rule has every other node.
+struct RuleNode {
+    double at, kronrod, gauss;
+};
+
+/// The half x >= 0 of the rules of 31 and 15 points (QUADPACK's qk31: Piessens, de Doncker-Kapenga, Ueberhuber and
+/// Kahaner, 1983).
+inline constexpr std::array<RuleNode, 16> rule_nodes{{
+    {0, 0.10133000701479154, 0.20257824192556129},
+    {0.10114206691871749, 0.10076984552387559, 0},
+    {0.20119409399743451, 0.099173598721791961, 0.19843148532711158},
+    {0.29918000715316884, 0.096642726983623681, 0},
+    {0.39415134707756339, 0.093126598170825317, 0.18616100001556221},
+    {0.4850818636402397, 0.088564443056211764, 0},
+    {0.57097217260853883, 0.083080502823133021, 0.16626920581699392},
+    {0.65099674129741703, 0.076849680757720376, 0},
+    {0.72441773136017007, 0.069854121318728257, 0.13957067792615432},
+    {0.79041850144246595, 0.062009567800670642, 0},
+    {0.84820658341042721, 0.053481524690928088, 0.10715922046717194},
+    {0.89726453234408188, 0.044589751324764879, 0},
+    {0.93727339240070595, 0.035346360791375847, 0.070366047488108124},
+    {0.96773907567913908, 0.02546084732671532, 0},
+    {0.98799251802048538, 0.015007947329316122, 0.030753241996117269},
+    {0.99800229869339707, 0.0053774798729233492, 0},
+}};
+
 /// Gauss and Kronrod rules of 15 and 31 points on [-1, 1], nodes in increasing order.
 struct RulePair {
     static constexpr int points = 31;
@@ -31,14 +55,12 @@ struct RulePair {
     std::array<double, points> at_end;                // values at x = 1 of Lagrange's polynomials of the nodes
 
     RulePair() {
-        using Kronrod = boost::math::quadrature::gauss_kronrod<double, points>;
-        using Gauss = boost::math::quadrature::gauss<double, (points - 1) / 2>;
         constexpr std::size_t middle = points / 2;
         for (std::size_t i = 0; i <= middle; ++i)
             for (const std::size_t k : {middle - i, middle + i}) {
-                node[k] = k < middle ? -Kronrod::abscissa()[i] : Kronrod::abscissa()[i];
-                kronrod[k] = Kronrod::weights()[i];
-                gauss[k] = i % 2 == 0 ? Gauss::weights()[i / 2] : 0.0;
+                node[k] = k < middle ? -rule_nodes[i].at : rule_nodes[i].at;
+                kronrod[k] = rule_nodes[i].kronrod;
+                gauss[k] = rule_nodes[i].gauss;
             }
         for (std::size_t k = 0; k < points; ++k) {
             long double product = 1.0L;

@@ -7,6 +7,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
+#include "rbdyn/curve/point.hpp"
 
 namespace rbdyn::curves {
 
@@ -29,14 +30,20 @@ inline void require_direction(const std::string& curve, const std::string& what,
 }
 
 /// Two directions that span a plane.
-inline void require_plane(const std::string& curve, const Vector3& start, const Vector3& toward) {
-    require_direction(curve, "start", start);
-    require_direction(curve, "toward", toward);
+inline void require_plane(const std::string& curve, const Vector3& start, const Vector3& toward,
+                          const std::string& first = "start", const std::string& second = "toward") {
+    require_direction(curve, first, start);
+    require_direction(curve, second, toward);
     // below, the given numbers would fix the plane to fewer than half of their digits
     constexpr double least = 1e-8;
-    require(sine_between(start, toward) > least, curve, "sine of the angle from start to toward",
+    require(sine_between(start, toward) > least, curve, "sine of the angle from " + first + " to " + second,
             sine_between(start, toward),
-            "it must be above " + text(least) + ": give a toward that is not parallel to start");
+            "it must be above " + text(least) + ": give a " + second + " that is not parallel to " + first);
+}
+
+inline void require_domain(const std::string& curve, const Domain& domain) {
+    require(domain.begin < domain.end, curve, "begin of the domain", domain.begin,
+            "it must be less than the end " + text(domain.end));
 }
 
 /// A vector as text: (1, 0, -0.5).

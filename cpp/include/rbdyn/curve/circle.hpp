@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -30,9 +29,7 @@ struct Circle {
     }
 
     Placement placement() const { return {center, curves::axes_of_plane(start, toward)}; }
-    Domain domain() const {
-        return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    }
+    Domain domain() const { return {}; }
     bool closed() const { return true; }
     double period() const { return 6.283185307179586; }
     std::string name() const { return "circle of radius " + text(radius); }
@@ -51,6 +48,7 @@ struct Circle {
     /// Signed arc length from u0 to u1, [m].
     double length(double u0, double u1) const { return radius * (u1 - u0); }
     bool regular_at(double) const { return true; }
+    bool straight() const { return false; }
     /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
     std::optional<Vector3> straight_binormal(double) const { return std::nullopt; }
 

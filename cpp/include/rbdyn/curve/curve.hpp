@@ -7,9 +7,9 @@
 // Conventions: world axes unless the name says own; u outside the domain continues the same formula.
 // Degenerate cases: a curve that is straight all along has kappa = tau = 0 and one frame throughout, that of least
 // rotation from anywhere: normal nearest to world z, or to world x if vertical. Where kappa is zero at one u alone (an
-// inflection) the frame is its limit from the side of smaller u, and kappa = tau = 0. Where r' = 0 (a cusp) there is no
-// tangent, and asking for one is an error.
-// Invariant: the frame is orthonormal and right-handed, never NaN.
+// inflection) the frame is its limit from the side of smaller u, and kappa = tau = 0. On a straight stretch of a spline
+// it is that of the last bend before, or that of a line if there is none. Where r' = 0 (a cusp) there is no tangent,
+// and asking for one is an error. Invariant: the frame is orthonormal and right-handed, never NaN.
 //
 // To add a kind of curve: a header beside this one, and its name in CurveKinds below.
 #pragma once
@@ -26,10 +26,14 @@
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/circle.hpp"
+#include "rbdyn/curve/cycloid.hpp"
+#include "rbdyn/curve/function_curve.hpp"
 #include "rbdyn/curve/helix.hpp"
 #include "rbdyn/curve/line.hpp"
+#include "rbdyn/curve/parabola.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/curve/polynomial.hpp"
+#include "rbdyn/curve/spline.hpp"
 
 namespace rbdyn {
 
@@ -56,7 +60,7 @@ struct KindList {
 }  // namespace curves
 
 /// All kinds of curve.
-using CurveKinds = curves::KindList<Line, Circle, Helix, Polynomial>;
+using CurveKinds = curves::KindList<Line, Circle, Parabola, Cycloid, Helix, Polynomial, Spline, FunctionCurve>;
 
 /// A curve of any kind. Made from one of them: Curve rail = Circle{.radius = 1.0, .start = ..., .toward = ...};
 class Curve {
@@ -66,6 +70,12 @@ public:
     requires(CurveKinds::has<Kind>) Curve(const Kind& kind) : form_(curves::prepared(kind)) {
         placement_ = std::visit([](const auto& form) { return form.placement(); }, form_);
     }
+
+    /// From any function of the parameter, recorded: [](const auto& u) { return Vector3Of<...>{u, sin(u), 0.0}; }
+    /// Throws InvalidInput if it makes no curve (function_curve.hpp).
+    template <class F>
+    requires(std::invocable<F, const Expression&>) explicit Curve(F&& function, Domain domain = {}, bool closed = false)
+        : Curve(FunctionCurve{FunctionCurve::recorded(std::forward<F>(function)), domain, closed, {}}) {}
 
     Domain domain() const {
         return std::visit([](const auto& form) { return form.domain(); }, form_);
@@ -84,6 +94,10 @@ public:
                     return 0.0;
             },
             form_);
+    }
+    /// Whether it is straight all along, and so exactly in its own axes.
+    bool straight() const {
+        return std::visit([](const auto& form) { return form.straight(); }, form_);
     }
     /// What it is, in words: "circle of radius 0.5".
     std::string name() const {

@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -35,9 +34,7 @@ struct Helix {
     }
 
     Placement placement() const { return {center, curves::axes_of_plane(start, toward)}; }
-    Domain domain() const {
-        return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    }
+    Domain domain() const { return {}; }
     bool closed() const { return false; }
     std::string name() const { return "helix of radius " + text(radius) + " and pitch " + text(pitch); }
 
@@ -60,6 +57,7 @@ struct Helix {
     /// Signed arc length from u0 to u1, [m].
     double length(double u0, double u1) const { return std::hypot(radius, rise()) * (u1 - u0); }
     bool regular_at(double) const { return true; }
+    bool straight() const { return false; }
     /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
     std::optional<Vector3> straight_binormal(double) const { return std::nullopt; }
 

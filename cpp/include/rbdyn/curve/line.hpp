@@ -5,7 +5,6 @@
 // horizontal. In own axes r = (u, 0, 0). Invariant: |r'| = 1, r'' = 0.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -26,9 +25,7 @@ struct Line {
     }
 
     Placement placement() const { return {point, curves::axes_of_line(direction)}; }
-    Domain domain() const {
-        return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    }
+    Domain domain() const { return {}; }
     bool closed() const { return false; }
     std::string name() const { return "line along " + curves::vector_text(direction); }
 
@@ -44,6 +41,7 @@ struct Line {
     /// Signed arc length from u0 to u1, [m].
     double length(double u0, double u1) const { return u1 - u0; }
     bool regular_at(double) const { return true; }
+    bool straight() const { return true; }
     /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
     std::optional<Vector3> straight_binormal(double) const { return Vector3::UnitZ(); }
 

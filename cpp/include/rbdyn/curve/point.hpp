@@ -7,6 +7,8 @@
 // Invariant: the three scalar and vector products agree with the derivatives to rounding error.
 #pragma once
 
+#include <limits>
+
 #include "rbdyn/basics/vector.hpp"
 
 namespace rbdyn {
@@ -20,6 +22,12 @@ struct CurvePoint {
     Vector3Of<S> first_cross_second;       // r' x r''
 };
 
+/// The point with these derivatives.
+template <class S>
+CurvePoint<S> curve_point(const Vector3Of<S>& position, const Vector3Of<S>& first, const Vector3Of<S>& second) {
+    return {position, first, second, dot<S>(first, first), dot<S>(first, second), cross<S>(first, second)};
+}
+
 /// Position and orientation of a curve's own axes: r_world = origin + axes * r_own.
 struct Placement {
     Vector3 origin = Vector3::Zero();    // world, [m]
@@ -28,9 +36,10 @@ struct Placement {
     bool operator==(const Placement&) const = default;
 };
 
-/// The parameters a curve is defined for; the ends may be infinite.
+/// The parameters a curve is defined for; the ends may be infinite, and are unless they are given.
 struct Domain {
-    double begin, end;
+    double begin = -std::numeric_limits<double>::infinity();
+    double end = std::numeric_limits<double>::infinity();
 
     bool operator==(const Domain&) const = default;
 };

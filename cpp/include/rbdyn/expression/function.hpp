@@ -83,7 +83,7 @@ public:
     template <class S>
     std::vector<S> operator()(std::span<const S> x) const {
         std::vector<S> y(static_cast<std::size_t>(recorder_->size()));
-        if (!distinguishes_) {
+        if (!distinguishes_ || into_function(x)) {
             for (std::int32_t n = 0; n < recorder_->size(); ++n) y[at(n)] = applied<S>(n, x, y);
         } else {
             // what is needed, in the order in which it is needed: the other side of a case is not looked at
@@ -97,9 +97,7 @@ public:
 
     /// The derivatives of all results with respect to one input, as another recorded function.
     Function derivative(int input) const {
-        Function result = record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
-        if (values_) result = result.frozen();
-        return result;
+        return record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
     }
 
     // --- as data ---
@@ -145,6 +143,15 @@ private:
         return values_ ? (*values_)[at(index)] : recorder_->cells()[at(index)].value();
     }
     const std::string& name(std::int32_t index) const { return recorder_->names()[at(index)]; }
+
+    /// Whether the results become part of another function, which keeps both sides of a case.
+    template <class S>
+    static bool into_function(std::span<const S> x) {
+        if constexpr (std::is_same_v<S, Expression>)
+            for (const Expression& input : x)
+                if (!input.is_constant()) return input.recorder()->purpose() == Recorder::Purpose::function;
+        return false;
+    }
 
     template <class S>
     void need(std::int32_t wanted, std::span<const S> x, std::vector<S>& y, std::vector<char>& known) const {
@@ -222,12 +229,20 @@ private:
             case Operation::angle: return angle_of(a(), b());
             case Operation::sign: return locked_sign(a(), name(node.d));
             case Operation::whole: return whole_of(a());
+            case Operation::select:
+                if constexpr (std::is_same_v<S, Expression>)
+                    return rbdyn::select(
+                        a(), b, [&] { return y[at(node.c)]; }, name(node.d));
+                [[fallthrough]];
             default: throw Error("a recorded function takes time, and what is called back, as its inputs");
         }
     }
 
-    static double angle_of(double y, double x) { return std::atan2(y, x); }
-    static long double angle_of(long double y, long double x) { return std::atan2(y, x); }
+    template <class S>
+    static S angle_of(const S& y, const S& x) {
+        using std::atan2;
+        return atan2(y, x);
+    }
     static Expression angle_of(const Expression& y, const Expression& x) {
         if (x.is_constant() && y.is_constant()) return std::atan2(y.value(), x.value());
         Recorder* r = recording::common(x, y);
@@ -257,10 +272,11 @@ inline std::vector<Expression> Function::differentiated(const std::vector<Expres
         dv = 0.0;
         // the same operation in the new recording; cases and cells are kept as such
         switch (node.operation) {
-            case Operation::cell: v = r->cell(recorder_->cells()[at(node.a)]); break;
+            case Operation::cell:
+                v = values_ ? Expression(cell(node.a)) : r->cell(recorder_->cells()[at(node.a)]);
+                break;
             case Operation::select:
-                v = select(
-                    a(), [&] { return b(); }, [&] { return y[at(node.c)]; }, name(node.d));
+                v = applied<Expression>(n, x, y);
                 dv = select(
                     a(), [&] { return db(); }, [&] { return d[at(node.c)]; }, name(node.d));
                 break;

@@ -49,9 +49,7 @@ inline Placement view_of(const Scene& scene) {
     if (scene.bodies().size() != 1 || scene.bodies()[0].rail() == nullptr) return {};
     const Curve& curve = scene.bodies()[0].rail()->curve();
     Placement view = curve.placement();
-    bool straight = true;
-    for (double u : {0.0, 0.375, 1.0}) straight = straight && curve.own<double>(u).first_cross_second.isZero(0.0);
-    if (!straight) return view;
+    if (!curve.straight()) return view;
     // a line: the y axis along what pulls across it
     Vector3 across = Vector3::Zero();
     const Vector3 x = view.axes.col(0);

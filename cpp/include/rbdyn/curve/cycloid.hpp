@@ -1,0 +1,81 @@
+// A cycloid by the angle of its rolling circle: r(u) = vertex + R (u + sin u) x + R (1 - cos u) y.
+//
+// The circle of radius R rolls on the line y = 2 R, from below if y is up: the curve is the tautochrone. x and y are
+// directions made orthonormal: y loses its part along x. Own axes: x, y, x cross y.
+// All is written in half the angle, c = cos(u/2) and s = sin(u/2), in which nothing cancels near the cusps:
+//   r' = 2 R c (c, s),  |r'| = 2 R |c|,  r'.r'' = -2 R^2 c s,  r' x r'' = 2 R^2 c^2 along the third axis
+// Cusps: u = pi, 3 pi, ... and their opposites, where r' = 0 and there is no tangent.
+// Invariant: curvature 1/(4 R |c|).
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "rbdyn/curve/axes.hpp"
+#include "rbdyn/curve/checks.hpp"
+#include "rbdyn/curve/point.hpp"
+
+namespace rbdyn {
+
+struct Cycloid {
+    double radius = 0.0;               // of the rolling circle, [m], positive
+    Vector3 x = Vector3::Zero();       // direction of the tangent at the vertex
+    Vector3 y = Vector3::Zero();       // side of the cusps
+    Vector3 vertex = Vector3::Zero();  // where u = 0, world, [m]
+
+    /// Throws InvalidInput unless the radius is positive, x and y span a plane, and all is finite.
+    void validate() const {
+        curves::require_positive("cycloid", "radius", radius, "m");
+        curves::require_plane("cycloid", x, y, "x", "y");
+        curves::require_finite("cycloid", "vertex", vertex);
+    }
+
+    Placement placement() const { return {vertex, curves::axes_of_plane(x, y)}; }
+    Domain domain() const { return {}; }
+    bool closed() const { return false; }
+    std::string name() const { return "cycloid of radius " + text(radius); }
+
+    /// The curve in its own axes.
+    template <class S>
+    CurvePoint<S> own(const S& u) const {
+        using std::cos, std::sin;
+        const S zero(0), R(radius), twice(2.0 * radius), half = S(0.5) * u;
+        const S c = cos(half), s = sin(half), cc = c * c, sc = s * c;
+        const S along = twice * cc, up = twice * sc;
+        return {{R * u + up, twice * (s * s), zero}, {along, up, zero},
+                {-up, R - twice * (s * s), zero},    S(4.0 * radius * radius) * cc,
+                S(-2.0 * radius * radius) * sc,      {zero, zero, S(2.0 * radius * radius) * cc}};
+    }
+    /// r''' in own axes.
+    Vector3 third(double u) const { return {-radius * std::cos(u), -radius * std::sin(u), 0.0}; }
+
+    /// Signed arc length from u0 to u1, [m]: 8 R an arch, 4 R sin(u/2) from the vertex on the arch of u = 0.
+    double length(double u0, double u1) const {
+        if (u1 < u0) return -length(u1, u0);
+        constexpr long double turn = 2.0L * std::numbers::pi_v<long double>;
+        const auto arch = [&](double u) { return std::floor(static_cast<long double>(u) / turn + 0.5L); };
+        const long double first = arch(u0), last = arch(u1), R = radius;
+        const long double half0 = 0.5L * u0, half1 = 0.5L * u1;
+        if (first == last)
+            return static_cast<double>(8.0L * R * std::abs(std::cos(0.5L * (half0 + half1))) *
+                                       std::sin(0.5L * (half1 - half0)));
+        // 1 - sin is twice the square of a sine: from u0 to the cusp after it, from the cusp before u1
+        const long double to_cusp = std::sin(0.25L * ((first + 0.5L) * turn - u0));
+        const long double from_cusp = std::sin(0.25L * (u1 - (last - 0.5L) * turn));
+        return static_cast<double>(8.0L * R * (to_cusp * to_cusp + from_cusp * from_cusp + (last - first - 1.0L)));
+    }
+    /// Whether r' is not zero: at a cusp, cos(u/2) is what rounding of u makes of it.
+    bool regular_at(double u) const {
+        return std::abs(std::cos(0.5 * u)) > 0.5 * std::numeric_limits<double>::epsilon() * std::abs(u);
+    }
+    bool straight() const { return false; }
+    /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
+    std::optional<Vector3> straight_binormal(double) const { return std::nullopt; }
+
+    bool operator==(const Cycloid&) const = default;
+};
+
+}  // namespace rbdyn
