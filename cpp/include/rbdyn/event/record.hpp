@@ -97,7 +97,9 @@ private:
 /// The index of the entry that holds time t; none if the record has no pieces. Throws InvalidInput for a time it does
 /// not hold.
 inline std::optional<std::size_t> entry_at(const Record& record, double t, Side side) {
-    if (!(t >= record.start && t <= record.end.hi))
+    // a time computed from the end may be its neighbour
+    const double near = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(record.end.hi);
+    if (!(t >= record.start - near && t <= record.end.hi + near))
         throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) + " to " +
                            text(record.end.hi) + " s");
     if (record.modes.empty()) throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
@@ -105,7 +107,8 @@ inline std::optional<std::size_t> entry_at(const Record& record, double t, Side 
     const std::size_t index = record.find(t, side);
     const Piece piece = record.piece(index);
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
-    if (const double gap = t - piece.start; gap < -rounding || gap > piece.duration() + rounding)
+    if (const double gap = t - piece.start;
+        gap < -std::max(rounding, near) || gap > piece.duration() + std::max(rounding, near))
         throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
     return index;
 }

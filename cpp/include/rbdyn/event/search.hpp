@@ -65,12 +65,12 @@ public:
             const Guard& guard = guards[f.guard];
             if (guard.is_watched()) {
                 // what comes after the end of the mode is found again in the next one, by its side
-                if (f.place > (interrupts(guard, f) ? together : first)) continue;
+                if (f.place > together) continue;
                 side_of(guard) = f.rising ? 1 : -1;
                 if (!matches(guard, f)) continue;
                 if (guard.role == GuardRole::record) {
-                    const Instant at = piece.at(f.place * piece.length);
-                    record.events.push_back({at.hi, guard.kind, guard.subject, guard.name, f.direction(), 0.0, at});
+                    const Instant at = piece.at(std::min(f.place, first) * piece.length);
+                    note_watched(record, {at.hi, guard.kind, guard.subject, guard.name, f.direction(), 0.0, at});
                     continue;
                 }
             } else if (f.place > together) {
@@ -106,7 +106,7 @@ public:
             if (side == 0 || side == before) continue;
             const Found f{0.0, 0, side > 0};
             if (before != 0 && matches(guard, f))
-                record.events.push_back({t.hi, guard.kind, guard.subject, guard.name, f.direction(), 0.0, t});
+                note_watched(record, {t.hi, guard.kind, guard.subject, guard.name, f.direction(), 0.0, t});
             before = side;
         }
     }
@@ -120,6 +120,19 @@ private:
         bool rising;
         Direction direction() const { return rising ? Direction::rising : Direction::falling; }
     };
+
+    /// Watched functions come before the other events of an instant, also where they are found after them.
+    static void note_watched(Record& record, Event event) {
+        auto place = record.events.end();
+        while (place != record.events.begin()) {
+            const Event& before = *std::prev(place);
+            if (before.kind == EventKind::watch ||
+                event.instant - before.instant > 8.0 * epsilon * std::abs(event.time))
+                break;
+            --place;
+        }
+        record.events.insert(place, std::move(event));
+    }
 
     static bool matches(const Guard& guard, const Found& f) {
         return guard.direction == Direction::either || guard.direction == f.direction();

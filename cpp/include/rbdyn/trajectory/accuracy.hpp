@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include "rbdyn/event/record.hpp"
@@ -44,21 +45,22 @@ public:
 
         // times of events
         double uncertain = std::numeric_limits<double>::infinity();
+        const std::vector<Event> ours = in_order(run), theirs = in_order(better);
         std::size_t i = 0, j = 0;
-        for (; i < run.events.size() && j < better.events.size(); ++i, ++j) {
+        for (; i < ours.size() && j < theirs.size(); ++i, ++j) {
             // a graze that one of them sees as a hold of no length changes nothing
-            while (differ(run, i, better, j) && is_graze(run, i)) i += 2;
-            while (differ(run, i, better, j) && is_graze(better, j)) j += 2;
-            if (differ(run, i, better, j)) break;
-            const Event &a = run.events[i], &b = better.events[j];
+            while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) i += 2;
+            while (differ(ours, i, theirs, j) && is_graze(theirs, j, start)) j += 2;
+            if (differ(ours, i, theirs, j)) break;
+            const Event &a = ours[i], &b = theirs[j];
             const double error = std::abs(a.instant - b.instant) /
                                  std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
             differences_.push_back({a.time, error, -1});
         }
-        while (is_graze(run, i)) i += 2;
-        while (is_graze(better, j)) j += 2;
-        const double odd = std::min(i < run.events.size() ? run.events[i].time : uncertain,
-                                    j < better.events.size() ? better.events[j].time : uncertain);
+        while (is_graze(ours, i, start)) i += 2;
+        while (is_graze(theirs, j, start)) j += 2;
+        const double odd =
+            std::min(i < ours.size() ? ours[i].time : uncertain, j < theirs.size() ? theirs[j].time : uncertain);
         // one event more or less within the error of the end is no difference
         if (odd < run.end.hi - wanted_ * span) {
             result.same_events = false;
@@ -160,18 +162,33 @@ private:
             differences_.push_back({time, weight * (seen_[k].value - fine_[k].value).norm(), static_cast<int>(k)});
     }
 
-    static bool differ(const Record& a, std::size_t i, const Record& b, std::size_t j) {
-        if (i >= a.events.size() || j >= b.events.size()) return true;
-        return a.events[i].kind != b.events[j].kind || a.events[i].subject != b.events[j].subject;
+    /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
+    /// are.
+    std::vector<Event> in_order(const Record& r) const {
+        std::vector<Event> events = r.events;
+        for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
+            for (last = first + 1; last < events.size(); ++last)
+                if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - r.start)) break;
+            std::stable_sort(events.begin() + static_cast<std::ptrdiff_t>(first),
+                             events.begin() + static_cast<std::ptrdiff_t>(last), [](const Event& a, const Event& b) {
+                                 return std::tie(a.kind, a.subject, a.name) < std::tie(b.kind, b.subject, b.name);
+                             });
+        }
+        return events;
+    }
+
+    static bool differ(const std::vector<Event>& a, std::size_t i, const std::vector<Event>& b, std::size_t j) {
+        if (i >= a.size() || j >= b.size()) return true;
+        return a[i].kind != b[j].kind || a[i].subject != b[j].subject || a[i].name != b[j].name;
     }
 
     /// A hold, from stick to slip, that lasts less than the accuracy can tell from none: slip touches zero with its
     /// rate, as it does for equal coefficients, and a depth of the error is a time of its square root.
-    bool is_graze(const Record& r, std::size_t i) const {
-        if (i + 1 >= r.events.size()) return false;
-        const Event &a = r.events[i], &b = r.events[i + 1];
+    bool is_graze(const std::vector<Event>& events, std::size_t i, double start) const {
+        if (i + 1 >= events.size()) return false;
+        const Event &a = events[i], &b = events[i + 1];
         return a.kind == EventKind::stick && b.kind == EventKind::slip && a.subject == b.subject &&
-               b.time - a.time <= std::sqrt(wanted_) * (a.time - r.start);
+               b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
     }
 
     static bool same_mode(const Mode& a, const Mode& b) {
