@@ -42,6 +42,10 @@ class ExpressionArray(np.ndarray):
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
         return array_function(function, types, args, kwargs)
 
+    def astype(self, dtype: Any, *args: Any, **kwargs: Any) -> Any:
+        """A copy: recorded numbers stand for floats."""
+        return self.copy() if np.dtype(dtype).kind in "fO" else super().astype(dtype, *args, **kwargs)
+
 
 def array(numbers: Sequence[Any], shape: Sequence[int]) -> ExpressionArray:
     """The array of these numbers, as they are."""
@@ -146,7 +150,7 @@ def array_ufunc(ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **o
         elif name in _SCALAR:
             result = _each(_SCALAR[name], *inputs)
         else:
-            raise TypeError(f"np.{name} cannot be recorded")
+            raise TypeError(f"the ufunc {name} cannot be recorded")
         return result if out is None else _into(out, result)
     if method == "reduce" and name in _SCALAR:
         result = _reduced(_SCALAR[name], ufunc.identity, *inputs, **options)
@@ -360,6 +364,10 @@ def _inverse(a: Any) -> Any:
     return array(items, (n, n))
 
 
+def _is_close(a: Any, b: Any, rtol: float = 1e-05, atol: float = 1e-08, equal_nan: bool = False) -> Any:
+    return abs(np.subtract(a, b)) <= atol + rtol * abs(np.positive(b))
+
+
 def _array_like(value: float) -> Callable[..., Any]:
     def filled(x: Any, *args: Any, shape: Any = None, **kwargs: Any) -> Any:
         shape = np.shape(x) if shape is None else shape
@@ -385,6 +393,8 @@ _FUNCTIONS: dict[Any, Callable[..., Any]] = {
     np.linalg.det: lambda a: _determinant(_square(a)),
     np.linalg.inv: _inverse,
     np.linalg.solve: lambda a, b: np.dot(_inverse(a), b),
+    np.isclose: _is_close,
+    np.allclose: lambda a, b, *args, **kwargs: np.all(_is_close(a, b, *args, **kwargs)),
     np.zeros_like: _array_like(0.0),
     np.ones_like: _array_like(1.0),
     np.empty_like: _array_like(0.0),

@@ -179,6 +179,13 @@ MATRIX = np.array([[2.0, -1.0, 0.5], [0.0, 3.0, 1.0], [1.5, 0.0, 4.0]])
         lambda v: [v.dot(v), np.trace(np.outer(v, v)), np.tensordot(v, v, 1)],
         lambda v: sorted(v),
         lambda v: v[np.argmax(v)] * v,
+        lambda v: np.where(np.isclose(v, 1.62, rtol=0.1), v, -v) + np.allclose(v, v[0]) * 1.0,
+        lambda v: v.astype(float) + np.polyval([1, 2, 3], v) + np.polynomial.Polynomial([1, 2, 3])(v),
+        lambda v: [np.poly1d([1, 2])(v[0]), np.var(v), np.std(v)],
+        lambda v: np.max([v[0], 2 * v[1]]) + np.linalg.norm([v[0], v[1]]) + np.sum([v[0], v[2]]) * v,
+        lambda v: np.column_stack([v, v])[:, 1] + np.tile(v, 2)[3:] + np.repeat(v, 2)[::2] + np.atleast_1d(v),
+        lambda v: np.nan_to_num(v) + np.real(v) + np.zeros_like(v, dtype=float) + np.kron(v, [1.0]),
+        lambda v: np.apply_along_axis(lambda u: u * 2, 0, v) if isinstance(v[0], float) else 2 * v,
         lambda v: np.heaviside(v, 0.0) + np.logical_and(v > 0, v < 2) * 3.0,
     ],
 )

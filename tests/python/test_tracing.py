@@ -202,7 +202,7 @@ def mixes(t):
         (waits_for_ever, "while", "without end"),
         (has_many_cases, "if np.sin", "more than 64 cases together"),
         (divides_by_zero, "1 / 0", "raises ZeroDivisionError"),
-        (asks_numpy, "np.spacing", "np.spacing cannot be recorded"),
+        (asks_numpy, "np.spacing", "the ufunc spacing cannot be recorded"),
         (chooses_elements, "v[v > 0]", "raises IndexError"),
         (mixes, "np.sin", r"np.stack\(\[x, 1.0\]\)"),
     ],
@@ -422,6 +422,18 @@ def test_a_function_travels_to_another_process(tmp_path):
         assert f(3.0, 4.0) == 5.0 and f(-1.0, 2.0) == -3.0
     """
     subprocess.run([sys.executable, "-c", textwrap.dedent(program)], check=True, cwd=tmp_path)
+
+
+def test_a_function_becomes_part_of_another():
+    k = rb.parameter(3.0)
+    polar = rb.Function(lambda x, y: (np.hypot(x, y), np.arctan2(y, x) * k))
+    f = rb.Function(lambda x: sum(polar(x, 2.0)) if x > 1 else polar(0.0, 1.0)[1] * x)
+    for x in (-1.0, 2.0):
+        assert f(x) == (np.hypot(x, 2.0) + 3 * np.arctan2(2.0, x) if x > 1 else 1.5 * np.pi * x)
+    k.value = 0.0
+    assert (f(2.0), f.parameters) == (np.hypot(2.0, 2.0), [k])
+    with pytest.raises(rb.InvalidInput, match="its inputs are numbers"):
+        rb.Function(lambda x: polar(x, "a"))
 
 
 def test_data_that_are_no_function_are_refused():
