@@ -326,7 +326,7 @@ math raise InvalidInput.)");
         });
 
     for (const auto& [name, f] : unary_functions)
-        expression.def(name, [f = f](const Recorded& x) { return recorded_number(f(live(x)), x.recording); });
+        expression.def(name, [f = f](const Recorded& x) { return Recorded{f(live(x)), x.recording}; });
     for (const auto& [name, f] : binary_functions)
         if (std::string(name) == "arctan2" || std::string(name) == "hypot" || std::string(name) == "fmod")
             expression.def(name, operation(f));
@@ -336,12 +336,12 @@ math raise InvalidInput.)");
     for (const auto& [name, same] : operators)
         for (const auto& [known, f] : unary_functions)
             if (std::string(known) == same)
-                expression.def(name, [f = f](const Recorded& x) { return recorded_number(f(live(x)), x.recording); });
+                expression.def(name, [f = f](const Recorded& x) { return Recorded{f(live(x)), x.recording}; });
     expression.def(
         "__round__",
         [](const Recorded& x, int digits) {
             const double unit = std::pow(10.0, digits);
-            return recorded_number(floor(live(x) * unit + 0.5) / unit, x.recording);
+            return Recorded{floor(live(x) * unit + 0.5) / unit, x.recording};
         },
         py::arg("digits") = 0);
 

@@ -332,7 +332,7 @@ Inside a function that is being recorded it becomes part of that one.)")
                  return py::hash(py::make_tuple(d[0], py::tuple(d[1]), py::tuple(d[2]), py::tuple(d[3])));
              })
         .def("__reduce__", [](const py::object& self) {
-            return py::make_tuple(py::module_::import("rbdyn._core").attr("_function"),
+            return py::make_tuple(py::object(py::module_::import("rbdyn._core").attr("_function")),
                                   data(self.cast<const Function&>()));
         });
 
