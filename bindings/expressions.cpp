@@ -178,7 +178,11 @@ Expression number_of(py::handle x) {
 
 /// What a Python object says beside a condition; nothing if it is neither condition nor bool.
 std::optional<Condition> statement(py::handle x) {
-    if (py::isinstance<RecordedCondition>(x)) return x.cast<const RecordedCondition&>().value;
+    if (py::isinstance<RecordedCondition>(x)) {
+        const auto& c = x.cast<const RecordedCondition&>();
+        live({0.0, c.recording});
+        return c.value;
+    }
     if (PyBool_Check(x.ptr())) return Condition(x.ptr() == Py_True);
     if (std::string(Py_TYPE(x.ptr())->tp_name).starts_with("numpy.bool"))
         return Condition(PyObject_IsTrue(x.ptr()) == 1);
@@ -390,7 +394,7 @@ math raise InvalidInput.)");
         .def("logical_not", [](const RecordedCondition& c) { return condition(!c.value, c.recording); })
         .def("__bool__",
              [](const RecordedCondition& c) {
-                 if (c.value.recorder() != nullptr) live({0.0, c.recording});
+                 live({0.0, c.recording});
                  return c.value.holds([&](const Expression& margin) { return c.recording->is_positive(margin); });
              })
         .def("__repr__", [](const RecordedCondition&) { return "Condition"; });

@@ -23,13 +23,19 @@ std::vector<Recording*>& under_way() {
 
 class UnderWay {
 public:
-    explicit UnderWay(Recording& r) : active_(r.recorder()) { under_way().push_back(&r); }
-    ~UnderWay() { under_way().pop_back(); }
+    explicit UnderWay(Recording& r) : active_(r.recorder()), called_back_(std::exchange(CallingBack::depth(), 0)) {
+        under_way().push_back(&r);
+    }
+    ~UnderWay() {
+        under_way().pop_back();
+        CallingBack::depth() = called_back_;
+    }
     UnderWay(const UnderWay&) = delete;
     UnderWay& operator=(const UnderWay&) = delete;
 
 private:
     rbdyn::recording::Active active_;
+    int called_back_;  // a recording within a function that is called back is one all the same
 };
 
 py::module_ reasons() { return py::module_::import("rbdyn.reasons"); }
@@ -219,6 +225,10 @@ const Expression& live(const Recorded& x) {
     if (!x.recording->is_live())
         throw InvalidInput(
             "Expression: the function it was recorded in has returned; a function may use only what it is called with");
+    if (x.recording.get() != Recording::current())
+        throw InvalidInput(
+            "Expression: it belongs to another function that is being recorded; a function may use only what it is "
+            "called with");
     return x.value;
 }
 

@@ -99,7 +99,7 @@ private:
     int paths_ = 0, decisions_ = 0, questions_ = 0;
 };
 
-/// The expression, if its function is still being recorded.
+/// The expression, if its function is the one that is being recorded.
 const Expression& live(const Recorded& x);
 /// What a Python object means beside an expression; nothing if it is no number. In `recording` or the current one.
 std::optional<Expression> operand(py::handle x, const std::shared_ptr<Recording>& recording = nullptr);

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from rbdyn.errors import Error
+
 PLAIN_ARRAY = (
     "puts a recorded number into an array of plain numbers; make the array of its components, np.array([x, y, z]), "
     "or np.zeros_like(position)"
@@ -93,7 +95,7 @@ def _value_of(text: str) -> str:
 def refusal(kind: str, place: str = "") -> str:
     """What the user's code asks for that a recorded number does not know."""
     simple = {
-        "equality": "asks whether a recorded number equals another; compare with < or >, or abs(a - b) with a tolerance",
+        "equality": "asks whether a recorded number equals another; compare by < or >, or abs(a - b) with a tolerance",
         "truth": "asks whether a recorded number is zero; compare it with < or >",
         "whole": "asks for a whole number; np.floor and np.trunc can be recorded",
         "endless": "asks about recorded numbers without end",
@@ -101,7 +103,7 @@ def refusal(kind: str, place: str = "") -> str:
         "paths": "is one of several distinctions that make more than 64 cases together; "
         "np.where and np.maximum choose without multiplying cases",
         "inconsistent": "does something else each time the function is called; it depends on nothing but its arguments",
-        "sizes": "returns as many numbers in one case as in the other",
+        "sizes": "leads to more numbers that are returned on one side than on the other",
     }
     frame = _frame()
     if place:
@@ -125,19 +127,17 @@ def raised(error: BaseException) -> str:
         if _is_users(traceback.tb_frame):
             where = traceback.tb_frame.f_code, traceback.tb_lineno, traceback.tb_lasti
         traceback = traceback.tb_next
-    from rbdyn.errors import Error
-
     message = str(error) or type(error).__name__
-    if not isinstance(error, Error):
+    is_ours = isinstance(error, Error)
+    if not is_ours:
         message = f"raises {type(error).__name__}: {error}" if str(error) else f"raises {message}"
     if "has no callable" in message and "type float" in message:
         message += "; an array of recorded and plain numbers: np.stack([x, 1.0]) makes one that NumPy's functions take"
     if where is None:
         return message
     text = _source(*where)
-    if isinstance(error, Error) and text:
-        text += ":" if message is not PLAIN_ARRAY and message != PLAIN_ARRAY else ""
-    return f"{_at(where[0], where[1])}: {text + ' ' if text else ''}{message}"
+    colon = ":" if is_ours and message != PLAIN_ARRAY else ""
+    return f"{_at(where[0], where[1])}: {f'{text}{colon} ' if text else ''}{message}"
 
 
 def positional(f: Any) -> tuple[int, int] | tuple[()]:

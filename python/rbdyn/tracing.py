@@ -1,8 +1,8 @@
 """NumPy on recorded numbers: arrays of expressions, and NumPy's functions of them.
 
 A function that is recorded is called with `ExpressionArray`s, arrays of objects that pass NumPy's functions on to this
-file (`__array_ufunc__`, `__array_function__`); so does a single Expression. Ufuncs are applied element by element; array
-functions that depend on values (where, clip, interp) are written here, the others are NumPy's own.
+file (`__array_ufunc__`, `__array_function__`); so does a single Expression. Ufuncs are applied element by element;
+array functions that depend on values (where, clip, interp) are written here, the others are NumPy's own.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from rbdyn import _core
 from rbdyn._core import Condition, Expression, Parameter
 from rbdyn.errors import InvalidInput
+from rbdyn.reasons import PLAIN_ARRAY
 
 # NumPy's ufuncs of single numbers, by name
 _SCALAR: dict[str, Callable[..., Any]] = dict(_core._functions)
@@ -120,15 +121,9 @@ def _into(out: Any, result: Any) -> Any:
     if out is None:
         return result
     if out.dtype != object:
-        raise _into_plain_array()
+        raise InvalidInput(PLAIN_ARRAY)
     _bare(out)[...] = _objects(result)
     return out
-
-
-def _into_plain_array() -> InvalidInput:
-    from rbdyn import reasons
-
-    return InvalidInput(reasons.PLAIN_ARRAY)
 
 
 def array_ufunc(ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **options: Any) -> Any:

@@ -457,5 +457,19 @@ def test_recordings_do_not_mix():
     assert rb.Function(outer)(1.0) == 4.0
     with pytest.raises(rb.InvalidInput, match="has returned"):
         rb.Function(lambda t: kept[0] + t)
-    with pytest.raises(rb.InvalidInput, match="another"):
-        rb.Function(lambda t: rb.Function(lambda x: x + t)(1.0) + t)
+    for inner in (lambda x, t: x + t, lambda x, t: rb.where(x > 0, t, x), lambda x, t: rb.where(t > 0, x, 2 * x)):
+        with pytest.raises(rb.InvalidInput, match="another"):
+            rb.Function(lambda t, inner=inner: rb.Function(lambda x: inner(x, t))(1.0) + t, 1)
+
+
+def test_a_parameter_stays_one_in_a_recording_that_a_call_back_makes():
+    k = rb.parameter(2.0)
+    made = []
+
+    def f(t):
+        made.append(rb.Function(lambda x: k * x))
+        return math.sin(k * t)
+
+    assert _user_function("time", f, False)(1.0) == math.sin(2.0)
+    k.value = 3.0
+    assert made[0](1.0) == 3.0
