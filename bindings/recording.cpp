@@ -58,7 +58,7 @@ py::object Recording::inputs(int first, const std::vector<py::ssize_t>& shape) {
 
 void Recording::refuse(const char* kind, const std::string& place) {
     // the first reason is the one that counts, should the function catch the error
-    const std::string reason = py::str(reasons().attr("refusal")(kind, place));
+    const std::string reason = py::str(reasons().attr("refusal")(kind, place, caller_));
     if (refusal_.empty()) refusal_ = reason;
     throw InvalidInput(reason);
 }
@@ -121,7 +121,7 @@ bool Recording::is_positive(const Expression& margin) {
     if (const auto answer = known(f)) return *answer;
     if (position_ == path_.size()) {
         if (++decisions_ > most_decisions) refuse("decisions");
-        path_.push_back({margin.node(), true, py::str(reasons().attr("place")())});
+        path_.push_back({margin.node(), true, py::str(reasons().attr("place")(caller_))});
     } else if (path_[position_].margin != margin.node()) {
         refuse("inconsistent");
     }
@@ -144,9 +144,14 @@ std::optional<bool> Recording::is_zero(const Expression& margin) const {
 
 rbdyn::Function Recording::explore(const std::function<std::vector<Expression>()>& once) {
     struct End {
-        bool& live;
-        ~End() { live = false; }
-    } end{live_};
+        Recording& recording;
+        ~End() {
+            recording.live_ = false;
+            recording.caller_ = py::none();
+        }
+    } end{*this};
+    caller_ = py::reinterpret_borrow<py::object>(reinterpret_cast<PyObject*>(PyEval_GetFrame()));
+    if (!caller_) caller_ = py::none();
     const UnderWay here(*this);
     std::vector<std::vector<Expression>> above;  // what is returned on the positive side, for each decision on the path
     while (true) {

@@ -92,6 +92,7 @@ private:
     bool live_ = true;
     int inputs_ = 0;
     std::string refusal_;
+    py::object caller_ = py::none();  // the frame that asks for the recording: the function's own are within it
 
     std::vector<Decision> path_;
     std::size_t position_ = 0;  // on the path

@@ -39,21 +39,21 @@ def _is_users(frame: FrameType) -> bool:
     return root not in ("numpy", "scipy", "rbdyn", "numba") and root not in sys.stdlib_module_names
 
 
-def _frame() -> FrameType | None:
-    """The innermost frame of the user's code."""
+def _frame(caller: FrameType | None) -> FrameType | None:
+    """The innermost frame of the user's code, within that of the caller of what is recorded."""
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None and not _is_users(frame):
+    while frame is not None and frame is not caller and not _is_users(frame):
         frame = frame.f_back
-    return frame
+    return None if frame is caller else frame
 
 
 def _at(code: CodeType, line: int) -> str:
     return f"line {line} of {os.path.basename(code.co_filename)}"
 
 
-def place() -> str:
+def place(caller: FrameType | None) -> str:
     """Where the user's code is now: line 12 of scene.py."""
-    frame = _frame()
+    frame = _frame(caller)
     return "an unknown line" if frame is None else _at(frame.f_code, frame.f_lineno)
 
 
@@ -87,12 +87,14 @@ def _value_of(text: str) -> str:
         root = getattr(np, name.partition(".")[0], None)
         if root is not None and name not in ("array", "asarray", "float64", "zeros", "full"):
             return f"{asks}; np.{name} can be recorded"
-    if re.search(r"\b(array|asarray|full|float64|astype)\(", text):
+    if re.match(r"(np\.)?float(64)?\(", text):
+        return f"{asks}; leave the conversion out"
+    if re.search(r"\b(array|asarray|full|astype)\(", text):
         return f"{asks}; leave out the type, so that the array holds what is recorded"
     return f"{asks}; NumPy's functions can be recorded, float() and those of math cannot"
 
 
-def refusal(kind: str, place: str = "") -> str:
+def refusal(kind: str, place: str, caller: FrameType | None) -> str:
     """What the user's code asks for that a recorded number does not know."""
     simple = {
         "equality": "asks whether a recorded number equals another; compare by < or >, or abs(a - b) with a tolerance",
@@ -105,11 +107,11 @@ def refusal(kind: str, place: str = "") -> str:
         "inconsistent": "does something else each time the function is called; it depends on nothing but its arguments",
         "sizes": "leads to more numbers that are returned on one side than on the other",
     }
-    frame = _frame()
+    frame = _frame(caller)
     if place:
         return f"{place}: an if {simple[kind]}"
     if frame is None:
-        return f"a function {simple.get(kind, 'asks for the value of a number that is being recorded')}"
+        return f"it {simple.get(kind, 'asks for the value of a number that is being recorded')}"
     code, line, instruction = frame.f_code, frame.f_lineno, frame.f_lasti
     text = _source(code, line, instruction)
     if kind == "value" and _stores_an_item(code, instruction, text):

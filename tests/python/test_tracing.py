@@ -193,7 +193,7 @@ def mixes(t):
         (adds_into_an_array, "f +=", "into an array of plain numbers"),
         (compares, "t == 1", "asks whether a recorded number equals another"),
         (asks_truth, "if t", "asks whether a recorded number is zero"),
-        (converts, "float(t)", r"float\(t\) asks for the value"),
+        (converts, "float(t)", r"float\(t\) asks for the value .*; leave the conversion out"),
         (counts, "int(t)", r"int\(t\) asks for a whole number; np.floor"),
         (swallows, "float(t)", r"float\(t\) asks for the value"),
         (makes_floats, "np.array", "asks for the value .*; leave out the type"),
@@ -225,6 +225,12 @@ def test_the_line_is_the_users_own_not_one_of_numpy_or_this_library():
 
     user = _user_function("time", f)
     assert f"line {line_of(f, 'vectorize')} of test_tracing.py: math.cos(x) asks" in user.reason
+
+
+def test_a_function_that_is_not_written_in_python_has_no_line():
+    user = _user_function("time", math.sin)
+    assert user.reason.startswith("it asks for the value of a number that is being recorded")
+    assert user(0.5) == math.sin(0.5)
 
 
 def test_a_function_that_changes_its_mind_is_not_recorded():
