@@ -83,11 +83,16 @@ Expression truncated(const Expression& x) {
 Expression quotient_below(const Expression& x, const Expression& y) { return floor(x / y); }
 Expression remainder(const Expression& x, const Expression& y) { return x - y * floor(x / y); }
 Expression natural_remainder(const Expression& x, const Expression& y) { return x - y * truncated(x / y); }
-/// 1 where x is positive, 0 where it is negative; at zero the nearer of the two to `at_zero`.
+/// One of three by the sign of x: what stays at zero has the middle one.
+Expression by_sign(const Expression& x, double below, double at_zero, double above, const std::string& name) {
+    const auto constant = [](double value) { return [value] { return Expression(value); }; };
+    return (x > 0.0).choose(
+        constant(above), [&] { return (x < 0.0).choose(constant(below), constant(at_zero), name); }, name);
+}
+Expression sign(const Expression& x) { return by_sign(x, -1.0, 0.0, 1.0, "sign"); }
 Expression heaviside(const Expression& x, const Expression& at_zero) {
-    const bool counts = at_zero.is_constant() && at_zero.value() > 0.5;
-    const Condition c = counts ? x >= 0.0 : x > 0.0;
-    return c.choose([] { return Expression(1.0); }, [] { return Expression(0.0); }, "heaviside");
+    if (!at_zero.is_constant()) throw InvalidInput("the value of np.heaviside at zero is a number that is known");
+    return by_sign(x, 0.0, at_zero.value(), 1.0, "heaviside");
 }
 
 using Unary = Expression (*)(const Expression&);
@@ -103,7 +108,7 @@ const std::pair<const char*, Unary> unary_functions[] = {
     {"conjugate", [](const Expression& x) { return x; }},
     {"absolute", [](const Expression& x) { return abs(x); }},
     {"fabs", [](const Expression& x) { return abs(x); }},
-    {"sign", [](const Expression& x) { return x.is_zero() ? x : locked_sign(x, "sign"); }},
+    {"sign", sign},
     {"square", [](const Expression& x) { return x * x; }},
     {"reciprocal", [](const Expression& x) { return 1.0 / x; }},
     {"sqrt", root},

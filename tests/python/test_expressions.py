@@ -73,9 +73,11 @@ def test_an_exponent_may_vary_where_the_base_is_positive():
         rb.Function(lambda y: (-2.0) ** y)
 
 
-def test_heaviside_steps():
-    f = rb.Function(lambda x: np.heaviside(x, 1.0) + 10 * np.heaviside(x, 0.0))
-    assert [f(x) for x in (-1.0, 0.0, 1.0)] == [0.0, 1.0, 11.0]
+def test_what_is_at_zero_has_neither_sign():
+    f = rb.Function(lambda x: np.heaviside(x, 0.5) + 10 * np.heaviside(x, 1.0) + 100 * np.heaviside(x, 0.0))
+    assert [f(x) for x in (-1.0, 0.0, 1.0)] == [0.0, 10.5, 111.0]
+    g = rb.Function(np.sign)
+    assert [g(x) for x in (-2.0, -0.0, 0.0, 3.0)] == [-1.0, 0.0, 0.0, 1.0]
 
 
 @pytest.mark.parametrize(

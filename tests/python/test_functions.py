@@ -1,5 +1,7 @@
 """Functions written in plain NumPy: recorded once, and then exactly what their closed forms say."""
 
+import math
+
 import numpy as np
 import pytest
 import rbdyn as rb
@@ -167,3 +169,47 @@ def test_a_function_of_another_is_recorded_too():
 
     _, ball = moved_by(lambda t, position, velocity: wind(t) - 0 * velocity, mass=1.0)
     np.testing.assert_allclose(ball.velocity(TIMES)[:, 0], 1 - np.cos(TIMES), **PROMISED)
+
+
+@pytest.mark.parametrize(
+    "sign",
+    [
+        np.sign,
+        lambda v: np.where(v > 0, 1.0, np.where(v < 0, -1.0, 0.0)),
+        lambda v: np.array([1.0 if x > 0 else -1.0 if x < 0 else 0.0 for x in v]),
+    ],
+)
+def test_dry_friction_written_with_a_sign_stops_and_holds(sign):
+    # deceleration 1 from speed 1: at rest from t = 1 on; the axes without motion stay at rest
+    _, ball = moved_by(lambda t, r, v: -1.0 * sign(v), mass=1.0, velocity=[1, 0, 0])
+    np.testing.assert_allclose(ball.velocity(TIMES)[:, 0], np.maximum(1 - TIMES, 0), **PROMISED)
+    np.testing.assert_allclose(ball.velocity(TIMES)[:, 1:], 0.0, atol=0)
+
+
+def test_a_wall_by_an_if_bounces_as_its_closed_form_says():
+    k = rb.parameter(16.0, "stiffness")
+
+    def wall(t, position, velocity):
+        push = -k * position[0] if position[0] > 0 else 0.0
+        return np.array([push, 0.0, 0.0])
+
+    load = rb.Force(wall, trace=True)
+    for stiffness in (16.0, 25.0):
+        k.value = stiffness
+        scene = rb.Scene()
+        ball = scene.add(rb.Particle(1.0), position=[-1, 0, 0], velocity=[2, 0, 0])
+        scene.apply(load, ball)
+        run = rb.simulate(scene, 2.0, error=ERROR)
+        # in at t = 1/2, half an oscillation later out again with the speed it came with
+        out = 0.5 + np.pi / np.sqrt(stiffness)
+        np.testing.assert_allclose(run.events.times("switch"), [0.5, out], **PROMISED)
+        np.testing.assert_allclose(run[ball].velocity(2.0), [-2, 0, 0], **PROMISED)
+
+
+def test_a_parameter_is_its_number_in_a_watched_function_that_is_called_back():
+    k = rb.parameter(2.0)
+    scene = rb.Scene(gravity=[0, 0, -10.0])
+    ball = scene.add(rb.Particle(1.0), velocity=[0, 0, 5])
+    scene.watch("slow", lambda now: math.fabs(now[ball].velocity[2]) - k, direction="falling")
+    (time,) = rb.simulate(scene, 0.6, error=ERROR).events.times("watch")
+    assert time == pytest.approx(0.3, abs=10 * ERROR)
