@@ -8,7 +8,7 @@ import numpy.typing
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'Curve', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Omission', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Price', 'Rail', 'Scene', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'UserFunction', 'cost', 'parameter', 'plan', 'simulate']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'UserFunction', 'WatchHandle', 'Watched', 'cost', 'parameter', 'plan', 'simulate']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -367,14 +367,21 @@ class UserFunction:
         """
 class Curve:
     """
-    A curve r(u) of any kind, in the world. Base of Line, Circle, Helix and Polynomial.
+    A curve r(u) in the world, of any function: Curve(lambda u: [u, np.sin(u), 0.2 * u**2], domain=(0, 3)).
 
-    A parameter u is a number, or an array of any shape: a vector then comes back with its components last.
+    Base of Line, Circle, Parabola, Cycloid, Helix, Polynomial and Spline. A parameter u is a number, or an array of any
+    shape: a vector then comes back with its components last.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
     def __hash__(self) -> int:
         ...
+    def __init__(self, function: typing.Any, domain: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] | None = None, closed: bool = False) -> None:
+        """
+        function: of u, gives the three components of r(u) [m], in plain Python and NumPy; it is called once and
+        recorded, with its derivatives. domain: first and last parameter; without it the curve has no ends. closed: it ends
+        where it began, in r and r', and its parameter counts on; domain is one round.
+        """
     def __repr__(self) -> str:
         ...
     def curvature(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
@@ -494,11 +501,81 @@ class Polynomial(Curve):
     @property
     def coefficients(self) -> numpy.typing.NDArray[numpy.float64]:
         ...
+class Parabola(Curve):
+    """
+    A parabola by the distance along its tangent at the vertex: r(u) = vertex + u x + a u^2 y.
+    """
+    def __init__(self, a: typing.SupportsFloat | typing.SupportsIndex, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, vertex: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        a [1/m], not zero. x: direction of the tangent at the vertex; y: side to which the parabola opens, if a is
+        positive; made orthonormal. vertex [m]. World axes; u in m.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def a(self) -> float:
+        ...
+    @property
+    def vertex(self) -> typing.Any:
+        ...
+    @property
+    def x(self) -> typing.Any:
+        ...
+    @property
+    def y(self) -> typing.Any:
+        ...
+class Cycloid(Curve):
+    """
+    A cycloid by the angle of its rolling circle: r(u) = vertex + radius ((u + sin u) x + (1 - cos u) y).
+
+    The tautochrone, if y is up. At its cusps, u = pi, 3 pi, ... and their opposites, it has no tangent.
+    """
+    def __init__(self, radius: typing.SupportsFloat | typing.SupportsIndex, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, vertex: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        radius of the rolling circle [m], positive. x: direction of the tangent at the vertex; y: side of the cusps;
+        made orthonormal. vertex: where u = 0 [m]. World axes; u in rad.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def radius(self) -> float:
+        ...
+    @property
+    def vertex(self) -> typing.Any:
+        ...
+    @property
+    def x(self) -> typing.Any:
+        ...
+    @property
+    def y(self) -> typing.Any:
+        ...
+class Spline(Curve):
+    """
+    A cubic spline through points, r(k) = points[k]; C2, not-a-knot at its ends.
+
+    Three points give a parabola, two a line. Where slopes gives r' at a point, that is what it is there, and r'' may jump:
+    at an end, or where the curvature of a rail changes at once.
+    """
+    def __init__(self, points: numpy.typing.ArrayLike, closed: bool = False, *, slopes: collections.abc.Mapping[typing.SupportsInt | typing.SupportsIndex, numpy.typing.ArrayLike] = {}) -> None:
+        """
+        points: (n, 3), at u = 0 .. n-1 [m]; neighbours differ. closed: from the last point on to the first, which is
+        not repeated; the parameter counts on, n a round. slopes: {index of a point: r' there} [m]. World axes.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def points(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @property
+    def slopes(self) -> dict[int, numpy.typing.NDArray[numpy.float64]]:
+        ...
 class Particle:
     """
     A material point.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float]:
         ...
     def __hash__(self) -> int:
         ...
@@ -507,6 +584,8 @@ class Particle:
         mass [kg], positive and finite.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def mass(self) -> float:
@@ -519,11 +598,15 @@ class Free:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getstate__(self) -> tuple:
+        ...
     def __hash__(self) -> int:
         ...
     def __init__(self) -> None:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
 class Coulomb:
     """
@@ -534,6 +617,8 @@ class Coulomb:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getstate__(self) -> tuple[float, float]:
+        ...
     def __hash__(self) -> int:
         ...
     def __init__(self, mu_static: typing.SupportsFloat | typing.SupportsIndex, mu_dynamic: typing.SupportsFloat | typing.SupportsIndex | None = None) -> None:
@@ -541,6 +626,8 @@ class Coulomb:
         mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def mu_dynamic(self) -> float:
@@ -555,14 +642,34 @@ class Rail:
     A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
     it reverse, stick and slip events, is speed - drive.
     """
-    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | collections.abc.Callable = 0.0, ends: str = 'stop') -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[Curve, Coulomb | None, typing.Any, typing.Any, str, str]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | collections.abc.Callable = 0.0, motion: collections.abc.Callable | None = None, side: str = 'both', ends: str = 'stop') -> None:
         """
-        friction: Coulomb, or none. drive: the speed with which the rail's surface slides along itself [m/s], a number or
-        a function of time [s]; the curve stays. ends: "stop", the run ends where the body reaches an end of the curve.
+        friction: Coulomb, or none.
 
-        A function is called once, with an Expression, and recorded. Raises InvalidInput if it cannot be.
+        drive: the speed with which the rail's surface slides along itself [m/s], a number or a function of time [s]; the curve
+        stays.
+
+        motion: a rigid motion of the rail itself, a function of time that returns a displacement (3,) [m], a rotation matrix
+        (3, 3), a pair of them, or a homogeneous matrix (4, 4); the curve is where it was given for no displacement and no
+        rotation. The reaction then has power, also without friction (Theorem 7.7 needs a rail at rest).
+
+        side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: that of Frenet's axes
+        where the body starts, carried on continuously. Pulled away, the body leaves ("detach") and flies; where it meets the
+        curve again from that side it lands ("land") and keeps its velocity along the curve. For plane curves at rest.
+
+        ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
+
+        Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     def drive(self, t: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
         """
@@ -572,32 +679,136 @@ class Rail:
     def curve(self) -> Curve:
         ...
     @property
+    def ends(self) -> str:
+        """
+        "stop" or "release".
+        """
+    @property
     def friction(self) -> Coulomb | None:
         """
         Friction, if any of its coefficients is not zero.
+        """
+    @property
+    def moves(self) -> bool:
+        """
+        Whether the rail itself moves.
+        """
+    @property
+    def side(self) -> str:
+        """
+        "both", "+" or "-".
         """
 class Force:
     """
     A force on a body, constant or a function of time, position and velocity.
     """
-    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world') -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world', trace: bool | None = None) -> None:
         """
-        f: a vector [N], world axes, or f(t, position, velocity) that returns one.
+        f: a vector [N], world axes, or f(t, position, velocity) that returns one; with seven parameters
+        f(t, x, y, z, vx, vy, vz). A C function, void (double t, double *position, double *velocity, double *force), is given as
+        a numba cfunc, a SciPy LowLevelCallable or a ctypes function pointer.
 
-        A function is called once, with an Expression and two arrays of three, and recorded. Raises InvalidInput if it cannot
-        be.
+        trace: by default a function in Python is recorded, and then runs at native speed in every engine; if it cannot be, it is
+        called back, and plan() says which line is why. True: it must be recorded, else InvalidInput. False: it is called back.
+        What a function raises while it is called back arrives unchanged, with the partial run as its `.run`.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of (t, x, y, z, vx, vy, vz), if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
+class Potential:
+    """
+    A force by its potential: F = +grad U (the chapter's sign).
+
+    The gradient is exact: it is derived from the recorded function.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[Function, str]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, U: typing.Any) -> None:
+        """
+        U: U(position), or U(x, y, z), in J; world axes. It is recorded: called once, with an array
+        of three expressions. Raises InvalidInput if it cannot be; then a Force may take its place.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def function(self) -> Function:
+        """
+        The recorded function of (x, y, z).
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+class Lorentz:
+    """
+    A force across the velocity, strength v x field: that of a uniform magnetic field.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float, float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, strength: typing.SupportsFloat | typing.SupportsIndex, field: numpy.typing.ArrayLike) -> None:
+        """
+        strength: a charge [C], say; field (3,): the field [T], world axes. Their product is in kg/s.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def field(self) -> typing.Any:
+        ...
+    @property
+    def strength(self) -> float:
         ...
 class Drag:
     """
     Resistance of a medium at rest: -(linear + quadratic |v|) v.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, linear: typing.SupportsFloat | typing.SupportsIndex = 0.0, quadratic: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         """
         linear [kg/s], quadratic [kg/m]; zero or positive.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def linear(self) -> float:
@@ -615,11 +826,19 @@ class Spring:
 
     -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its ends.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex, rest_length: typing.SupportsFloat | typing.SupportsIndex = 0.0, damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         """
         stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def damping(self) -> float:
@@ -659,29 +878,56 @@ class BodyHandle(Handle):
     """
     The handle of a body; run[handle] is a BodyMotion.
     """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
 class LoadHandle(Handle):
     """
     The handle of a load.
     """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
 class CouplingHandle(Handle):
     """
     The handle of a coupling; run[handle] is a SpringMotion.
     """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+class WatchHandle(Handle):
+    """
+    The handle of a watched function; run[handle] is a Watched.
+    """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
 class Scene:
     """
     What there is, as data: bodies with their joints, loads, couplings, a uniform field.
 
     Everything is checked on entry. A run copies its scene; later changes do not touch that run.
     """
+    __hash__: typing.ClassVar[None] = None
     def __copy__(self) -> Scene:
         ...
     def __deepcopy__(self, memo: dict) -> Scene:
+        ...
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
         ...
     def __init__(self, gravity: numpy.typing.ArrayLike | None = None) -> None:
         """
         gravity: uniform field (3,) [m/s^2], world axes; none by default.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     def add(self, body: Particle, joint: Free | Rail = ..., *, name: str | None = None, **kwargs) -> BodyHandle:
         """
@@ -691,13 +937,32 @@ class Scene:
         ds/dt [m/s]. Zero by default. Returns a handle. Raises InvalidInput for numbers that break a rule, TypeError for
         another keyword.
         """
-    def apply(self, load: Drag | Force, handle: Handle) -> LoadHandle:
+    def apply(self, load: Drag | Force | Lorentz | Potential, handle: Handle) -> LoadHandle:
         """
         Applies a load to a body. Returns a handle.
         """
     def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> CouplingHandle:
         """
         Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.
+        """
+    def integral(self, name: str, function: typing.Any) -> None:
+        """
+        A first integral of one's own: function(now) as for watch(). run.drift[name] says how far it departs from its value
+        at the start, relative to its largest size.
+        """
+    def watch(self, name: str, function: typing.Any, *, direction: str = 'either', action: str | collections.abc.Callable = 'record', trace: bool | None = None) -> WatchHandle:
+        """
+        Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
+
+        function: function(now) -> number, with now.time [s] and now[handle].quantity for position, velocity, acceleration, force
+        (all (3,), world axes), kinetic_energy; on a rail reaction, parameter, speed, tangential_force; of a spring length and
+        force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+        with numbers, and its zeros are located but not certain (trace as for Force).
+
+        direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that
+        changes the state: it returns {handle: {"velocity": ...}}, in the joint's own words as add() takes them.
+
+        run[handle].value(t) is its value. Raises InvalidInput for a name that is taken, or a quantity that is not there.
         """
     @property
     def bodies(self) -> list[BodyHandle]:
@@ -721,6 +986,84 @@ class Scene:
     def loads(self) -> list[LoadHandle]:
         """
         Handles of the loads, in order of addition.
+        """
+class BodyNow:
+    """
+    A body at the present moment, for watched functions. World axes.
+    """
+    @property
+    def acceleration(self) -> typing.Any:
+        """
+        (3,) [m/s^2]
+        """
+    @property
+    def force(self) -> typing.Any:
+        """
+        Resultant of the active forces (3,) [N].
+        """
+    @property
+    def kinetic_energy(self) -> typing.Any:
+        """
+        [J]
+        """
+    @property
+    def parameter(self) -> typing.Any:
+        """
+        The curve's parameter. On a rail.
+        """
+    @property
+    def position(self) -> typing.Any:
+        """
+        (3,) [m]
+        """
+    @property
+    def reaction(self) -> typing.Any:
+        """
+        Of its rail (3,) [N].
+        """
+    @property
+    def speed(self) -> typing.Any:
+        """
+        ds/dt along the curve [m/s]. On a rail.
+        """
+    @property
+    def tangential_force(self) -> typing.Any:
+        """
+        Q_s = F.t [N]. On a rail.
+        """
+    @property
+    def velocity(self) -> typing.Any:
+        """
+        (3,) [m/s]
+        """
+class CouplingNow:
+    """
+    A spring at the present moment, for watched functions.
+    """
+    @property
+    def force(self) -> typing.Any:
+        """
+        On its first end (3,) [N].
+        """
+    @property
+    def length(self) -> typing.Any:
+        """
+        [m]
+        """
+class Now:
+    """
+    The present moment of a motion: what watched functions are called with.
+    """
+    @typing.overload
+    def __getitem__(self, handle: BodyHandle) -> BodyNow:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: CouplingHandle) -> CouplingNow:
+        ...
+    @property
+    def time(self) -> typing.Any:
+        """
+        [s]
         """
 class Omission:
     """
@@ -756,6 +1099,11 @@ class Plan:
     def engine(self) -> str:
         """
         The automatic choice.
+        """
+    @property
+    def functions(self) -> list[str]:
+        """
+        The user's own functions: traced, or called back and why.
         """
     @property
     def guards(self) -> list[str]:
@@ -963,6 +1311,21 @@ class SpringMotion:
         """
         Names of the quantities a spring has.
         """
+class Watched:
+    """
+    A watched function of a run: its value at a time.
+    """
+    def __repr__(self) -> str:
+        ...
+    def value(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        At a time [s], a number or an array.
+        """
+    @property
+    def quantities(self) -> list[str]:
+        """
+        Names of the quantities it has.
+        """
 class Trajectory:
     """
     The result of simulate(): motion, events, error estimate, price.
@@ -976,6 +1339,9 @@ class Trajectory:
         ...
     @typing.overload
     def __getitem__(self, handle: CouplingHandle) -> SpringMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: WatchHandle) -> Watched:
         ...
     @typing.overload
     def __getitem__(self, handle: LoadHandle) -> typing.Never:
