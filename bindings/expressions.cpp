@@ -83,11 +83,16 @@ Expression truncated(const Expression& x) {
 Expression quotient_below(const Expression& x, const Expression& y) { return floor(x / y); }
 Expression remainder(const Expression& x, const Expression& y) { return x - y * floor(x / y); }
 Expression natural_remainder(const Expression& x, const Expression& y) { return x - y * truncated(x / y); }
-/// 1 where x is positive, 0 where it is negative; at zero the nearer of the two to `at_zero`.
+/// One of three by the sign of x: what stays at zero has the middle one.
+Expression by_sign(const Expression& x, double below, double at_zero, double above, const std::string& name) {
+    const auto constant = [](double value) { return [value] { return Expression(value); }; };
+    return (x > 0.0).choose(
+        constant(above), [&] { return (x < 0.0).choose(constant(below), constant(at_zero), name); }, name);
+}
+Expression sign(const Expression& x) { return by_sign(x, -1.0, 0.0, 1.0, "sign"); }
 Expression heaviside(const Expression& x, const Expression& at_zero) {
-    const bool counts = at_zero.is_constant() && at_zero.value() > 0.5;
-    const Condition c = counts ? x >= 0.0 : x > 0.0;
-    return c.choose([] { return Expression(1.0); }, [] { return Expression(0.0); }, "heaviside");
+    if (!at_zero.is_constant()) throw InvalidInput("the value of np.heaviside at zero is a number that is known");
+    return by_sign(x, 0.0, at_zero.value(), 1.0, "heaviside");
 }
 
 using Unary = Expression (*)(const Expression&);
@@ -103,7 +108,7 @@ const std::pair<const char*, Unary> unary_functions[] = {
     {"conjugate", [](const Expression& x) { return x; }},
     {"absolute", [](const Expression& x) { return abs(x); }},
     {"fabs", [](const Expression& x) { return abs(x); }},
-    {"sign", [](const Expression& x) { return x.is_zero() ? x : locked_sign(x, "sign"); }},
+    {"sign", sign},
     {"square", [](const Expression& x) { return x * x; }},
     {"reciprocal", [](const Expression& x) { return 1.0 / x; }},
     {"sqrt", root},
@@ -178,7 +183,11 @@ Expression number_of(py::handle x) {
 
 /// What a Python object says beside a condition; nothing if it is neither condition nor bool.
 std::optional<Condition> statement(py::handle x) {
-    if (py::isinstance<RecordedCondition>(x)) return x.cast<const RecordedCondition&>().value;
+    if (py::isinstance<RecordedCondition>(x)) {
+        const auto& c = x.cast<const RecordedCondition&>();
+        live({0.0, c.recording});
+        return c.value;
+    }
     if (PyBool_Check(x.ptr())) return Condition(x.ptr() == Py_True);
     if (std::string(Py_TYPE(x.ptr())->tp_name).starts_with("numpy.bool"))
         return Condition(PyObject_IsTrue(x.ptr()) == 1);
@@ -326,7 +335,7 @@ math raise InvalidInput.)");
         });
 
     for (const auto& [name, f] : unary_functions)
-        expression.def(name, [f = f](const Recorded& x) { return recorded_number(f(live(x)), x.recording); });
+        expression.def(name, [f = f](const Recorded& x) { return Recorded{f(live(x)), x.recording}; });
     for (const auto& [name, f] : binary_functions)
         if (std::string(name) == "arctan2" || std::string(name) == "hypot" || std::string(name) == "fmod")
             expression.def(name, operation(f));
@@ -336,12 +345,12 @@ math raise InvalidInput.)");
     for (const auto& [name, same] : operators)
         for (const auto& [known, f] : unary_functions)
             if (std::string(known) == same)
-                expression.def(name, [f = f](const Recorded& x) { return recorded_number(f(live(x)), x.recording); });
+                expression.def(name, [f = f](const Recorded& x) { return Recorded{f(live(x)), x.recording}; });
     expression.def(
         "__round__",
         [](const Recorded& x, int digits) {
             const double unit = std::pow(10.0, digits);
-            return recorded_number(floor(live(x) * unit + 0.5) / unit, x.recording);
+            return Recorded{floor(live(x) * unit + 0.5) / unit, x.recording};
         },
         py::arg("digits") = 0);
 
@@ -390,7 +399,7 @@ math raise InvalidInput.)");
         .def("logical_not", [](const RecordedCondition& c) { return condition(!c.value, c.recording); })
         .def("__bool__",
              [](const RecordedCondition& c) {
-                 if (c.value.recorder() != nullptr) live({0.0, c.recording});
+                 live({0.0, c.recording});
                  return c.value.holds([&](const Expression& margin) { return c.recording->is_positive(margin); });
              })
         .def("__repr__", [](const RecordedCondition&) { return "Condition"; });

@@ -129,10 +129,54 @@ py::object to_python(const std::vector<double>& y) {
     return py::tuple(py::cast(y));
 }
 
+/// f as a part of another function that is being recorded.
+std::vector<Expression> composed(const Function& f, const std::vector<Expression>& x, rbdyn::Recorder& recorder) {
+    std::vector<std::int32_t> moved;
+    const auto at = [&](std::int32_t i) { return moved[static_cast<std::size_t>(i)]; };
+    for (std::int32_t i = 0; i < f.size(); ++i) {
+        Node node = f.node(i);
+        if (node.operation == Operation::input) {
+            moved.push_back(recorder.node_of(x[static_cast<std::size_t>(node.a)]));
+            continue;
+        }
+        if (node.operation == Operation::cell) {
+            moved.push_back(recorder.cell(f.parameters()[static_cast<std::size_t>(node.a)]).node());
+            continue;
+        }
+        const auto operands = node.operands();
+        if (operands[0] >= 0) node.a = at(operands[0]);
+        if (operands[1] >= 0) node.b = at(operands[1]);
+        if (operands[2] >= 0) node.c = at(operands[2]);
+        if (node.operation == Operation::sign || node.operation == Operation::select ||
+            node.operation == Operation::whole)
+            node.d = recorder.name_index(f.names()[static_cast<std::size_t>(node.d)]);
+        moved.push_back(recorder.record(node).node());
+    }
+    std::vector<Expression> y;
+    for (const std::int32_t out : f.output_nodes()) {
+        const Node& node = recorder.node(at(out));
+        y.push_back(node.operation == Operation::constant ? Expression(node.value) : Expression(&recorder, at(out)));
+    }
+    return y;
+}
+
 py::object applied(const Function& f, const py::args& arguments) {
     if (static_cast<int>(arguments.size()) != f.inputs())
         throw InvalidInput("Function: it is called with " + std::to_string(arguments.size()) + " numbers; it takes " +
                            std::to_string(f.inputs()));
+    Recording* const recording = Recording::current();
+    if (recording != nullptr && CallingBack::depth() == 0) {
+        std::vector<Expression> x;
+        for (const py::handle a : arguments) {
+            const auto value = operand(a);
+            if (!value) throw InvalidInput("Function: an input is " + shown(a) + "; its inputs are numbers");
+            x.push_back(*value);
+        }
+        py::list y;
+        for (const Expression& out : composed(f, x, recording->recorder()))
+            y.append(recorded_number(out, recording->shared_from_this()));
+        return y.size() == 1 ? py::object(y[0]) : py::object(py::tuple(y));
+    }
     std::vector<double> x;
     for (const py::handle a : arguments) x.push_back(number(a, "Function", "an input"));
     return to_python(f(std::span<const double>(x)));
@@ -263,7 +307,9 @@ given wherever a function with its inputs is taken. Raises InvalidInput if f can
                 return parameters;
             },
             "The parameters it uses by reference.")
-        .def("__call__", &applied, "One number for one result, a tuple for several.")
+        .def("__call__", &applied, R"(One number for one result, a tuple for several.
+
+Inside a function that is being recorded it becomes part of that one.)")
         .def("__str__",
              [](const Function& f) {
                  std::string text = f.text();
@@ -286,7 +332,7 @@ given wherever a function with its inputs is taken. Raises InvalidInput if f can
                  return py::hash(py::make_tuple(d[0], py::tuple(d[1]), py::tuple(d[2]), py::tuple(d[3])));
              })
         .def("__reduce__", [](const py::object& self) {
-            return py::make_tuple(py::module_::import("rbdyn._core").attr("_function"),
+            return py::make_tuple(py::object(py::module_::import("rbdyn._core").attr("_function")),
                                   data(self.cast<const Function&>()));
         });
 

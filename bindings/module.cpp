@@ -25,8 +25,8 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_curves(m);
     binding::bind_joints(m);
     binding::bind_loads(m);
-    binding::bind_watch(m);
     binding::bind_scene(m);
+    binding::bind_watch(m);
     binding::bind_plan(m);
     binding::bind_trajectory(m);
     binding::bind_verbs(m);

@@ -86,7 +86,7 @@ again when it changes. Elsewhere ask for .value.)");
              })
         .def("__reduce__", [](const py::object& self) {
             const Parameter& p = self.cast<const Parameter&>();
-            return py::make_tuple(py::module_::import("rbdyn._core").attr("parameter"),
+            return py::make_tuple(py::object(py::module_::import("rbdyn._core").attr("parameter")),
                                   py::make_tuple(p.value(), p.name()));
         });
 

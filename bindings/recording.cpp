@@ -23,13 +23,19 @@ std::vector<Recording*>& under_way() {
 
 class UnderWay {
 public:
-    explicit UnderWay(Recording& r) : active_(r.recorder()) { under_way().push_back(&r); }
-    ~UnderWay() { under_way().pop_back(); }
+    explicit UnderWay(Recording& r) : active_(r.recorder()), called_back_(std::exchange(CallingBack::depth(), 0)) {
+        under_way().push_back(&r);
+    }
+    ~UnderWay() {
+        under_way().pop_back();
+        CallingBack::depth() = called_back_;
+    }
     UnderWay(const UnderWay&) = delete;
     UnderWay& operator=(const UnderWay&) = delete;
 
 private:
     rbdyn::recording::Active active_;
+    int called_back_;  // a recording within a function that is called back is one all the same
 };
 
 py::module_ reasons() { return py::module_::import("rbdyn.reasons"); }
@@ -52,7 +58,7 @@ py::object Recording::inputs(int first, const std::vector<py::ssize_t>& shape) {
 
 void Recording::refuse(const char* kind, const std::string& place) {
     // the first reason is the one that counts, should the function catch the error
-    const std::string reason = py::str(reasons().attr("refusal")(kind, place));
+    const std::string reason = py::str(reasons().attr("refusal")(kind, place, caller_));
     if (refusal_.empty()) refusal_ = reason;
     throw InvalidInput(reason);
 }
@@ -115,7 +121,7 @@ bool Recording::is_positive(const Expression& margin) {
     if (const auto answer = known(f)) return *answer;
     if (position_ == path_.size()) {
         if (++decisions_ > most_decisions) refuse("decisions");
-        path_.push_back({margin.node(), true, py::str(reasons().attr("place")())});
+        path_.push_back({margin.node(), true, py::str(reasons().attr("place")(caller_))});
     } else if (path_[position_].margin != margin.node()) {
         refuse("inconsistent");
     }
@@ -138,9 +144,14 @@ std::optional<bool> Recording::is_zero(const Expression& margin) const {
 
 rbdyn::Function Recording::explore(const std::function<std::vector<Expression>()>& once) {
     struct End {
-        bool& live;
-        ~End() { live = false; }
-    } end{live_};
+        Recording& recording;
+        ~End() {
+            recording.live_ = false;
+            recording.caller_ = py::none();
+        }
+    } end{*this};
+    caller_ = py::reinterpret_borrow<py::object>(reinterpret_cast<PyObject*>(PyEval_GetFrame()));
+    if (!caller_) caller_ = py::none();
     const UnderWay here(*this);
     std::vector<std::vector<Expression>> above;  // what is returned on the positive side, for each decision on the path
     while (true) {
@@ -219,6 +230,10 @@ const Expression& live(const Recorded& x) {
     if (!x.recording->is_live())
         throw InvalidInput(
             "Expression: the function it was recorded in has returned; a function may use only what it is called with");
+    if (x.recording.get() != Recording::current())
+        throw InvalidInput(
+            "Expression: it belongs to another function that is being recorded; a function may use only what it is "
+            "called with");
     return x.value;
 }
 

@@ -92,6 +92,7 @@ private:
     bool live_ = true;
     int inputs_ = 0;
     std::string refusal_;
+    py::object caller_ = py::none();  // the frame that asks for the recording: the function's own are within it
 
     std::vector<Decision> path_;
     std::size_t position_ = 0;  // on the path
@@ -99,7 +100,7 @@ private:
     int paths_ = 0, decisions_ = 0, questions_ = 0;
 };
 
-/// The expression, if its function is still being recorded.
+/// The expression, if its function is the one that is being recorded.
 const Expression& live(const Recorded& x);
 /// What a Python object means beside an expression; nothing if it is no number. In `recording` or the current one.
 std::optional<Expression> operand(py::handle x, const std::shared_ptr<Recording>& recording = nullptr);

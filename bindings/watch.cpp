@@ -49,6 +49,7 @@ auto with_present(std::function<py::object(Quantity, int, bool)> asked, const Ha
 /// The same in numbers.
 template <class F>
 auto with_numbers(const Observe& observe, const Handles& handles, F&& f) {
+    const CallingBack here;
     return with_present(
         [&observe](Quantity quantity, int subject, bool is_vector) -> py::object {
             if (!is_vector) return py::float_(observe({quantity, subject, 0}));

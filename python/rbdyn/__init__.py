@@ -52,10 +52,10 @@ from rbdyn._core import (
     plan,
     simulate,
 )
+from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.frames import Frenet
 from rbdyn.sample import Sample
-from rbdyn.tracing import where
 
 __all__ = [
     "AccuracyError",

@@ -8,47 +8,98 @@ import numpy.typing
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'Circle', 'CostRow', 'Coulomb', 'CouplingHandle', 'Curve', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Omission', 'Particle', 'Plan', 'Polynomial', 'Price', 'Rail', 'Scene', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'cost', 'plan', 'simulate']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'UserFunction', 'WatchHandle', 'Watched', 'cost', 'parameter', 'plan', 'simulate']
+class Condition:
+    """
+    A comparison of recorded numbers, or several joined by & | ~ ^.
+
+    where(condition, a, b) and np.where choose by it. An `if` on it records both sides: the function is called again for
+    the other one.
+    """
+    def __add__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __and__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __array_function__(self, *args, **kwargs) -> typing.Any:
+        ...
+    def __array_ufunc__(self, *args, **kwargs) -> typing.Any:
+        ...
+    def __bool__(self) -> bool:
+        ...
+    def __invert__(self) -> typing.Any:
+        ...
+    def __mul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __or__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __radd__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rand__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __rmul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __ror__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rsub__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rxor__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __sub__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __truediv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __xor__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def logical_not(self) -> typing.Any:
+        ...
 class Expression:
     """
-    A number that is being recorded: what a function of the user's is called with, once.
+    A number that is being recorded: what a function of the user's is called with instead of a float.
 
-    Arithmetic, abs and NumPy's sin, cos, tan, exp, log, sqrt, tanh, hypot, dot, cross and linalg.norm are recorded; zeros
-    of absolute values and lengths become switching points, located like events. Its value is not known: comparing it or
-    asking for a float raises InvalidInput.
+    Arithmetic and NumPy's functions are recorded. A comparison gives a Condition. Changes of formula (an `if`, np.where,
+    abs, a length at zero, floor) become events that are located. Its value is not known: float(), == and the functions of
+    math raise InvalidInput.
     """
     __hash__: typing.ClassVar[None] = None
     def __abs__(self) -> Expression:
         ...
     def __add__(self, arg0: typing.Any) -> typing.Any:
         ...
+    def __array_function__(self, *args, **kwargs) -> typing.Any:
+        ...
+    def __array_ufunc__(self, *args, **kwargs) -> typing.Any:
+        ...
     def __bool__(self) -> bool:
         ...
-    def __ceil__(self) -> int:
+    def __ceil__(self) -> Expression:
         ...
-    def __complex__(self) -> float:
+    def __divmod__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __eq__(self, arg0: typing.Any) -> bool:
+    def __eq__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __float__(self) -> float:
         ...
-    def __floor__(self) -> int:
+    def __floor__(self) -> Expression:
         ...
-    def __ge__(self, arg0: typing.Any) -> bool:
+    def __floordiv__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __gt__(self, arg0: typing.Any) -> bool:
+    def __ge__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __index__(self) -> int:
+    def __gt__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __int__(self) -> int:
         ...
-    def __le__(self, arg0: typing.Any) -> bool:
+    def __le__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __lt__(self, arg0: typing.Any) -> bool:
+    def __lt__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __mod__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __mul__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __ne__(self, arg0: typing.Any) -> bool:
+    def __ne__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __neg__(self) -> Expression:
         ...
@@ -58,11 +109,17 @@ class Expression:
         ...
     def __radd__(self, arg0: typing.Any) -> typing.Any:
         ...
+    def __rdivmod__(self, arg0: typing.Any) -> typing.Any:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __rfloordiv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rmod__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __rmul__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __round__(self) -> int:
+    def __round__(self, digits: typing.SupportsInt | typing.SupportsIndex = 0) -> Expression:
         ...
     def __rpow__(self, arg0: typing.Any) -> typing.Any:
         ...
@@ -74,38 +131,257 @@ class Expression:
         ...
     def __truediv__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __trunc__(self) -> int:
+    def __trunc__(self) -> Expression:
+        ...
+    def absolute(self) -> Expression:
+        ...
+    def arccos(self) -> Expression:
+        ...
+    def arccosh(self) -> Expression:
+        ...
+    def arcsin(self) -> Expression:
+        ...
+    def arcsinh(self) -> Expression:
+        ...
+    def arctan(self) -> Expression:
+        ...
+    def arctan2(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def arctanh(self) -> Expression:
+        ...
+    def cbrt(self) -> Expression:
+        ...
+    def ceil(self) -> Expression:
         ...
     def conjugate(self) -> Expression:
         ...
     def cos(self) -> Expression:
         ...
+    def cosh(self) -> Expression:
+        ...
+    def deg2rad(self) -> Expression:
+        ...
+    def degrees(self) -> Expression:
+        ...
     def exp(self) -> Expression:
         ...
+    def exp2(self) -> Expression:
+        ...
+    def expm1(self) -> Expression:
+        ...
     def fabs(self) -> Expression:
+        ...
+    def floor(self) -> Expression:
+        ...
+    def fmod(self, arg0: typing.Any) -> typing.Any:
         ...
     def hypot(self, arg0: typing.Any) -> typing.Any:
         ...
     def log(self) -> Expression:
         ...
+    def log10(self) -> Expression:
+        ...
+    def log1p(self) -> Expression:
+        ...
+    def log2(self) -> Expression:
+        ...
+    def negative(self) -> Expression:
+        ...
+    def positive(self) -> Expression:
+        ...
+    def rad2deg(self) -> Expression:
+        ...
+    def radians(self) -> Expression:
+        ...
+    def reciprocal(self) -> Expression:
+        ...
+    def rint(self) -> Expression:
+        ...
+    def sign(self) -> Expression:
+        ...
     def sin(self) -> Expression:
         ...
+    def sinh(self) -> Expression:
+        ...
     def sqrt(self) -> Expression:
+        ...
+    def square(self) -> Expression:
         ...
     def tan(self) -> Expression:
         ...
     def tanh(self) -> Expression:
         ...
+    def trunc(self) -> Expression:
+        ...
+class Parameter:
+    """
+    A number that functions use by reference.
+
+        k = rb.parameter(2.0, "k")
+        force = rb.Force(lambda t, position, velocity: -k * position)
+        k.value = 3.0  # from here on, in runs that start later
+
+    In a function it stands for its value in arithmetic and NumPy's functions; a function that is recorded is not recorded
+    again when it changes. Elsewhere ask for .value.
+    """
+    def __abs__(self) -> typing.Any:
+        ...
+    def __add__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __array_function__(self, *args, **kwargs) -> typing.Any:
+        ...
+    def __array_ufunc__(self, *args, **kwargs) -> typing.Any:
+        ...
+    def __float__(self) -> float:
+        ...
+    def __floordiv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __ge__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __gt__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __le__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __lt__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __mod__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __mul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __neg__(self) -> typing.Any:
+        ...
+    def __pos__(self) -> typing.Any:
+        ...
+    def __pow__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __radd__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __reduce__(self) -> tuple[typing.Any, tuple[float, str]]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __rfloordiv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rmod__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rmul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rpow__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rsub__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __rtruediv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __sub__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __truediv__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def value(self) -> typing.Any:
+        """
+        Its number; finite. Inside a function that is being recorded, the parameter itself.
+        """
+    @value.setter
+    def value(self, arg1: typing.Any) -> None:
+        ...
+class Function:
+    """
+    A recorded function: numbers in, numbers out, kept as a list of operations.
+
+        f = rb.Function(lambda x, y: np.hypot(x, y))
+        f(3.0, 4.0)  # 5.0
+
+    Recorded by calling f once, or once for each side of an `if`. Data: it can be printed, compared, copied and pickled, and
+    given wherever a function with its inputs is taken. Raises InvalidInput if f cannot be recorded.
+    """
+    def __call__(self, *args) -> typing.Any:
+        """
+        One number for one result, a tuple for several.
+
+        Inside a function that is being recorded it becomes part of that one.
+        """
+    def __eq__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: typing.Any, inputs: typing.SupportsInt | typing.SupportsIndex | None = None) -> None:
+        """
+        f: of `inputs` numbers, by default as many as it has parameters; returns a number, or an array of them.
+        """
+    def __reduce__(self) -> tuple[typing.Any, tuple]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def inputs(self) -> int:
+        """
+        How many numbers it takes.
+        """
+    @property
+    def outputs(self) -> int:
+        """
+        How many numbers it gives.
+        """
+    @property
+    def parameters(self) -> list[typing.Any]:
+        """
+        The parameters it uses by reference.
+        """
+class UserFunction:
+    """
+    How a function of the user's is run: recorded, or called back, and why.
+    """
+    def __call__(self, *args) -> typing.Any:
+        """
+        Its results for numbers.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def calls(self) -> int:
+        """
+        How often it was called back.
+        """
+    @property
+    def is_python(self) -> bool:
+        """
+        Whether Python runs it.
+        """
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def reason(self) -> str:
+        """
+        Why it is called back; empty if it is not.
+        """
+    @property
+    def recorded(self) -> Function | None:
+        """
+        The recorded function; None if it is called back.
+        """
 class Curve:
     """
-    A curve r(u) of any kind, in the world. Base of Line, Circle, Helix and Polynomial.
+    A curve r(u) in the world, of any function: Curve(lambda u: [u, np.sin(u), 0.2 * u**2], domain=(0, 3)).
 
-    A parameter u is a number, or an array of any shape: a vector then comes back with its components last.
+    Base of Line, Circle, Parabola, Cycloid, Helix, Polynomial and Spline. A parameter u is a number, or an array of any
+    shape: a vector then comes back with its components last.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
     def __hash__(self) -> int:
         ...
+    def __init__(self, function: typing.Any, domain: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] | None = None, closed: bool = False) -> None:
+        """
+        function: of u, gives the three components of r(u) [m], in plain Python and NumPy; it is called once and
+        recorded, with its derivatives. domain: first and last parameter; without it the curve has no ends. closed: it ends
+        where it began, in r and r', and its parameter counts on; domain is one round.
+        """
     def __repr__(self) -> str:
         ...
     def curvature(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
@@ -225,11 +501,81 @@ class Polynomial(Curve):
     @property
     def coefficients(self) -> numpy.typing.NDArray[numpy.float64]:
         ...
+class Parabola(Curve):
+    """
+    A parabola by the distance along its tangent at the vertex: r(u) = vertex + u x + a u^2 y.
+    """
+    def __init__(self, a: typing.SupportsFloat | typing.SupportsIndex, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, vertex: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        a [1/m], not zero. x: direction of the tangent at the vertex; y: side to which the parabola opens, if a is
+        positive; made orthonormal. vertex [m]. World axes; u in m.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def a(self) -> float:
+        ...
+    @property
+    def vertex(self) -> typing.Any:
+        ...
+    @property
+    def x(self) -> typing.Any:
+        ...
+    @property
+    def y(self) -> typing.Any:
+        ...
+class Cycloid(Curve):
+    """
+    A cycloid by the angle of its rolling circle: r(u) = vertex + radius ((u + sin u) x + (1 - cos u) y).
+
+    The tautochrone, if y is up. At its cusps, u = pi, 3 pi, ... and their opposites, it has no tangent.
+    """
+    def __init__(self, radius: typing.SupportsFloat | typing.SupportsIndex, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, vertex: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        radius of the rolling circle [m], positive. x: direction of the tangent at the vertex; y: side of the cusps;
+        made orthonormal. vertex: where u = 0 [m]. World axes; u in rad.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def radius(self) -> float:
+        ...
+    @property
+    def vertex(self) -> typing.Any:
+        ...
+    @property
+    def x(self) -> typing.Any:
+        ...
+    @property
+    def y(self) -> typing.Any:
+        ...
+class Spline(Curve):
+    """
+    A cubic spline through points, r(k) = points[k]; C2, not-a-knot at its ends.
+
+    Three points give a parabola, two a line. Where slopes gives r' at a point, that is what it is there, and r'' may jump:
+    at an end, or where the curvature of a rail changes at once.
+    """
+    def __init__(self, points: numpy.typing.ArrayLike, closed: bool = False, *, slopes: collections.abc.Mapping[typing.SupportsInt | typing.SupportsIndex, numpy.typing.ArrayLike] = {}) -> None:
+        """
+        points: (n, 3), at u = 0 .. n-1 [m]; neighbours differ. closed: from the last point on to the first, which is
+        not repeated; the parameter counts on, n a round. slopes: {index of a point: r' there} [m]. World axes.
+        """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def points(self) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @property
+    def slopes(self) -> dict[int, numpy.typing.NDArray[numpy.float64]]:
+        ...
 class Particle:
     """
     A material point.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float]:
         ...
     def __hash__(self) -> int:
         ...
@@ -238,6 +584,8 @@ class Particle:
         mass [kg], positive and finite.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def mass(self) -> float:
@@ -250,11 +598,15 @@ class Free:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getstate__(self) -> tuple:
+        ...
     def __hash__(self) -> int:
         ...
     def __init__(self) -> None:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
 class Coulomb:
     """
@@ -265,6 +617,8 @@ class Coulomb:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getstate__(self) -> tuple[float, float]:
+        ...
     def __hash__(self) -> int:
         ...
     def __init__(self, mu_static: typing.SupportsFloat | typing.SupportsIndex, mu_dynamic: typing.SupportsFloat | typing.SupportsIndex | None = None) -> None:
@@ -272,6 +626,8 @@ class Coulomb:
         mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def mu_dynamic(self) -> float:
@@ -286,14 +642,34 @@ class Rail:
     A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
     it reverse, stick and slip events, is speed - drive.
     """
-    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | collections.abc.Callable = 0.0, ends: str = 'stop') -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[Curve, Coulomb | None, typing.Any, typing.Any, str, str]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | collections.abc.Callable = 0.0, motion: collections.abc.Callable | None = None, side: str = 'both', ends: str = 'stop') -> None:
         """
-        friction: Coulomb, or none. drive: the speed with which the rail's surface slides along itself [m/s], a number or
-        a function of time [s]; the curve stays. ends: "stop", the run ends where the body reaches an end of the curve.
+        friction: Coulomb, or none.
 
-        A function is called once, with an Expression, and recorded. Raises InvalidInput if it cannot be.
+        drive: the speed with which the rail's surface slides along itself [m/s], a number or a function of time [s]; the curve
+        stays.
+
+        motion: a rigid motion of the rail itself, a function of time that returns a displacement (3,) [m], a rotation matrix
+        (3, 3), a pair of them, or a homogeneous matrix (4, 4); the curve is where it was given for no displacement and no
+        rotation. The reaction then has power, also without friction (Theorem 7.7 needs a rail at rest).
+
+        side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: that of Frenet's axes
+        where the body starts, carried on continuously. Pulled away, the body leaves ("detach") and flies; where it meets the
+        curve again from that side it lands ("land") and keeps its velocity along the curve. For plane curves at rest.
+
+        ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
+
+        Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     def drive(self, t: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
         """
@@ -303,32 +679,136 @@ class Rail:
     def curve(self) -> Curve:
         ...
     @property
+    def ends(self) -> str:
+        """
+        "stop" or "release".
+        """
+    @property
     def friction(self) -> Coulomb | None:
         """
         Friction, if any of its coefficients is not zero.
+        """
+    @property
+    def moves(self) -> bool:
+        """
+        Whether the rail itself moves.
+        """
+    @property
+    def side(self) -> str:
+        """
+        "both", "+" or "-".
         """
 class Force:
     """
     A force on a body, constant or a function of time, position and velocity.
     """
-    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world') -> None:
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world', trace: bool | None = None) -> None:
         """
-        f: a vector [N], world axes, or f(t, position, velocity) that returns one.
+        f: a vector [N], world axes, or f(t, position, velocity) that returns one; with seven parameters
+        f(t, x, y, z, vx, vy, vz). A C function, void (double t, double *position, double *velocity, double *force), is given as
+        a numba cfunc, a SciPy LowLevelCallable or a ctypes function pointer.
 
-        A function is called once, with an Expression and two arrays of three, and recorded. Raises InvalidInput if it cannot
-        be.
+        trace: by default a function in Python is recorded, and then runs at native speed in every engine; if it cannot be, it is
+        called back, and plan() says which line is why. True: it must be recorded, else InvalidInput. False: it is called back.
+        What a function raises while it is called back arrives unchanged, with the partial run as its `.run`.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of (t, x, y, z, vx, vy, vz), if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
+class Potential:
+    """
+    A force by its potential: F = +grad U (the chapter's sign).
+
+    The gradient is exact: it is derived from the recorded function.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[Function, str]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, U: typing.Any) -> None:
+        """
+        U: U(position), or U(x, y, z), in J; world axes. It is recorded: called once, with an array
+        of three expressions. Raises InvalidInput if it cannot be; then a Force may take its place.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def function(self) -> Function:
+        """
+        The recorded function of (x, y, z).
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+class Lorentz:
+    """
+    A force across the velocity, strength v x field: that of a uniform magnetic field.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float, float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, strength: typing.SupportsFloat | typing.SupportsIndex, field: numpy.typing.ArrayLike) -> None:
+        """
+        strength: a charge [C], say; field (3,): the field [T], world axes. Their product is in kg/s.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def field(self) -> typing.Any:
+        ...
+    @property
+    def strength(self) -> float:
         ...
 class Drag:
     """
     Resistance of a medium at rest: -(linear + quadratic |v|) v.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, linear: typing.SupportsFloat | typing.SupportsIndex = 0.0, quadratic: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         """
         linear [kg/s], quadratic [kg/m]; zero or positive.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def linear(self) -> float:
@@ -346,11 +826,19 @@ class Spring:
 
     -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its ends.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex, rest_length: typing.SupportsFloat | typing.SupportsIndex = 0.0, damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
         """
         stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     @property
     def damping(self) -> float:
@@ -390,29 +878,56 @@ class BodyHandle(Handle):
     """
     The handle of a body; run[handle] is a BodyMotion.
     """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
 class LoadHandle(Handle):
     """
     The handle of a load.
     """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
 class CouplingHandle(Handle):
     """
     The handle of a coupling; run[handle] is a SpringMotion.
     """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+class WatchHandle(Handle):
+    """
+    The handle of a watched function; run[handle] is a Watched.
+    """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
 class Scene:
     """
     What there is, as data: bodies with their joints, loads, couplings, a uniform field.
 
     Everything is checked on entry. A run copies its scene; later changes do not touch that run.
     """
+    __hash__: typing.ClassVar[None] = None
     def __copy__(self) -> Scene:
         ...
     def __deepcopy__(self, memo: dict) -> Scene:
+        ...
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
         ...
     def __init__(self, gravity: numpy.typing.ArrayLike | None = None) -> None:
         """
         gravity: uniform field (3,) [m/s^2], world axes; none by default.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
         ...
     def add(self, body: Particle, joint: Free | Rail = ..., *, name: str | None = None, **kwargs) -> BodyHandle:
         """
@@ -422,13 +937,32 @@ class Scene:
         ds/dt [m/s]. Zero by default. Returns a handle. Raises InvalidInput for numbers that break a rule, TypeError for
         another keyword.
         """
-    def apply(self, load: Drag | Force, handle: Handle) -> LoadHandle:
+    def apply(self, load: Drag | Force | Lorentz | Potential, handle: Handle) -> LoadHandle:
         """
         Applies a load to a body. Returns a handle.
         """
     def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> CouplingHandle:
         """
         Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.
+        """
+    def integral(self, name: str, function: typing.Any) -> None:
+        """
+        A first integral of one's own: function(now) as for watch(). run.drift[name] says how far it departs from its value
+        at the start, relative to its largest size.
+        """
+    def watch(self, name: str, function: typing.Any, *, direction: str = 'either', action: str | collections.abc.Callable = 'record', trace: bool | None = None) -> WatchHandle:
+        """
+        Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
+
+        function: function(now) -> number, with now.time [s] and now[handle].quantity for position, velocity, acceleration, force
+        (all (3,), world axes), kinetic_energy; on a rail reaction, parameter, speed, tangential_force; of a spring length and
+        force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+        with numbers, and its zeros are located but not certain (trace as for Force).
+
+        direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that
+        changes the state: it returns {handle: {"velocity": ...}}, in the joint's own words as add() takes them.
+
+        run[handle].value(t) is its value. Raises InvalidInput for a name that is taken, or a quantity that is not there.
         """
     @property
     def bodies(self) -> list[BodyHandle]:
@@ -452,6 +986,84 @@ class Scene:
     def loads(self) -> list[LoadHandle]:
         """
         Handles of the loads, in order of addition.
+        """
+class BodyNow:
+    """
+    A body at the present moment, for watched functions. World axes.
+    """
+    @property
+    def acceleration(self) -> typing.Any:
+        """
+        (3,) [m/s^2]
+        """
+    @property
+    def force(self) -> typing.Any:
+        """
+        Resultant of the active forces (3,) [N].
+        """
+    @property
+    def kinetic_energy(self) -> typing.Any:
+        """
+        [J]
+        """
+    @property
+    def parameter(self) -> typing.Any:
+        """
+        The curve's parameter. On a rail.
+        """
+    @property
+    def position(self) -> typing.Any:
+        """
+        (3,) [m]
+        """
+    @property
+    def reaction(self) -> typing.Any:
+        """
+        Of its rail (3,) [N].
+        """
+    @property
+    def speed(self) -> typing.Any:
+        """
+        ds/dt along the curve [m/s]. On a rail.
+        """
+    @property
+    def tangential_force(self) -> typing.Any:
+        """
+        Q_s = F.t [N]. On a rail.
+        """
+    @property
+    def velocity(self) -> typing.Any:
+        """
+        (3,) [m/s]
+        """
+class CouplingNow:
+    """
+    A spring at the present moment, for watched functions.
+    """
+    @property
+    def force(self) -> typing.Any:
+        """
+        On its first end (3,) [N].
+        """
+    @property
+    def length(self) -> typing.Any:
+        """
+        [m]
+        """
+class Now:
+    """
+    The present moment of a motion: what watched functions are called with.
+    """
+    @typing.overload
+    def __getitem__(self, handle: BodyHandle) -> BodyNow:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: CouplingHandle) -> CouplingNow:
+        ...
+    @property
+    def time(self) -> typing.Any:
+        """
+        [s]
         """
 class Omission:
     """
@@ -487,6 +1099,11 @@ class Plan:
     def engine(self) -> str:
         """
         The automatic choice.
+        """
+    @property
+    def functions(self) -> list[str]:
+        """
+        The user's own functions: traced, or called back and why.
         """
     @property
     def guards(self) -> list[str]:
@@ -694,6 +1311,21 @@ class SpringMotion:
         """
         Names of the quantities a spring has.
         """
+class Watched:
+    """
+    A watched function of a run: its value at a time.
+    """
+    def __repr__(self) -> str:
+        ...
+    def value(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        At a time [s], a number or an array.
+        """
+    @property
+    def quantities(self) -> list[str]:
+        """
+        Names of the quantities it has.
+        """
 class Trajectory:
     """
     The result of simulate(): motion, events, error estimate, price.
@@ -707,6 +1339,9 @@ class Trajectory:
         ...
     @typing.overload
     def __getitem__(self, handle: CouplingHandle) -> SpringMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: WatchHandle) -> Watched:
         ...
     @typing.overload
     def __getitem__(self, handle: LoadHandle) -> typing.Never:
@@ -893,12 +1528,26 @@ class Price:
     @property
     def rows(self) -> list[CostRow]:
         ...
+def _function(inputs: typing.SupportsInt | typing.SupportsIndex, nodes: collections.abc.Sequence[tuple[str, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]], outputs: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], names: collections.abc.Sequence[str], parameters: collections.abc.Sequence[Parameter]) -> Function:
+    ...
+def _length(parts: collections.abc.Sequence[typing.Any]) -> typing.Any:
+    ...
+def _meaning(parameter: Parameter) -> typing.Any:
+    ...
+def _user_function(kind: str, f: typing.Any, trace: bool | None = None) -> UserFunction:
+    ...
+def _where(condition: typing.Any, a: typing.Any, b: typing.Any, name: str = 'where') -> typing.Any:
+    ...
 def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[str] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 10.0) -> Price:
     """
     What accuracy costs in time, for a scene: every engine over its tolerances.
 
     until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
     budget: time to spend, about [s]. Raises what simulate() raises.
+    """
+def parameter(value: typing.Any, name: str | None = None) -> typing.Any:
+    """
+    A number that functions use by reference: changing its .value changes what they do from the next run on.
     """
 def plan(scene: Scene) -> Plan:
     """
@@ -920,3 +1569,4 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Other threads run meanwhile.
     """
 __version__: str = '0.1.0'
+_functions: dict

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from rbdyn.errors import Error
+
 PLAIN_ARRAY = (
     "puts a recorded number into an array of plain numbers; make the array of its components, np.array([x, y, z]), "
     "or np.zeros_like(position)"
@@ -37,21 +39,21 @@ def _is_users(frame: FrameType) -> bool:
     return root not in ("numpy", "scipy", "rbdyn", "numba") and root not in sys.stdlib_module_names
 
 
-def _frame() -> FrameType | None:
-    """The innermost frame of the user's code."""
+def _frame(caller: FrameType | None) -> FrameType | None:
+    """The innermost frame of the user's code, within that of the caller of what is recorded."""
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None and not _is_users(frame):
+    while frame is not None and frame is not caller and not _is_users(frame):
         frame = frame.f_back
-    return frame
+    return None if frame is caller else frame
 
 
 def _at(code: CodeType, line: int) -> str:
     return f"line {line} of {os.path.basename(code.co_filename)}"
 
 
-def place() -> str:
+def place(caller: FrameType | None) -> str:
     """Where the user's code is now: line 12 of scene.py."""
-    frame = _frame()
+    frame = _frame(caller)
     return "an unknown line" if frame is None else _at(frame.f_code, frame.f_lineno)
 
 
@@ -85,15 +87,17 @@ def _value_of(text: str) -> str:
         root = getattr(np, name.partition(".")[0], None)
         if root is not None and name not in ("array", "asarray", "float64", "zeros", "full"):
             return f"{asks}; np.{name} can be recorded"
-    if re.search(r"\b(array|asarray|full|float64|astype)\(", text):
+    if re.match(r"(np\.)?float(64)?\(", text):
+        return f"{asks}; leave the conversion out"
+    if re.search(r"\b(array|asarray|full|astype)\(", text):
         return f"{asks}; leave out the type, so that the array holds what is recorded"
     return f"{asks}; NumPy's functions can be recorded, float() and those of math cannot"
 
 
-def refusal(kind: str, place: str = "") -> str:
+def refusal(kind: str, place: str, caller: FrameType | None) -> str:
     """What the user's code asks for that a recorded number does not know."""
     simple = {
-        "equality": "asks whether a recorded number equals another; compare with < or >, or abs(a - b) with a tolerance",
+        "equality": "asks whether a recorded number equals another; compare by < or >, or abs(a - b) with a tolerance",
         "truth": "asks whether a recorded number is zero; compare it with < or >",
         "whole": "asks for a whole number; np.floor and np.trunc can be recorded",
         "endless": "asks about recorded numbers without end",
@@ -101,13 +105,13 @@ def refusal(kind: str, place: str = "") -> str:
         "paths": "is one of several distinctions that make more than 64 cases together; "
         "np.where and np.maximum choose without multiplying cases",
         "inconsistent": "does something else each time the function is called; it depends on nothing but its arguments",
-        "sizes": "returns as many numbers in one case as in the other",
+        "sizes": "leads to more numbers that are returned on one side than on the other",
     }
-    frame = _frame()
+    frame = _frame(caller)
     if place:
         return f"{place}: an if {simple[kind]}"
     if frame is None:
-        return f"a function {simple.get(kind, 'asks for the value of a number that is being recorded')}"
+        return f"it {simple.get(kind, 'asks for the value of a number that is being recorded')}"
     code, line, instruction = frame.f_code, frame.f_lineno, frame.f_lasti
     text = _source(code, line, instruction)
     if kind == "value" and _stores_an_item(code, instruction, text):
@@ -125,19 +129,17 @@ def raised(error: BaseException) -> str:
         if _is_users(traceback.tb_frame):
             where = traceback.tb_frame.f_code, traceback.tb_lineno, traceback.tb_lasti
         traceback = traceback.tb_next
-    from rbdyn.errors import Error
-
     message = str(error) or type(error).__name__
-    if not isinstance(error, Error):
+    is_ours = isinstance(error, Error)
+    if not is_ours:
         message = f"raises {type(error).__name__}: {error}" if str(error) else f"raises {message}"
     if "has no callable" in message and "type float" in message:
         message += "; an array of recorded and plain numbers: np.stack([x, 1.0]) makes one that NumPy's functions take"
     if where is None:
         return message
     text = _source(*where)
-    if isinstance(error, Error) and text:
-        text += ":" if message is not PLAIN_ARRAY and message != PLAIN_ARRAY else ""
-    return f"{_at(where[0], where[1])}: {text + ' ' if text else ''}{message}"
+    colon = ":" if is_ours and message != PLAIN_ARRAY else ""
+    return f"{_at(where[0], where[1])}: {f'{text}{colon} ' if text else ''}{message}"
 
 
 def positional(f: Any) -> tuple[int, int] | tuple[()]:

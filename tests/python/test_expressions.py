@@ -23,7 +23,10 @@ UNARY = {
     "arcsin arccos arctanh": WITHIN_ONE,
     "arccosh": (1.1, 2.0, 30.0),
 }
-BINARY = "add subtract multiply divide arctan2 hypot maximum minimum fmax fmin copysign remainder mod fmod floor_divide"
+BINARY = (
+    "add subtract multiply divide logaddexp arctan2 hypot maximum minimum fmax fmin copysign remainder mod fmod "
+    "floor_divide"
+)
 
 
 def numpy_of(name, *points):
@@ -70,9 +73,11 @@ def test_an_exponent_may_vary_where_the_base_is_positive():
         rb.Function(lambda y: (-2.0) ** y)
 
 
-def test_heaviside_steps():
-    f = rb.Function(lambda x: np.heaviside(x, 1.0) + 10 * np.heaviside(x, 0.0))
-    assert [f(x) for x in (-1.0, 0.0, 1.0)] == [0.0, 1.0, 11.0]
+def test_what_is_at_zero_has_neither_sign():
+    f = rb.Function(lambda x: np.heaviside(x, 0.5) + 10 * np.heaviside(x, 1.0) + 100 * np.heaviside(x, 0.0))
+    assert [f(x) for x in (-1.0, 0.0, 1.0)] == [0.0, 10.5, 111.0]
+    g = rb.Function(np.sign)
+    assert [g(x) for x in (-2.0, -0.0, 0.0, 3.0)] == [-1.0, 0.0, 0.0, 1.0]
 
 
 @pytest.mark.parametrize(
@@ -179,6 +184,15 @@ MATRIX = np.array([[2.0, -1.0, 0.5], [0.0, 3.0, 1.0], [1.5, 0.0, 4.0]])
         lambda v: [v.dot(v), np.trace(np.outer(v, v)), np.tensordot(v, v, 1)],
         lambda v: sorted(v),
         lambda v: v[np.argmax(v)] * v,
+        lambda v: np.where(np.isclose(v, 1.62, rtol=0.1), v, -v) + np.allclose(v, v[0]) * 1.0,
+        lambda v: v.astype(float) + np.polyval([1, 2, 3], v) + np.polynomial.Polynomial([1, 2, 3])(v),
+        lambda v: np.vectorize(lambda x: x * abs(x))(v) + np.linspace(v[0], v[1], 3) + np.linspace(0, v, 4)[1],
+        lambda v: np.modf(v)[0] + 2 * np.modf(v)[1],
+        lambda v: [np.poly1d([1, 2])(v[0]), np.var(v), np.std(v)],
+        lambda v: np.max([v[0], 2 * v[1]]) + np.linalg.norm([v[0], v[1]]) + np.sum([v[0], v[2]]) * v,
+        lambda v: np.column_stack([v, v])[:, 1] + np.tile(v, 2)[3:] + np.repeat(v, 2)[::2] + np.atleast_1d(v),
+        lambda v: np.nan_to_num(v) + np.real(v) + np.zeros_like(v, dtype=float) + np.kron(v, [1.0]),
+        lambda v: np.apply_along_axis(lambda u: u * 2, 0, v) if isinstance(v[0], float) else 2 * v,
         lambda v: np.heaviside(v, 0.0) + np.logical_and(v > 0, v < 2) * 3.0,
     ],
 )

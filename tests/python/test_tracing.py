@@ -193,7 +193,7 @@ def mixes(t):
         (adds_into_an_array, "f +=", "into an array of plain numbers"),
         (compares, "t == 1", "asks whether a recorded number equals another"),
         (asks_truth, "if t", "asks whether a recorded number is zero"),
-        (converts, "float(t)", r"float\(t\) asks for the value"),
+        (converts, "float(t)", r"float\(t\) asks for the value .*; leave the conversion out"),
         (counts, "int(t)", r"int\(t\) asks for a whole number; np.floor"),
         (swallows, "float(t)", r"float\(t\) asks for the value"),
         (makes_floats, "np.array", "asks for the value .*; leave out the type"),
@@ -202,7 +202,7 @@ def mixes(t):
         (waits_for_ever, "while", "without end"),
         (has_many_cases, "if np.sin", "more than 64 cases together"),
         (divides_by_zero, "1 / 0", "raises ZeroDivisionError"),
-        (asks_numpy, "np.spacing", "np.spacing cannot be recorded"),
+        (asks_numpy, "np.spacing", "the ufunc spacing cannot be recorded"),
         (chooses_elements, "v[v > 0]", "raises IndexError"),
         (mixes, "np.sin", r"np.stack\(\[x, 1.0\]\)"),
     ],
@@ -225,6 +225,12 @@ def test_the_line_is_the_users_own_not_one_of_numpy_or_this_library():
 
     user = _user_function("time", f)
     assert f"line {line_of(f, 'vectorize')} of test_tracing.py: math.cos(x) asks" in user.reason
+
+
+def test_a_function_that_is_not_written_in_python_has_no_line():
+    user = _user_function("time", math.sin)
+    assert user.reason.startswith("it asks for the value of a number that is being recorded")
+    assert user(0.5) == math.sin(0.5)
 
 
 def test_a_function_that_changes_its_mind_is_not_recorded():
@@ -424,6 +430,18 @@ def test_a_function_travels_to_another_process(tmp_path):
     subprocess.run([sys.executable, "-c", textwrap.dedent(program)], check=True, cwd=tmp_path)
 
 
+def test_a_function_becomes_part_of_another():
+    k = rb.parameter(3.0)
+    polar = rb.Function(lambda x, y: (np.hypot(x, y), np.arctan2(y, x) * k))
+    f = rb.Function(lambda x: sum(polar(x, 2.0)) if x > 1 else polar(0.0, 1.0)[1] * x)
+    for x in (-1.0, 2.0):
+        assert f(x) == (np.hypot(x, 2.0) + 3 * np.arctan2(2.0, x) if x > 1 else 1.5 * np.pi * x)
+    k.value = 0.0
+    assert (f(2.0), f.parameters) == (np.hypot(2.0, 2.0), [k])
+    with pytest.raises(rb.InvalidInput, match="its inputs are numbers"):
+        rb.Function(lambda x: polar(x, "a"))
+
+
 def test_data_that_are_no_function_are_refused():
     from rbdyn._core import _function
 
@@ -445,5 +463,19 @@ def test_recordings_do_not_mix():
     assert rb.Function(outer)(1.0) == 4.0
     with pytest.raises(rb.InvalidInput, match="has returned"):
         rb.Function(lambda t: kept[0] + t)
-    with pytest.raises(rb.InvalidInput, match="another"):
-        rb.Function(lambda t: rb.Function(lambda x: x + t)(1.0) + t)
+    for inner in (lambda x, t: x + t, lambda x, t: rb.where(x > 0, t, x), lambda x, t: rb.where(t > 0, x, 2 * x)):
+        with pytest.raises(rb.InvalidInput, match="another"):
+            rb.Function(lambda t, inner=inner: rb.Function(lambda x: inner(x, t))(1.0) + t, 1)
+
+
+def test_a_parameter_stays_one_in_a_recording_that_a_call_back_makes():
+    k = rb.parameter(2.0)
+    made = []
+
+    def f(t):
+        made.append(rb.Function(lambda x: k * x))
+        return math.sin(k * t)
+
+    assert _user_function("time", f, False)(1.0) == math.sin(2.0)
+    k.value = 3.0
+    assert made[0](1.0) == 3.0
