@@ -113,6 +113,9 @@ rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::strin
 /// From f(t, position, velocity) -> three components, recorded.
 rbdyn::Function recorded_force(const py::object& f, const std::string& user);
 
+/// A curve as an object of its own class.
+py::object curve_object(const rbdyn::Curve& curve);
+
 // --- words for the members of an enumeration ---
 
 template <class E>

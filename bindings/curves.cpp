@@ -20,11 +20,6 @@ struct CurveOf : Curve {
     Kind kind;
 };
 
-template <class F>
-auto at(const ArrayLike& u, F&& f) {
-    return over(u, "Curve", "parameter", std::forward<F>(f));
-}
-
 /// A list of vectors, one a row.
 std::vector<Vector3> rows(py::handle value, const std::string& object, const std::string& what,
                           const std::string& rule) {
@@ -41,6 +36,51 @@ py::array_t<double> rows_to_python(const std::vector<Vector3>& vectors) {
     double* out = result.mutable_data();
     for (const Vector3& v : vectors) write(out, v);
     return result;
+}
+
+// what each kind is made from, as Python's tuples hold it
+py::tuple data(const rbdyn::Line& c) { return py::make_tuple(to_python(c.direction), to_python(c.point)); }
+py::tuple data(const rbdyn::Circle& c) {
+    return py::make_tuple(c.radius, to_python(c.start), to_python(c.toward), to_python(c.center));
+}
+py::tuple data(const rbdyn::Helix& c) {
+    return py::make_tuple(c.radius, c.pitch, to_python(c.start), to_python(c.toward), to_python(c.center));
+}
+py::tuple data(const rbdyn::Polynomial& c) { return py::make_tuple(rows_to_python(c.coefficients)); }
+py::tuple data(const rbdyn::Parabola& c) {
+    return py::make_tuple(c.a, to_python(c.x), to_python(c.y), to_python(c.vertex));
+}
+py::tuple data(const rbdyn::Cycloid& c) {
+    return py::make_tuple(c.radius, to_python(c.x), to_python(c.y), to_python(c.vertex));
+}
+py::tuple data(const rbdyn::Spline& c) { return py::make_tuple(rows_to_python(c.points), c.closed); }
+py::tuple data(const rbdyn::FunctionCurve& c) {
+    return py::make_tuple(c.function, std::pair(c.domain.begin, c.domain.end), c.closed);
+}
+
+const char* class_of(const rbdyn::CurveKinds::Kind& kind) {
+    static const char* names[] = {"Line", "Circle", "Parabola", "Cycloid", "Helix", "Polynomial", "Spline", "Curve"};
+    static_assert(std::variant_size_v<rbdyn::CurveKinds::Kind> == std::size(names));
+    return names[kind.index()];
+}
+
+/// The call that makes a curve anew: a class and its arguments.
+py::tuple call_that_makes(const Curve& c) {
+    py::object type = py::module_::import("rbdyn._core").attr(class_of(c.kind()));
+    const py::object partial = py::module_::import("functools").attr("partial");
+    if (const auto* polynomial = std::get_if<rbdyn::Polynomial>(&c.kind()))
+        type = partial(type, py::arg("domain") = std::pair(polynomial->domain.begin, polynomial->domain.end));
+    if (const auto* spline = std::get_if<rbdyn::Spline>(&c.kind())) {
+        py::dict slopes;
+        for (const auto& [k, slope] : spline->slopes) slopes[py::int_(k)] = to_python(slope);
+        type = partial(type, py::arg("slopes") = slopes);
+    }
+    return py::make_tuple(type, std::visit([](const auto& kind) { return data(kind); }, c.kind()));
+}
+
+template <class F>
+auto at(const ArrayLike& u, F&& f) {
+    return over(u, "Curve", "parameter", std::forward<F>(f));
 }
 
 std::string rows_text(const std::vector<Vector3>& vectors) {
@@ -111,10 +151,17 @@ On a straight stretch the frame of least rotation. Raises InvalidInput at a cusp
         .def("__eq__", [](const Curve& a,
                           const py::object& b) { return py::isinstance<Curve>(b) && a == b.cast<const Curve&>(); })
         .def("__hash__", [](const Curve& c) { return py::hash(py::str(c.name())); })
+        .def("__reduce__", &call_that_makes)
         .def("__repr__", [](const Curve& c) { return "<Curve: " + c.name() + ">"; });
 }
 
 }  // namespace
+
+py::object curve_object(const Curve& curve) {
+    if (std::holds_alternative<rbdyn::FunctionCurve>(curve.kind())) return py::cast(curve);
+    const py::tuple call = call_that_makes(curve);
+    return call[0](*call[1].cast<py::tuple>());
+}
 
 void bind_curves(py::module_& m) {
     using rbdyn::Circle, rbdyn::Cycloid, rbdyn::Helix, rbdyn::Line, rbdyn::Parabola, rbdyn::Polynomial, rbdyn::Spline;

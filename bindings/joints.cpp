@@ -23,6 +23,10 @@ TimeFunction speed_of(const py::object& drive) {
                        : TimeFunction(number(drive, "Rail", "drive"));
 }
 
+py::typing::Union<rbdyn::Curve> curve_of(const rbdyn::Rail& rail) {
+    return py::reinterpret_steal<py::typing::Union<rbdyn::Curve>>(curve_object(rail.curve()).release());
+}
+
 }  // namespace
 
 void bind_joints(py::module_& m) {
@@ -114,7 +118,7 @@ curve again from that side it lands ("land") and keeps its velocity along the cu
 ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
 
 Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.)")
-        .def_property_readonly("curve", &Rail::curve)
+        .def_property_readonly("curve", [](const Rail& rail) { return curve_of(rail); })
         .def_property_readonly("friction", &Rail::friction, "Friction, if any of its coefficients is not zero.")
         .def(
             "drive",
@@ -130,14 +134,14 @@ Functions are recorded: called before anything runs, with expressions. Raises In
             "moves", [](const Rail& rail) { return rail.motion().present(); }, "Whether the rail itself moves.")
         .def("__eq__",
              [](const Rail& a, const py::object& b) { return py::isinstance<Rail>(b) && a == b.cast<const Rail&>(); })
-        .def("__hash__", [](const Rail& rail) { return py::hash(py::cast(rail.curve())); })
+        .def("__hash__", [](const Rail& rail) { return py::hash(curve_object(rail.curve())); })
         .def(py::pickle(
             [](const Rail& rail) {
                 const py::object drive = rail.drive().is_constant() ? py::object(py::float_(rail.drive().constant()))
                                                                     : py::cast(rail.drive().function());
                 const py::object motion = rail.motion().present() ? py::cast(rail.motion().function()) : py::none();
-                return py::make_tuple(rail.curve(), rail.friction(), drive, motion, word_for(rail.side(), sides),
-                                      word_for(rail.ends(), endings));
+                return py::make_tuple(curve_object(rail.curve()), rail.friction(), drive, motion,
+                                      word_for(rail.side(), sides), word_for(rail.ends(), endings));
             },
             [](const py::tuple& d) {
                 RailOptions options;
@@ -149,7 +153,7 @@ Functions are recorded: called before anything runs, with expressions. Raises In
                 return Rail(d[0].cast<const Curve&>(), d[1].cast<std::optional<Coulomb>>(), options);
             }))
         .def("__repr__", [](const Rail& rail) {
-            std::string result = "Rail(" + std::string(py::repr(py::cast(rail.curve())));
+            std::string result = "Rail(" + std::string(py::repr(curve_object(rail.curve())));
             if (const auto friction = rail.friction())
                 result += ", friction=" + std::string(py::repr(py::cast(*friction)));
             if (!rail.drive().is_zero())

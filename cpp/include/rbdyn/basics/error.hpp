@@ -20,6 +20,7 @@ struct InvalidInput : Error {
 
 /// A double as text that reads back as the same double, short where that is possible.
 inline std::string text(double value) {
+    if (std::isnan(value)) return "nan";
     for (int digits = 6; digits <= 17; ++digits) {
         std::ostringstream out;
         out.precision(digits);

@@ -16,6 +16,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,6 +53,7 @@ auto prepared(const Kind& kind) {
 
 template <class... Kinds>
 struct KindList {
+    using Kind = std::variant<Kinds...>;
     using Form = std::variant<decltype(prepared(std::declval<Kinds>()))...>;
     template <class Kind>
     static constexpr bool has = (std::same_as<Kind, Kinds> || ...);
@@ -67,7 +69,8 @@ class Curve {
 public:
     /// Throws InvalidInput if the numbers make no curve.
     template <class Kind>
-    requires(CurveKinds::has<Kind>) Curve(const Kind& kind) : form_(curves::prepared(kind)) {
+    requires(CurveKinds::has<Kind>) Curve(const Kind& kind)
+        : kind_(std::make_shared<const CurveKinds::Kind>(kind)), form_(curves::prepared(kind)) {
         placement_ = std::visit([](const auto& form) { return form.placement(); }, form_);
     }
 
@@ -76,6 +79,9 @@ public:
     template <class F>
     requires(std::invocable<F, const Expression&>) explicit Curve(F&& function, Domain domain = {}, bool closed = false)
         : Curve(FunctionCurve{FunctionCurve::recorded(std::forward<F>(function)), domain, closed, {}}) {}
+
+    /// What it was made from.
+    const CurveKinds::Kind& kind() const { return *kind_; }
 
     Domain domain() const {
         return std::visit([](const auto& form) { return form.domain(); }, form_);
@@ -189,7 +195,7 @@ public:
                     ", and no tangent: choose a parameter where r' is not zero");
     }
 
-    bool operator==(const Curve&) const = default;
+    bool operator==(const Curve& other) const { return form_ == other.form_ && placement_ == other.placement_; }
 
 private:
     std::optional<Vector3> straight_binormal(double u) const {
@@ -197,6 +203,7 @@ private:
     }
     Vector3 in_world(const Vector3& own_vector) const { return curves::turned<double>(placement_.axes, own_vector); }
 
+    std::shared_ptr<const CurveKinds::Kind> kind_;
     CurveKinds::Form form_;
     Placement placement_;
 };

@@ -73,6 +73,7 @@ public:
         double clock = clock_;
         const int outcome = CVode(memory, stop, integrator_->y.get(), &clock, CV_ONE_STEP);
         count_rejected();
+        if (integrator_->thrown) std::rethrow_exception(std::exchange(integrator_->thrown, nullptr));
         if (outcome < 0) {
             running_ = false;
             return slope_is_finite() ? StepStatus::stalled : StepStatus::not_finite;

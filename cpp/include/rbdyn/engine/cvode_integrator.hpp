@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <new>
 #include <span>
@@ -91,6 +92,7 @@ public:
     }
 
     JacobianEvaluator evaluator;
+    std::exception_ptr thrown;  // by a function of the user's, kept while CVODE's own frames are left
     SeriesEvaluator series;
     PieceGuards guards;
     int n;
@@ -114,6 +116,7 @@ private:
             ++self.work_.right_hand_sides;
             self.evaluator((self.origin + t).hi, self.span_of(y));
         } catch (...) {
+            self.thrown = std::current_exception();
             return -1;
         }
         double* out = values(dy);
@@ -142,6 +145,7 @@ private:
                 ++self.work_.jacobians;
                 self.evaluator.differentiate((self.origin + t).hi, self.span_of(y));
             } catch (...) {
+                self.thrown = std::current_exception();
                 return -1;
             }
             double* entry = self.jacobian_.data();

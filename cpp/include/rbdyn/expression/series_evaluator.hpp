@@ -129,7 +129,7 @@ public:
                     out.set(k, slope[k] / k);
                     break;
                 }
-                case Code::call: out.set(k, std::numeric_limits<double>::quiet_NaN()); break;
+                case Code::call: call(*i.call, k); break;
                 case Code::exponential: {
                     const series::View& a = i.a;
                     double* slope = i.slope;
@@ -195,11 +195,22 @@ private:
         const ResolvedTerm* terms;
         const ResolvedProduct* products;
         int term_count, product_count;
+        const Program::Call* call;
     };
 
     series::View slot(int index) {
         double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
         return {start, start + top_ + 1, top_};
+    }
+
+    /// A function of the user's has a value and no more.
+    void call(const Program::Call& c, int k) {
+        std::vector<double> x, y(c.results.size(), std::numeric_limits<double>::quiet_NaN());
+        if (k == 0) {
+            for (const int argument : c.arguments) x.push_back(slot(argument)[0]);
+            (*c.function)(x.data(), y.data());
+        }
+        for (std::size_t i = 0; i < y.size(); ++i) slot(c.results[i]).set(k, y[i]);
     }
 
     /// |v| for v = t^m d(t), d(0) not zero: t^m |d(t)|, so that a motion may start from v = 0.
@@ -247,10 +258,11 @@ private:
                    terms_.data() + terms_.size(),
                    products_.data() + products_.size(),
                    i.terms,
-                   i.products};
+                   i.products,
+                   i.code == Code::call ? &program_->calls()[static_cast<std::size_t>(i.extra)] : nullptr};
             if (i.code == Code::norm)
                 s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
-            else if (i.extra >= 0)
+            else if (i.extra >= 0 && i.code != Code::call)
                 s.slope = slot(i.extra).forward;
             for (int j = 0; j < i.terms; ++j) {
                 const Term& t = program_->terms(i)[j];
