@@ -68,6 +68,49 @@ inline Scene alone(const Scene& scene, BodyHandle bead, const std::string& user)
     return result;
 }
 
+/// Chooses the signs of a program's switches by the state x.
+inline void set_signs(const Program& program, std::vector<double>& parameters, std::span<const double> x) {
+    if (parameters.empty()) {
+        parameters.assign(static_cast<std::size_t>(program.parameters()), 0.0);
+        for (const Switch& s : program.switches())
+            if (!s.is_norm) parameters[static_cast<std::size_t>(s.parameter)] = 1.0;
+    }
+    if (program.switches().empty()) return;
+    Evaluator<double> values(program);
+    // the argument of a switch may contain others: no deeper than there are switches
+    for (std::size_t depth = 0; depth < program.switches().size(); ++depth) {
+        values.set_parameters(parameters);
+        values(0.0, x);
+        bool changed = false;
+        for (std::size_t k = 0; k < program.switches().size(); ++k) {
+            const Switch& s = program.switches()[k];
+            if (s.is_norm) continue;
+            double& sign = parameters[static_cast<std::size_t>(s.parameter)];
+            const double now = values.switch_value(static_cast<int>(k)) < 0.0 ? -1.0 : 1.0;
+            changed = changed || now != sign;
+            sign = now;
+        }
+        if (!changed) break;
+    }
+}
+
+/// The sum of the sizes of the forces on a body at rest: a force of its rounding is none [N].
+inline double effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states) {
+    const PointLaws::Body& b = laws.body(body);
+    const PointState<double>& p = states[static_cast<std::size_t>(body)];
+    const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
+    double sum = b.force.norm();
+    for (const auto& function : b.functions)
+        sum += std::visit([&](const auto& g) -> Vector3 { return g(0.0, r, zero); }, function).norm();
+    for (const auto& c : laws.springs()) {
+        if (c.a.body != body && c.b.body != body) continue;
+        const PointLaws::SpringEnd& other = c.a.body == body ? c.b : c.a;
+        const Vector3 end = other.body >= 0 ? states[static_cast<std::size_t>(other.body)].r : other.point;
+        sum += c.spring.stiffness * ((p.r - end).norm() + c.spring.rest_length);
+    }
+    return sum;
+}
+
 }  // namespace statics
 
 /// The forces on the only bead of a scene, along and across its rail.
@@ -120,34 +163,8 @@ public:
         result.guards = static_cast<int>(outputs.size()) - result.outputs;
         result.program = Program(r, outputs, 1);
         result.is_smooth = result.guards == 0 && result.program.switches().empty();
-        set_signs(result, u);
+        statics::set_signs(result.program, result.parameters, std::span<const double>(&u, 1));
         return result;
-    }
-    /// Chooses the signs of a formula's switches at u.
-    static void set_signs(Formula& formula, double u) {
-        const Program& program = formula.program;
-        if (formula.parameters.empty()) {
-            formula.parameters.assign(static_cast<std::size_t>(program.parameters()), 0.0);
-            for (const Switch& s : program.switches())
-                if (!s.is_norm) formula.parameters[static_cast<std::size_t>(s.parameter)] = 1.0;
-        }
-        if (program.switches().empty()) return;
-        Evaluator<double> values(program);
-        // the argument of a switch may contain others: no deeper than there are switches
-        for (std::size_t depth = 0; depth < program.switches().size(); ++depth) {
-            values.set_parameters(formula.parameters);
-            values(0.0, std::span<const double>(&u, 1));
-            bool changed = false;
-            for (std::size_t k = 0; k < program.switches().size(); ++k) {
-                const Switch& s = program.switches()[k];
-                if (s.is_norm) continue;
-                double& sign = formula.parameters[static_cast<std::size_t>(s.parameter)];
-                const double now = values.switch_value(static_cast<int>(k)) < 0.0 ? -1.0 : 1.0;
-                changed = changed || now != sign;
-                sign = now;
-            }
-            if (!changed) break;
-        }
     }
     /// The formula at the bead's start.
     const Formula& first_formula() const { return smooth_; }
@@ -180,16 +197,8 @@ public:
     }
     /// |r'| times the sum of the sizes of the forces: Q of its rounding is none.
     double effort(double u) const {
-        const PointState<double> p = at_rest(u);
-        const Vector3 r = laws().in_world<double>(p.r), zero = Vector3::Zero();
-        double sum = body().force.norm();
-        for (const auto& function : body().functions)
-            sum += std::visit([&](const auto& g) -> Vector3 { return g(0.0, r, zero); }, function).norm();
-        for (const auto& c : laws().springs()) {
-            const Vector3& point = c.a.body >= 0 ? c.b.point : c.a.point;
-            sum += c.spring.stiffness * ((p.r - point).norm() + c.spring.rest_length);
-        }
-        return std::sqrt(p.curve.speed_squared) * sum;
+        const std::vector<PointState<double>> states{at_rest(u)};
+        return std::sqrt(states[0].curve.speed_squared) * statics::effort(laws(), 0, states);
     }
     /// What is not finite at u, in words.
     std::string not_finite(double u) const {

@@ -163,7 +163,7 @@ private:
                 resolve();
             }
         }
-        RailForces::set_signs(formula_, u);
+        statics::set_signs(formula_.program, formula_.parameters, std::span<const double>(&u, 1));
         series_->set_parameters(formula_.parameters);
         values_->set_parameters(formula_.parameters);
     }
