@@ -41,8 +41,7 @@ public:
         std::vector<double> q(at(freedoms_));
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws().body(i);
-            for (int k = 0; k < (b.curve ? 1 : 3); ++k)
-                q[at(first(i) + k)] = b.curve ? b.start_u : b.start_position[k];
+            for (int k = 0; k < (b.curve ? 1 : 3); ++k) q[at(first(i) + k)] = b.curve ? b.start_u : b.start_position[k];
         }
         return q;
     }
@@ -263,7 +262,8 @@ inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector
     for (int i = 0; i < static_cast<int>(now.bodies().size()); ++i) {
         const Scene::Body& body = now.bodies()[static_cast<std::size_t>(i)];
         statics::require_timeless(now, i, user);
-        if (const Rail* rail = body.rail(); rail != nullptr && !near.empty() && freedoms < static_cast<int>(near.size())) {
+        if (const Rail* rail = body.rail();
+            rail != nullptr && !near.empty() && freedoms < static_cast<int>(near.size())) {
             const double u = near[static_cast<std::size_t>(freedoms)];
             const Domain d = rail->curve().domain();
             require(u >= d.begin && u <= d.end, user, "near, parameter of " + body.name, u,
@@ -275,7 +275,8 @@ inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector
             static_cast<double>(near.size()), "this scene has " + std::to_string(freedoms));
     for (const double x : near) require(std::isfinite(x), user, "a coordinate of near", x, "it is finite");
     if (now.bodies().size() == 1 && now.bodies()[0].rail() != nullptr) {
-        RailEquilibria rail(statics::alone(now, BodyHandle{0}, user), near.empty() ? now.bodies()[0].parameter : near[0]);
+        RailEquilibria rail(statics::alone(now, BodyHandle{0}, user),
+                            near.empty() ? now.bodies()[0].parameter : near[0]);
         return rail.find();
     }
     statics::Forces forces(now);

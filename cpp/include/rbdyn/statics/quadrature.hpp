@@ -30,8 +30,8 @@ double integral(F&& f, double a, double b, double floor = 0.0, const double& noi
         waiting.pop_back();
         const double middle = piece.begin + 0.5 * (piece.end - piece.begin), doubt = std::abs(piece.doubt);
         const bool is_indivisible = !((piece.begin < middle) == (middle < piece.end) && piece.begin != middle);
-        if (doubt <= std::max(agreed, noise) * std::abs(piece.length) || doubt <= negligible * size + floor || is_indivisible ||
-            pieces > most_pieces || !std::isfinite(piece.length)) {
+        if (doubt <= std::max(agreed, noise) * std::abs(piece.length) || doubt <= negligible * size + floor ||
+            is_indivisible || pieces > most_pieces || !std::isfinite(piece.length)) {
             // the sum compensated
             const double y = piece.length + low, next = sum + y;
             low = y - (next - sum);

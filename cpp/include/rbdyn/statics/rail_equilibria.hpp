@@ -79,7 +79,7 @@ private:
         const auto keep = [&](const Piece& p) {
             path_.push_back(p);
             // the same force all along
-            return !(p.polynomial && is_same_all_along(p) && path_.size() == 1);
+            return !(p.endless && is_same_all_along(p));
         };
         if (std::isfinite(low_) && std::isfinite(high_)) {
             pieces_.march(low_, high_, most_pieces, keep);
@@ -87,7 +87,7 @@ private:
         }
         pieces_.march(place_, low_, most_stretches, keep);
         std::reverse(path_.begin(), path_.end());
-        if (path_.size() == 1 && path_[0].polynomial && is_same_all_along(path_[0])) return;
+        if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
         pieces_.march(place_, high_, most_stretches, [&](const Piece& p) {
             path_.push_back(p);
             return true;
@@ -123,10 +123,14 @@ private:
             }
             const double* q = p.output[along].data();
             for (const double x : statics::roots_about_middle(q, statics::order)) add(p, x);
-            std::array<double, statics::order> slope{};
-            for (int k = 1; k <= statics::order; ++k) slope[static_cast<std::size_t>(k) - 1] = k * q[k];
-            for (const double x : statics::roots_about_middle(slope.data(), statics::order - 1))
-                if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
+            // zeros without a change of sign, or too flat to show one: those of derivatives
+            std::array<double, statics::order + 1> derivative = p.output[along];
+            for (int degree = statics::order - 1; degree >= statics::order - 3; --degree) {
+                for (int k = 0; k <= degree; ++k)
+                    derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
+                for (const double x : statics::roots_about_middle(derivative.data(), degree))
+                    if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
+            }
             for (const double x : {-1.0, 1.0})
                 if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
             if (i == 0 || !adjoin(path_[i - 1].end(), p) || !p.cut_below) continue;
@@ -180,7 +184,8 @@ private:
         }
         // an end of the rail, within rounding
         for (const double end : {low_, high_})
-            if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), piece.half)) point.u = end;
+            if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), piece.half))
+                point.u = end;
         if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
         // a cusp has no tangent
         const auto speed = [&](double u) { return forces_.curve().first(u).norm(); };
@@ -317,8 +322,10 @@ private:
     Equilibrium resting(const Interval& i, bool stable) const {
         const bool is_bounded = std::isfinite(i.first) && std::isfinite(i.second);
         double middle = place_;
-        if (is_bounded) middle = i.first + 0.5 * (i.second - i.first);
-        else if (!(place_ >= i.first && place_ <= i.second)) middle = std::isfinite(i.first) ? i.first : i.second;
+        if (is_bounded)
+            middle = i.first + 0.5 * (i.second - i.first);
+        else if (!(place_ >= i.first && place_ <= i.second))
+            middle = std::isfinite(i.first) ? i.first : i.second;
         double best = std::numeric_limits<double>::infinity(), at = middle;
         for (const Point& p : points_) {
             const double u = shifted(i, p.u);

@@ -45,11 +45,12 @@ inline void require_timeless(const Scene& scene, int body, const std::string& us
 /// A bead of a scene by itself, with the loads on it and the springs that hold it to the world. Throws InvalidInput if
 /// it is no bead, or if a spring joins it with another body.
 inline Scene alone(const Scene& scene, BodyHandle bead, const std::string& user) {
-    require(bead.index >= 0 && bead.index < static_cast<int>(scene.bodies().size()), user, "body", bead.index,
-            "a handle comes from add() of the same scene, which has " + std::to_string(scene.bodies().size()) +
-                " bodies");
+    require(
+        bead.index >= 0 && bead.index < static_cast<int>(scene.bodies().size()), user, "body", bead.index,
+        "a handle comes from add() of the same scene, which has " + std::to_string(scene.bodies().size()) + " bodies");
     const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
-    if (body.rail() == nullptr) throw InvalidInput(user + ": " + body.name + " is free; this is about a bead on a rail");
+    if (body.rail() == nullptr)
+        throw InvalidInput(user + ": " + body.name + " is free; this is about a bead on a rail");
     Scene result(scene.gravity());
     const BodyHandle one = result.add(body.particle, *body.rail(), {.parameter = body.parameter}, body.name);
     for (const Scene::AppliedLoad& load : scene.loads())

@@ -40,8 +40,9 @@ inline std::vector<double> roots_about_middle(const double* c, int degree) {
 /// A stretch [middle - half, middle + half] of a rail, with the forces on it in powers of x = (u - middle)/half.
 struct RailPiece {
     double middle = 0.0, half = 0.0;
-    double effort = 0.0;      // largest size of what Q is made of
-    bool polynomial = false;  // exact at any length
+    double effort = 0.0;                        // largest size of what Q is made of
+    bool polynomial = false;                    // exact at any length, if no case distinction changes
+    bool endless = false;                       // none can
     bool cut_below = false, cut_above = false;  // a case distinction changes at that end
     std::array<std::array<double, order + 1>, 3> output{};
 
@@ -87,7 +88,8 @@ public:
             if (reach <= least && !holds_) {
                 if (!is_finite_)
                     throw InvalidInput(forces_.name() + ": at parameter " + text(piece_.middle) + " " +
-                                       forces_.not_finite(piece_.middle) + " is not finite; it must be on the whole rail");
+                                       forces_.not_finite(piece_.middle) +
+                                       " is not finite; it must be on the whole rail");
                 from += way * std::max(2.0 * reach, 4.0 * least);
                 if (std::isfinite(to) && way * (to - from) <= 0.0) return;
                 cut = true;
@@ -157,7 +159,8 @@ private:
         if (formula_.guards > 0) {
             (*values_)(0.0, std::span<const double>(&u, 1));
             bool is_right = true;
-            for (int k = 0; k < formula_.guards; ++k) is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
+            for (int k = 0; k < formula_.guards; ++k)
+                is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
             if (!is_right) {
                 formula_ = forces_.formula(u);
                 resolve();
@@ -207,11 +210,12 @@ private:
             while (first < statics::order && size[static_cast<std::size_t>(first)] == 0.0) ++first;
             for (int k = first + 1; k <= statics::order; ++k)
                 if (size[static_cast<std::size_t>(k)] != 0.0)
-                    ratio_ = std::min(ratio_, std::pow(size[static_cast<std::size_t>(first)] /
-                                                           size[static_cast<std::size_t>(k)],
-                                                       1.0 / (k - first)));
+                    ratio_ = std::min(
+                        ratio_, std::pow(size[static_cast<std::size_t>(first)] / size[static_cast<std::size_t>(k)],
+                                         1.0 / (k - first)));
         }
         piece_.polynomial = std::isinf(stretch_);
+        piece_.endless = piece_.polynomial && guards() == 0;
         holds_ = stretch_ >= 1.0;
         // what the middle does not know of shows at the ends
         for (const double x : {-1.0, 1.0}) {
@@ -230,8 +234,8 @@ private:
     /// Where on the way through the piece a case distinction changes first, x in (-1, 1]; 1 if none does.
     double first_change(double way) const {
         double first = 1.0;
-        const double resolved = 64.0 * std::numeric_limits<double>::epsilon() *
-                                std::max(1.0, std::abs(piece_.middle) / piece_.half);
+        const double resolved =
+            64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(piece_.middle) / piece_.half);
         for (int j = formula_.outputs; j < formula_.outputs + guards(); ++j)
             for (const double x : statics::roots_about_middle(series_->output(j), statics::order))
                 if (way * x > -1.0 + resolved && way * x < first - resolved) first = way * x;

@@ -8,7 +8,8 @@
 // has none. Gravity, constant forces, potentials and springs enter in closed form, `Force` functions by quadrature.
 // Between turning points the time is taken in x with u = u_turn +- x^2, which makes its integrand smooth, and E + U as
 // the integral of F_t from the turning point, which keeps its digits there.
-// Accuracy: U to rounding of its terms; times to about 1e-15, times the growth of rounding of E and u near a separatrix.
+// Accuracy: U to rounding of its terms; times to about 1e-15, times the growth of rounding of E and u near a
+// separatrix.
 #pragma once
 
 #include <algorithm>
@@ -30,22 +31,20 @@ struct TurningPoints {
     bool operator==(const TurningPoints&) const = default;
 };
 
-/// The work of the recorded `Force` functions on a bead along its rail. They depend on position only.
+/// The work of a bead's recorded `Force` functions along its rail, of those that have a potential there
+/// (planning::has_potential_along_rail).
 class RailWork {
 public:
     RailWork(const Scene& scene, BodyHandle bead) {
-        const Scene one = statics::alone(scene, bead, "work of forces");
+        const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
         Scene functions;
-        const Scene::Body& body = one.bodies()[0];
-        const BodyHandle same = functions.add(body.particle, *body.rail(), {.parameter = body.parameter}, body.name);
-        bool any = false;
-        for (const Scene::AppliedLoad& load : one.loads())
-            if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && !force->is_constant()) {
-                functions.apply(*force, same);
-                any = true;
-            }
-        if (any) forces_.emplace(functions);
-        if (any) origin_ = arc_length_origin(forces_->curve());
+        const BodyHandle one = functions.add(body.particle, *body.rail(), {.parameter = body.parameter}, body.name);
+        for (const Scene::AppliedLoad& load : scene.loads())
+            if (load.body == bead.index && planning::has_potential_along_rail(scene, load))
+                functions.apply(load.load, one);
+        if (functions.loads().empty()) return;
+        forces_.emplace(functions);
+        origin_ = arc_length_origin(forces_->curve());
     }
 
     /// The integral of their F_t from the origin of arc length to u [J].
@@ -76,7 +75,7 @@ public:
     double mass() const { return forces_.mass(); }
 
     /// U(u) [J].
-    double value(double u) const { return closed_form(u).first + work_.operator()(on_rail(u)); }
+    double value(double u) const { return closed_form(u).first + work_(on_rail(u)); }
     /// The part of U that is the work of `Force` functions [J].
     double work_of_forces(double u) const { return work_(on_rail(u)); }
     /// F_t = dU/ds [N]. Throws InvalidInput at a cusp.
@@ -106,15 +105,19 @@ public:
             RailPieces pieces(forces_);
             const statics::RailPiece& p = pieces.about(start, pieces.natural(start));
             const double slope = p.output[RailForces::along][1] / p.half;
-            return slope < 0.0 ? 2.0 * std::numbers::pi * std::sqrt(-mass() * curve().first(start).squaredNorm() / slope)
-                               : std::numeric_limits<double>::infinity();
+            return slope < 0.0
+                       ? 2.0 * std::numbers::pi * std::sqrt(-mass() * curve().first(start).squaredNorm() / slope)
+                       : std::numeric_limits<double>::infinity();
         }
         if (!t.below && !t.above && curve().period() > 0.0) {
             const double k = kinetic(energy, start), end = start + curve().period();
             return duration(start, end, k, k + gained(start, end));
         }
         throw InvalidInput(user() + ": the motion with energy " + text(energy) + " J that passes parameter " +
-                           text(start) + " does not turn round " + (t.above ? "below" : t.below ? "above" : "either way") +
+                           text(start) + " does not turn round " +
+                           (t.above   ? "below"
+                            : t.below ? "above"
+                                      : "either way") +
                            ", so it has no period");
     }
 
@@ -248,7 +251,7 @@ private:
             }
             now = c[0] + far;
             // with constant force: never, or the next piece
-            const bool is_constant = p.polynomial && p.bound() <= std::abs(p.output[RailForces::along][0]);
+            const bool is_constant = p.endless && p.bound() <= std::abs(p.output[RailForces::along][0]);
             if (is_constant && way * p.output[RailForces::along][0] >= 0.0) return false;
             // round a closed curve without loss, it goes on for ever
             const double gone = way * ((way > 0.0 ? p.end() : p.begin()) - start);
