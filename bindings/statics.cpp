@@ -139,7 +139,7 @@ series go. At rest in equilibrium both are the start.)")
         .def("period", &RailPotential::period, py::arg("energy"), py::arg("start"),
              R"(The time there and back between the turning points [s] (eq. 7.22).
 
-On a closed curve without turning points: of the next turn from `start`, the parameter growing. At rest in stable
+On a closed curve round which it passes on: of the next round from `start`, the parameter growing. At rest in stable
 equilibrium that of small oscillations, at other equilibria infinite. Raises InvalidInput for a motion that does not
 come back.)")
         .def("time", &RailPotential::time, py::arg("energy"), py::arg("u0"), py::arg("u1"),

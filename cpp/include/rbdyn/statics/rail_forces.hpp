@@ -107,7 +107,7 @@ inline double effort(const PointLaws& laws, int body, const std::vector<PointSta
         if (c.a.body != body && c.b.body != body) continue;
         const PointLaws::SpringEnd& other = c.a.body == body ? c.b : c.a;
         const Vector3 end = other.body >= 0 ? states[static_cast<std::size_t>(other.body)].r : other.point;
-        sum += c.spring.stiffness * ((p.r - end).norm() + c.spring.rest_length);
+        sum += c.spring.stiffness * (p.r.norm() + end.norm() + c.spring.rest_length);
     }
     return sum;
 }

@@ -96,8 +96,8 @@ public:
     }
 
     /// The time there and back between the turning points [s]; of a small oscillation where the bead rests in stable
-    /// equilibrium, infinite at other equilibria. On a closed curve without turning points: the time of the next turn
-    /// from `start`, the parameter growing. Throws InvalidInput for a motion that does not come back.
+    /// equilibrium, infinite at other equilibria. On a closed curve round which it passes on: the time of the next
+    /// round from `start`, the parameter growing. Throws InvalidInput for a motion that does not come back.
     double period(double energy, double start) const {
         const TurningPoints t = turning_points(energy, start);
         if (t.below && t.above) {
@@ -109,7 +109,7 @@ public:
                        ? 2.0 * std::numbers::pi * std::sqrt(-mass() * curve().first(start).squaredNorm() / slope)
                        : std::numeric_limits<double>::infinity();
         }
-        if (!t.below && !t.above && curve().period() > 0.0) {
+        if (!t.above && curve().period() > 0.0) {
             const double k = kinetic(energy, start), end = start + curve().period();
             return duration(start, end, k, k + gained(start, end));
         }
