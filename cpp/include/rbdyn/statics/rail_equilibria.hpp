@@ -102,10 +102,14 @@ private:
         }
         return true;
     }
-    /// What rounding makes of hold.
+    /// What rounding makes of hold, somewhere; of Q^2 where hold is its difference from nearly the same.
     double hold_noise(const Piece& p) const {
         const double mu = forces_.body().mu_static;
         return 2.0 * (1.0 + mu * mu) * p.effort * p.noise();
+    }
+    double hold_noise(const Piece& p, double x) const {
+        const double q = p.value(RailForces::along, x), noise = p.noise();
+        return 32.0 * epsilon * q * q + noise * noise;
     }
     static bool adjoin(double end, const Piece& p) {
         return std::abs(p.begin() - end) <= 1e-14 * (std::abs(end) + p.half);
@@ -133,11 +137,7 @@ private:
             }
             for (const double x : {-1.0, 1.0})
                 if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
-            if (i == 0 || !adjoin(path_[i - 1].end(), p) || !p.cut_below) continue;
-            // a jump across zero
-            const double before = path_[i - 1].value(RailForces::along, 1.0), after = p.value(RailForces::along, -1.0);
-            if (std::abs(before) > noise && std::abs(after) > noise && (before > 0.0) != (after > 0.0))
-                points_.push_back({p.begin(), p.half, before > 0.0, is_pushed(p.begin()), 0.0});
+            if (i > 0) add_jump(path_[i - 1], p);
         }
         finish(flat_);
         for (Point& p : points_) p.u = in_window(p.u);
@@ -194,6 +194,21 @@ private:
         point.pushed = is_pushed(point.u);
         points_.push_back(point);
     }
+    /// A jump across zero between two pieces: where the formula changes, or where there is no series in between.
+    void add_jump(const Piece& before, const Piece& after) {
+        const double gap = after.begin() - before.end(), noise = std::max(before.noise(), after.noise());
+        if (!after.cut_below || gap > 1e-11 * std::max(std::abs(after.begin()), after.half)) return;
+        const double from = before.value(RailForces::along, 1.0), to = after.value(RailForces::along, -1.0);
+        if (std::abs(from) <= noise || std::abs(to) <= noise || (from > 0.0) == (to > 0.0)) return;
+        // at a pole it grows beyond all bounds
+        const double from_before = before.value(RailForces::along, -1.0),
+                     to_after = after.value(RailForces::along, 1.0);
+        if (gap > 0.0 && !adjoin(before.end(), after) &&
+            (std::abs(from) > 1.5 * std::abs(from_before) || std::abs(to) > 1.5 * std::abs(to_after)))
+            return;
+        const double u = before.end() + 0.5 * gap;
+        points_.push_back({u, after.half, from > 0.0, is_pushed(u), 0.0});
+    }
     /// A zero where the formula of the force changes.
     void add_corner(double u, double half) {
         const double step = 1e-6 * half;
@@ -242,7 +257,7 @@ private:
             std::sort(roots.begin(), roots.end());
             for (std::size_t j = 0; j + 1 < roots.size(); ++j) {
                 const double x = 0.5 * (roots[j].first + roots[j + 1].first);
-                if (p.value(RailForces::hold, x) < -hold_noise(p)) continue;
+                if (p.value(RailForces::hold, x) < -hold_noise(p, x)) continue;
                 if (forces_.one_sided() && p.value(RailForces::push, x) < -noise) continue;
                 const auto [from, from_root] = roots[j];
                 const auto [to, to_root] = roots[j + 1];

@@ -205,14 +205,18 @@ private:
             const double length =
                 std::exp2(series::log_step(size.data(), statics::order, std::max(scale, size[0]), -53.0));
             stretch_ = std::min(stretch_, length);
-            // of a polynomial: where its first two terms are equal
-            int first = 0;
-            while (first < statics::order && size[static_cast<std::size_t>(first)] == 0.0) ++first;
-            for (int k = first + 1; k <= statics::order; ++k)
-                if (size[static_cast<std::size_t>(k)] != 0.0)
-                    ratio_ = std::min(
-                        ratio_, std::pow(size[static_cast<std::size_t>(first)] / size[static_cast<std::size_t>(k)],
-                                         1.0 / (k - first)));
+            // of a polynomial: where its first two terms are equal, those that are not rounding
+            const double largest = *std::max_element(size.begin(), size.end());
+            const double least = 64.0 * std::numeric_limits<double>::epsilon() * std::max(scale, largest);
+            int first = -1;
+            for (int k = 0; k <= statics::order; ++k) {
+                const double c_k = size[static_cast<std::size_t>(k)];
+                if (!(c_k > least)) continue;
+                if (first >= 0)
+                    ratio_ = std::min(ratio_, std::pow(size[static_cast<std::size_t>(first)] / c_k, 1.0 / (k - first)));
+                else
+                    first = k;
+            }
         }
         piece_.polynomial = std::isinf(stretch_);
         piece_.endless = piece_.polynomial && guards() == 0;
