@@ -295,6 +295,31 @@ TEST(Equilibria, on_a_rail_without_ends_they_are_sought_about_a_place) {
     EXPECT_TRUE(equilibria(bead_on(helix, Coulomb{.mu_static = h - 1e-9})).empty());
 }
 
+TEST(Equilibria, every_arch_of_a_cycloid_has_its_bottom_and_cusps_are_none) {
+    const auto all = equilibria(bead_on(Cycloid{.radius = 0.3, .x = {1, 0, 0}, .y = {0, 0, 1}}));
+    ASSERT_GE(all.size(), 5u);
+    for (const Equilibrium& e : all) {
+        EXPECT_TRUE(e.stable);
+        EXPECT_NEAR(std::remainder(e.coordinates[0], 2.0 * pi), 0.0, epsilon * std::abs(e.coordinates[0]));
+        EXPECT_LE(std::abs(e.periods.at(0) / (4.0 * pi * std::sqrt(0.3 / gravity)) - 1.0), 1e-14);
+    }
+}
+
+TEST(Equilibria, a_closed_spline_is_searched_all_round_once) {
+    const Spline loop{.points = {{1, 0, 0}, {0.2, 0, 1}, {-1, 0, 0.3}, {-0.5, 0, -0.8}, {0.1, 0, -0.2}, {0.6, 0, -0.9}},
+                      .closed = true};
+    const auto all = equilibria(bead_on(loop));
+    // two hollows and two crests
+    ASSERT_EQ(all.size(), 4u);
+    const Curve curve = loop;
+    for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_GE(all[k].coordinates[0], 0.0);
+        EXPECT_LT(all[k].coordinates[0], 6.0);
+        EXPECT_NE(all[k].stable, all[(k + 1) % 4].stable);
+        EXPECT_NEAR(curve.first(all[k].coordinates[0])[2], 0.0, 1e-14);
+    }
+}
+
 TEST(Equilibria, none_is_missed_on_random_hoops) {
     Random random(7);
     int found = 0;

@@ -95,6 +95,23 @@ TEST(RailPotential, a_spring_along_a_line_has_one_period_at_every_amplitude) {
     EXPECT_EQ(p.time(e, 2.0, 1.0), -p.time(e, 1.0, 2.0));
 }
 
+TEST(RailPotential, on_a_cycloid_the_period_is_the_same_from_every_height) {
+    for (const double radius : {0.25, 0.3, 7.0}) {
+        Scene scene(down);
+        const auto bead =
+            scene.add(Particle{.mass = 0.3}, Rail(Cycloid{.radius = radius, .x = {1, 0, 0}, .y = {0, 0, 1}}));
+        const RailPotential p(scene, bead);
+        const double exact = 4.0 * pi * std::sqrt(radius / gravity);
+        for (const double u : {0.01, 0.5, 1.0, -2.0, 3.0, 3.1}) {
+            EXPECT_LE(std::abs(release(p, u) / exact - 1.0), 1e-14) << radius << " " << u;
+            EXPECT_LE(std::abs(p.time(p.energy(u, 0.0), 0.0, std::abs(u)) / exact - 0.25), 1e-14) << u;
+        }
+        EXPECT_LE(std::abs(release(p, 0.0) / exact - 1.0), 1e-15) << "small oscillations";
+        // at its cusps a cycloid has no tangent
+        EXPECT_THROW(p.tangential_force(pi), InvalidInput);
+    }
+}
+
 TEST(RailPotential, in_a_parabola_the_period_is_an_elliptic_integral_of_the_second_kind) {
     Scene scene(down);
     const auto bead = scene.add(

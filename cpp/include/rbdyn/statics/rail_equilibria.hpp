@@ -36,6 +36,9 @@ public:
             high_ = d.end;
         }
         walk();
+        std::vector<Piece> path;
+        for (const Piece& p : path_) refine(p, 0, path);
+        path_ = std::move(path);
     }
 
     std::vector<Equilibrium> find() {
@@ -92,6 +95,32 @@ private:
             path_.push_back(p);
             return true;
         });
+    }
+    /// Halves a piece as long as the forces about its zeros of Q are small beside what they are elsewhere on it: there
+    /// its polynomial knows them to few digits.
+    void refine(const Piece& p, int depth, std::vector<Piece>& path) {
+        bool splits = false;
+        if (depth < most_halvings) {
+            std::array<double, statics::order + 1> derivative = p.output[along];
+            for (int degree = statics::order; degree >= statics::order - 3; --degree) {
+                if (degree < statics::order)
+                    for (int k = 0; k <= degree; ++k)
+                        derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
+                for (const double x : statics::roots_about_middle(derivative.data(), degree))
+                    if (degree == statics::order || std::abs(p.value(RailForces::along, x)) <= p.noise())
+                        splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
+            }
+        }
+        if (!splits) {
+            path.push_back(p);
+            return;
+        }
+        for (const double way : {-1.0, 1.0}) {
+            Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
+            (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
+            half.polynomial = p.polynomial;
+            refine(half, depth + 1, path);
+        }
     }
     /// Whether the forces are the same on the whole piece, within rounding.
     bool is_same_all_along(const Piece& p) const {
@@ -187,9 +216,10 @@ private:
             if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), piece.half))
                 point.u = end;
         if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
-        // a cusp has no tangent
+        // at a cusp r' vanishes, and Q with it
         const auto speed = [&](double u) { return forces_.curve().first(u).norm(); };
-        if (speed(point.u) <= 1e-9 * std::max(speed(point.u - piece.half), speed(point.u + piece.half))) return;
+        const double aside = 0x1p-6 * piece.half;
+        if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
         point.stable = m % 2 == 1 && lead < 0.0;
         point.pushed = is_pushed(point.u);
         points_.push_back(point);
@@ -353,6 +383,8 @@ private:
 
     // enough for a rail that is everything but smooth; and each way on one without end
     static constexpr int most_pieces = 20000, most_stretches = 32;
+    // a zero where the forces vanish too is closed in on so far, which leaves its piece longer than rounding of u
+    static constexpr int most_halvings = 24;
 
     RailForces forces_;
     RailPieces pieces_;
