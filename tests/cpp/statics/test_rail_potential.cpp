@@ -88,6 +88,9 @@ TEST(RailPotential, a_spring_along_a_line_has_one_period_at_every_amplitude) {
     const double reach = 3.0 * std::sqrt(0.15);
     EXPECT_NEAR(*t.below, 1.0 - reach, 4e-16);
     EXPECT_NEAR(*t.above, 1.0 + reach, 4e-16);
+    // where the way back ends with a piece
+    for (const double u : {1.5, 2.0, 3.0, 5.0})
+        EXPECT_EQ(p.turning_points(p.energy(u, 0.0), u), (TurningPoints{2.0 - u, u})) << u;
     // a quarter of the period to the middle, a twelfth to half the amplitude
     const double e = p.energy(3.0, 0.0);
     EXPECT_LE(std::abs(p.time(e, 1.0, 3.0) / exact - 0.25), 1e-15);

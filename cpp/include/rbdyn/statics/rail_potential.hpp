@@ -250,6 +250,11 @@ private:
                 return false;
             }
             now = c[0] + far;
+            // at the very end of the piece, within rounding
+            if (now <= 64.0 * epsilon * size && way * p.value(RailForces::along, way) < 0.0) {
+                found = polished(start, k, p.place(way), p.half);
+                return false;
+            }
             // with constant force: never, or the next piece
             const bool is_constant = p.endless && p.bound() <= std::abs(p.output[RailForces::along][0]);
             if (is_constant && way * p.output[RailForces::along][0] >= 0.0) return false;
