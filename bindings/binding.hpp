@@ -189,6 +189,7 @@ void bind_loads(py::module_& m);
 void bind_parameters(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
+void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
 void bind_verbs(py::module_& m);
 void bind_watch(py::module_& m);

@@ -28,6 +28,7 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_scene(m);
     binding::bind_watch(m);
     binding::bind_plan(m);
+    binding::bind_statics(m);
     binding::bind_trajectory(m);
     binding::bind_verbs(m);
 }

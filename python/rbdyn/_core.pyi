@@ -8,7 +8,7 @@ import numpy.typing
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'UserFunction', 'WatchHandle', 'Watched', 'cost', 'parameter', 'plan', 'simulate']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'RailPotential', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'cost', 'equilibria', 'parameter', 'plan', 'rail_potential', 'simulate']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -1125,6 +1125,111 @@ class Plan:
         """
         Why that engine.
         """
+class Equilibrium:
+    """
+    Where a scene stays at rest, and what it does nearby (eq. 7.16).
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def coordinates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In order of addition: the parameter of a bead; x, y, z of a free particle [m]. (n,)
+        """
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """
+        The parameters of one bead between which all is equilibrium, or None: what friction holds on a rough rail,
+        or where no force acts along it.
+        """
+    @property
+    def periods(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of small oscillations about it [s], the longest first; empty where there are none. (n,)
+        """
+    @property
+    def stable(self) -> bool:
+        """
+        Whether U has a strict maximum there, or friction holds it. False where it is indifferent.
+        """
+class TurningPoints:
+    """
+    Where a motion along a rail turns round next, as parameters.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __iter__(self) -> collections.abc.Iterator:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def above(self) -> float | None:
+        """
+        On the side of larger parameters; None if it does not.
+        """
+    @property
+    def below(self) -> float | None:
+        """
+        On the side of smaller parameters; None if it does not.
+        """
+class RailPotential:
+    """
+    The potential of a bead along its rail at rest (eqs. 7.18-7.22), F_t = +dU/ds (the chapter's sign).
+
+    U is zero at the beginning of the curve, or at u = 0 where it has none. A parameter is a number, or an array of any
+    shape.
+    """
+    def __repr__(self) -> str:
+        ...
+    def energy(self, u: numpy.typing.ArrayLike, speed: numpy.typing.ArrayLike = 0.0) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.
+        """
+    def period(self, energy: typing.SupportsFloat | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The time there and back between the turning points [s] (eq. 7.22).
+
+        On a closed curve round which it passes on: of the next round from `start`, the parameter growing. At rest in stable
+        equilibrium that of small oscillations, at other equilibria infinite. Raises InvalidInput for a motion that does not
+        come back.
+        """
+    def speed(self, u: numpy.typing.ArrayLike, energy: typing.SupportsFloat | typing.SupportsIndex) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        |ds/dt| at u of the motion with an energy [m/s] (eq. 7.21). Raises InvalidInput where it does not come.
+        """
+    def tangential_force(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        F_t = dU/ds [N] (eq. 7.15). Raises InvalidInput at a cusp.
+        """
+    def time(self, energy: typing.SupportsFloat | typing.SupportsIndex, u0: typing.SupportsFloat | typing.SupportsIndex, u1: typing.SupportsFloat | typing.SupportsIndex) -> float:
+        """
+        The time of the motion with an energy [J] straight from u0 to u1 [s] (eq. 7.22), negative if u1 < u0.
+
+        Raises InvalidInput if it turns round before.
+        """
+    def turning_points(self, energy: typing.SupportsFloat | typing.SupportsIndex, start: typing.SupportsFloat | typing.SupportsIndex) -> TurningPoints:
+        """
+        Where the motion with an energy [J] that passes the parameter `start` turns round next, either way.
+
+        None where it passes on for ever or the curve ends; on a curve without end that is looked for as far as 1000 Taylor
+        series go. At rest in equilibrium both are the start.
+        """
+    def value(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        U [J].
+        """
+    def work_of_forces(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        The part of U that is the work of Force functions [J].
+        """
 class Event:
     """
     Something that happened at a time, located to rounding error. print() shows it.
@@ -1545,6 +1650,19 @@ def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, st
     until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
     budget: time to spend, about [s]. Raises what simulate() raises.
     """
+def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list[Equilibrium]:
+    """
+    The states of rest of a scene, velocities zero (eq. 7.16).
+
+    One bead on a rail: all there are, in order of the parameter. A rail without ends that is not closed is searched on both
+    sides of `near`, its parameter (the bead's start otherwise), as far as 32 Taylor series on each side go, each up to
+    twice as long as the one before. On a rough rail each is an `interval`. A bead that is only pressed against an end of
+    its rail is in none.
+    More freedoms: at most one, looked for from `near`, all coordinates in order of addition, or from where the scene
+    starts; on rough rails it is one among others.
+    An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces that depend on time or are
+    called back, or with rails that move.
+    """
 def parameter(value: typing.Any, name: str | None = None) -> typing.Any:
     """
     A number that functions use by reference: changing its .value changes what they do from the next run on.
@@ -1554,6 +1672,13 @@ def plan(scene: Scene) -> Plan:
     What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
 
     Raises InvalidInput for a scene without bodies.
+    """
+def rail_potential(scene: Scene, bead: BodyHandle) -> RailPotential:
+    """
+    The potential of a bead of a scene along its rail at rest (eq. 7.18), also where a force has none in space.
+
+    Raises InvalidInput, naming what stands against it, unless the tangential force depends on the place alone: friction,
+    drag, dampers, a rail that moves, springs to other bodies, forces that depend on velocity or time.
     """
 def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> Trajectory:
     """

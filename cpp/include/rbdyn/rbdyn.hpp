@@ -3,6 +3,7 @@
 
 #include "rbdyn/cost.hpp"
 #include "rbdyn/simulate.hpp"
+#include "rbdyn/statics/equilibria.hpp"
 
 namespace rbdyn {
 

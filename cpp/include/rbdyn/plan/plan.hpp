@@ -74,6 +74,15 @@ inline Placement view_of(const Scene& scene) {
     return view;
 }
 
+/// Whether a force of the user's has a potential along the way of its body, though it may have none in space: one of
+/// position only, on a bead that stays on a smooth rail at rest (eq. 7.18).
+inline bool has_potential_along_rail(const Scene& scene, const Scene::AppliedLoad& load) {
+    const Force* force = std::get_if<Force>(&load.load);
+    const Rail* rail = scene.bodies()[static_cast<std::size_t>(load.body)].rail();
+    return force != nullptr && !force->is_constant() && !force->depends_on_time() && !force->depends_on_velocity() &&
+           rail != nullptr && !rail->friction() && !rail->motion().present() && !rail->may_release();
+}
+
 /// What the recorded equations watch for, with nothing that sticks and with all that can.
 inline std::vector<std::string> guards_of(const PointsModel& model) {
     std::vector<std::string> lines;
@@ -146,7 +155,7 @@ inline Plan make_plan(const Scene& scene) {
         if (const Force* force = std::get_if<Force>(&load.load)) {
             if (!force->is_constant() || !force->constant().isZero(0.0)) user = true;
             if (force->is_constant()) continue;
-            nonconservative = true;
+            nonconservative = nonconservative || !planning::has_potential_along_rail(scene, load);
             if (force->callback()) {
                 plan.calls_back = true;
                 plan.callbacks.push_back(force->callback());

@@ -17,6 +17,7 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/statics/rail_potential.hpp"
 
 namespace rbdyn {
 
@@ -163,7 +164,13 @@ private:
 /// The result of simulate(): motion, events, error estimate, price.
 class Trajectory {
 public:
-    explicit Trajectory(RunData data) : data_(std::make_shared<const RunData>(std::move(data))) {}
+    explicit Trajectory(RunData data) : data_(std::make_shared<const RunData>(std::move(data))) {
+        std::map<int, RailWork> works;
+        for (const Scene::AppliedLoad& load : data_->scene.loads())
+            if (planning::has_potential_along_rail(data_->scene, load) && !works.contains(load.body))
+                works.emplace(load.body, RailWork(data_->scene, BodyHandle{load.body}));
+        works_ = std::make_shared<const std::map<int, RailWork>>(std::move(works));
+    }
 
     Status status() const { return data_->record.status; }
     double start() const { return data_->record.start; }
@@ -205,7 +212,8 @@ public:
         each(of, t, side, [&](const PointReport& r, double m) { sum += 0.5 * m * r.velocity.squaredNorm(); });
         return sum;
     }
-    /// V = -U of gravity, constant forces, potentials and springs [J]; zero at the origin, and at rest length.
+    /// V = -U of gravity, constant forces, potentials and springs [J], zero at the origin and at rest length; and of
+    /// forces that have a potential along a smooth rail at rest, zero where its arc length is.
     double potential_energy(double t, Side side = Side::after) const { return -potential(t, side); }
     /// U, with F = +grad U (the chapter's sign).
     double potential(double t, Side side = Side::after) const {
@@ -216,6 +224,7 @@ public:
                 sum += f->constant().dot((*this)[BodyHandle{load.body}].position(t, side));
             else if (const Potential* u = std::get_if<Potential>(&load.load))
                 sum += u->value<double>((*this)[BodyHandle{load.body}].position(t, side));
+        for (const auto& [body, work] : *works_) sum += work((*this)[BodyHandle{body}].parameter(t, side));
         for (std::size_t i = 0; i < data_->scene.connections().size(); ++i) {
             const Spring& s = std::get<Spring>(data_->scene.connections()[i].coupling);
             const double stretch = SpringMotion(data_, static_cast<int>(i)).length(t, side) - s.rest_length;
@@ -340,6 +349,7 @@ private:
     }
 
     std::shared_ptr<const RunData> data_;
+    std::shared_ptr<const std::map<int, RailWork>> works_;  // of forces that have a potential along a rail, by body
 };
 
 inline PointReport BodyMotion::report(double t, Side side) const {

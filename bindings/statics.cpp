@@ -1,0 +1,170 @@
+// What a scene says at rest: equilibria, and the potential of a bead along its rail.
+#include <rbdyn/statics/equilibria.hpp>
+#include <rbdyn/statics/rail_potential.hpp>
+
+#include "handles.hpp"
+
+namespace binding {
+
+namespace {
+
+std::string tuple_text(const std::vector<double>& values) {
+    std::string text = "(";
+    for (std::size_t k = 0; k < values.size(); ++k) text += (k == 0 ? "" : ", ") + rbdyn::text(values[k]);
+    return text + (values.size() == 1 ? ",)" : ")");
+}
+py::array_t<double> array_of(const std::vector<double>& values) {
+    return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+py::tuple tuple_of(const std::vector<double>& values) {
+    py::tuple result(values.size());
+    for (std::size_t k = 0; k < values.size(); ++k) result[k] = values[k];
+    return result;
+}
+std::string shown_value(const std::optional<double>& value) { return value ? rbdyn::text(*value) : "None"; }
+
+void bind_equilibria(py::module_& m) {
+    using rbdyn::Equilibrium;
+    py::class_<Equilibrium>(m, "Equilibrium", "Where a scene stays at rest, and what it does nearby (eq. 7.16).")
+        .def_property_readonly(
+            "coordinates", [](const Equilibrium& e) { return array_of(e.coordinates); },
+            "In order of addition: the parameter of a bead; x, y, z of a free particle [m]. (n,)")
+        .def_readonly("stable", &Equilibrium::stable,
+                      "Whether U has a strict maximum there, or friction holds it. False where it is indifferent.")
+        .def_readonly(
+            "interval", &Equilibrium::interval,
+            R"(The parameters of one bead between which all is equilibrium, or None: what friction holds on a rough rail,
+or where no force acts along it.)")
+        .def_property_readonly(
+            "periods", [](const Equilibrium& e) { return array_of(e.periods); },
+            "Of small oscillations about it [s], the longest first; empty where there are none. (n,)")
+        .def("__eq__",
+             [](const Equilibrium& a, const py::object& b) {
+                 return py::isinstance<Equilibrium>(b) && a == b.cast<const Equilibrium&>();
+             })
+        .def("__hash__", [](const Equilibrium& e) { return py::hash(tuple_of(e.coordinates)); })
+        .def("__str__", &printed<Equilibrium>)
+        .def("__repr__", [](const Equilibrium& e) {
+            return "Equilibrium(coordinates=" + tuple_text(e.coordinates) +
+                   ", stable=" + (e.stable ? "True" : "False") + ", interval=" +
+                   (e.interval ? tuple_text({e.interval->first, e.interval->second}) : std::string("None")) +
+                   ", periods=" + tuple_text(e.periods) + ")";
+        });
+
+    m.def(
+        "equilibria",
+        [](const BoundScene& scene, const std::optional<ArrayLike>& near) {
+            std::vector<double> place;
+            if (near) {
+                const Array given = doubles(*near, "equilibria", "near");
+                if (given.ndim() > 1)
+                    throw InvalidInput("equilibria: near has shape " + shape_of(given) +
+                                       "; it is a list of the coordinates, in order of addition");
+                place.assign(given.data(), given.data() + given.size());
+            }
+            return rbdyn::equilibria(scene.scene, place);
+        },
+        py::arg("scene"), py::arg("near") = py::none(),
+        R"(The states of rest of a scene, velocities zero (eq. 7.16).
+
+One bead on a rail: all there are, in order of the parameter. A rail without ends that is not closed is searched on both
+sides of `near`, its parameter (the bead's start otherwise), as far as 32 Taylor series on each side go, each up to
+twice as long as the one before. On a rough rail each is an `interval`. A bead that is only pressed against an end of
+its rail is in none.
+More freedoms: at most one, looked for from `near`, all coordinates in order of addition, or from where the scene
+starts; on rough rails it is one among others.
+An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces that depend on time or are
+called back, or with rails that move.)");
+}
+
+void bind_rail_potential(py::module_& m) {
+    using rbdyn::RailPotential, rbdyn::TurningPoints;
+    py::class_<TurningPoints>(m, "TurningPoints", "Where a motion along a rail turns round next, as parameters.")
+        .def_readonly("below", &TurningPoints::below, "On the side of smaller parameters; None if it does not.")
+        .def_readonly("above", &TurningPoints::above, "On the side of larger parameters; None if it does not.")
+        .def("__eq__",
+             [](const TurningPoints& a, const py::object& b) {
+                 return py::isinstance<TurningPoints>(b) && a == b.cast<const TurningPoints&>();
+             })
+        .def("__hash__", [](const TurningPoints& t) { return py::hash(py::make_tuple(t.below, t.above)); })
+        .def("__iter__", [](const TurningPoints& t) { return py::iter(py::make_tuple(t.below, t.above)); })
+        .def("__repr__", [](const TurningPoints& t) {
+            return "TurningPoints(below=" + shown_value(t.below) + ", above=" + shown_value(t.above) + ")";
+        });
+
+    const char* const user = "RailPotential";
+    const auto at = [user](const ArrayLike& u, auto&& f) { return over(u, user, "parameter", f); };
+    py::class_<RailPotential>(
+        m, "RailPotential",
+        R"(The potential of a bead along its rail at rest (eqs. 7.18-7.22), F_t = +dU/ds (the chapter's sign).
+
+U is zero at the beginning of the curve, or at u = 0 where it has none. A parameter is a number, or an array of any
+shape.)")
+        .def(
+            "value",
+            [at](const RailPotential& p, const ArrayLike& u) { return at(u, [&](double x) { return p.value(x); }); },
+            py::arg("u"), "U [J].")
+        .def(
+            "tangential_force",
+            [at](const RailPotential& p, const ArrayLike& u) {
+                return at(u, [&](double x) { return p.tangential_force(x); });
+            },
+            py::arg("u"), "F_t = dU/ds [N] (eq. 7.15). Raises InvalidInput at a cusp.")
+        .def(
+            "work_of_forces",
+            [at](const RailPotential& p, const ArrayLike& u) {
+                return at(u, [&](double x) { return p.work_of_forces(x); });
+            },
+            py::arg("u"), "The part of U that is the work of Force functions [J].")
+        .def(
+            "energy",
+            [](const RailPotential& p, const ArrayLike& u, const ArrayLike& speed) {
+                auto f = py::vectorize([&](double x, double v) { return p.energy(x, v); });
+                return py::reinterpret_borrow<Values>(
+                    py::object(f(doubles(u, "RailPotential", "parameter"), doubles(speed, "RailPotential", "speed"))));
+            },
+            py::arg("u"), py::arg("speed") = 0.0, "m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.")
+        .def(
+            "speed",
+            [at](const RailPotential& p, const ArrayLike& u, double energy) {
+                return at(u, [&](double x) { return p.speed(x, energy); });
+            },
+            py::arg("u"), py::arg("energy"),
+            "|ds/dt| at u of the motion with an energy [m/s] (eq. 7.21). Raises InvalidInput where it does not come.")
+        .def("turning_points", &RailPotential::turning_points, py::arg("energy"), py::arg("start"),
+             R"(Where the motion with an energy [J] that passes the parameter `start` turns round next, either way.
+
+None where it passes on for ever or the curve ends; on a curve without end that is looked for as far as 1000 Taylor
+series go. At rest in equilibrium both are the start.)")
+        .def("period", &RailPotential::period, py::arg("energy"), py::arg("start"),
+             R"(The time there and back between the turning points [s] (eq. 7.22).
+
+On a closed curve round which it passes on: of the next round from `start`, the parameter growing. At rest in stable
+equilibrium that of small oscillations, at other equilibria infinite. Raises InvalidInput for a motion that does not
+come back.)")
+        .def("time", &RailPotential::time, py::arg("energy"), py::arg("u0"), py::arg("u1"),
+             R"(The time of the motion with an energy [J] straight from u0 to u1 [s] (eq. 7.22), negative if u1 < u0.
+
+Raises InvalidInput if it turns round before.)")
+        .def("__repr__", [](const RailPotential& p) { return "<RailPotential: " + printed(p) + ">"; });
+
+    m.def(
+        "rail_potential",
+        [](const BoundScene& scene, const BodyHandle& bead) {
+            return RailPotential(scene.scene, scene.handles.body(bead, "rail_potential"));
+        },
+        py::arg("scene"), py::arg("bead"),
+        R"(The potential of a bead of a scene along its rail at rest (eq. 7.18), also where a force has none in space.
+
+Raises InvalidInput, naming what stands against it, unless the tangential force depends on the place alone: friction,
+drag, dampers, a rail that moves, springs to other bodies, forces that depend on velocity or time.)");
+}
+
+}  // namespace
+
+void bind_statics(py::module_& m) {
+    bind_equilibria(m);
+    bind_rail_potential(m);
+}
+
+}  // namespace binding

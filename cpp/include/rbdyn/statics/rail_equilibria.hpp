@@ -1,0 +1,399 @@
+// Every place where one bead stays at rest on its rail.
+//
+// Smooth rail: the zeros of Q = F.r' (eq. 7.16), stable where U(s) has a strict maximum, that is where the first
+// derivative of Q that is not zero is of odd order and negative. Rough rail: the intervals where hold >= 0
+// (rail_forces.hpp). A zero of Q where r' is zero (a cusp) is none. Where a force jumps from one sign to the other
+// across zero, the corner of U between is an equilibrium too. A bead that is only pressed against an end of its rail
+// is in none.
+//
+// The rail is searched all along if it has two ends, for one round if it is closed; else on both sides of a place, as
+// far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before.
+// Accuracy: rounding of Q over its slope. Zeros nearer than rounding lets them be told apart count as one.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/statics/equilibrium.hpp"
+#include "rbdyn/statics/rail_pieces.hpp"
+
+namespace rbdyn {
+
+class RailEquilibria {
+public:
+    /// `scene`: one bead on a rail at rest. `place`: about where a rail without ends is searched.
+    RailEquilibria(const Scene& scene, double place) : forces_(scene), pieces_(forces_), place_(place) {
+        const Domain d = forces_.curve().domain();
+        round_ = forces_.curve().period();
+        if (round_ > 0.0) {
+            low_ = arc_length_origin(forces_.curve());
+            high_ = low_ + round_;
+        } else {
+            low_ = d.begin;
+            high_ = d.end;
+        }
+        walk();
+        std::vector<Piece> path;
+        for (const Piece& p : path_) refine(p, 0, path);
+        path_ = std::move(path);
+    }
+
+    std::vector<Equilibrium> find() {
+        find_points();
+        std::vector<Equilibrium> result;
+        if (forces_.rough()) {
+            find_held();
+            for (const Interval& i : held_) result.push_back(resting(i, true));
+        } else {
+            for (const Interval& i : flat_) result.push_back(resting(i, false));
+        }
+        for (const Point& p : points_) {
+            if (inside(forces_.rough() ? held_ : flat_, p.u)) continue;
+            if (forces_.one_sided() && !p.pushed) continue;
+            Equilibrium e{{p.u}, p.stable};
+            if (forces_.rough()) e.interval = {p.u, p.u};
+            if (p.stable && p.slope < 0.0)
+                e.periods = {2.0 * std::numbers::pi *
+                             std::sqrt(-forces_.mass() * forces_.curve().first(p.u).squaredNorm() / p.slope)};
+            result.push_back(std::move(e));
+        }
+        std::sort(result.begin(), result.end(),
+                  [](const Equilibrium& a, const Equilibrium& b) { return a.coordinates[0] < b.coordinates[0]; });
+        return result;
+    }
+
+private:
+    using Piece = statics::RailPiece;
+    using Interval = std::pair<double, double>;
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static constexpr auto along = static_cast<std::size_t>(RailForces::along);
+
+    /// A zero of Q.
+    struct Point {
+        double u = 0.0, half = 0.0;
+        bool stable = false, pushed = true;
+        double slope = 0.0;  // dQ/du of a simple zero
+    };
+
+    void walk() {
+        const auto keep = [&](const Piece& p) {
+            path_.push_back(p);
+            // the same force all along
+            return !(p.endless && is_same_all_along(p));
+        };
+        if (std::isfinite(low_) && std::isfinite(high_)) {
+            pieces_.march(low_, high_, most_pieces, keep);
+            return;
+        }
+        pieces_.march(place_, low_, most_stretches, keep);
+        std::reverse(path_.begin(), path_.end());
+        if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
+        pieces_.march(place_, high_, most_stretches, [&](const Piece& p) {
+            path_.push_back(p);
+            return true;
+        });
+    }
+    /// Halves a piece as long as the forces about its zeros of Q are small beside what they are elsewhere on it: there
+    /// its polynomial knows them to few digits.
+    void refine(const Piece& p, int depth, std::vector<Piece>& path) {
+        bool splits = false;
+        if (depth < most_halvings) {
+            std::array<double, statics::order + 1> derivative = p.output[along];
+            for (int degree = statics::order; degree >= statics::order - 3; --degree) {
+                if (degree < statics::order)
+                    for (int k = 0; k <= degree; ++k)
+                        derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
+                for (const double x : statics::roots_about_middle(derivative.data(), degree))
+                    if (degree == statics::order || std::abs(p.value(RailForces::along, x)) <= p.noise())
+                        splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
+            }
+        }
+        if (!splits) {
+            path.push_back(p);
+            return;
+        }
+        for (const double way : {-1.0, 1.0}) {
+            Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
+            (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
+            half.polynomial = p.polynomial;
+            refine(half, depth + 1, path);
+        }
+    }
+    /// Whether the forces are the same on the whole piece, within rounding.
+    bool is_same_all_along(const Piece& p) const {
+        for (std::size_t j = 0; j < p.output.size(); ++j) {
+            double sum = 0.0;
+            for (std::size_t k = 1; k < p.output[j].size(); ++k) sum += std::abs(p.output[j][k]);
+            if (sum > (j == RailForces::hold ? hold_noise(p) : p.noise())) return false;
+        }
+        return true;
+    }
+    /// What rounding makes of hold, somewhere; of Q^2 where hold is its difference from nearly the same.
+    double hold_noise(const Piece& p) const {
+        const double mu = forces_.body().mu_static;
+        return 2.0 * (1.0 + mu * mu) * p.effort * p.noise();
+    }
+    double hold_noise(const Piece& p, double x) const {
+        const double q = p.value(RailForces::along, x), noise = p.noise();
+        return 32.0 * epsilon * q * q + noise * noise;
+    }
+    static bool adjoin(double end, const Piece& p) {
+        return std::abs(p.begin() - end) <= 1e-14 * (std::abs(end) + p.half);
+    }
+
+    // --- zeros of Q ---
+
+    void find_points() {
+        for (std::size_t i = 0; i < path_.size(); ++i) {
+            const Piece& p = path_[i];
+            const double noise = p.noise();
+            if (p.bound() <= noise) {
+                if (is_pushed(p.middle)) extend(flat_, i);
+                continue;
+            }
+            const double* q = p.output[along].data();
+            for (const double x : statics::roots_about_middle(q, statics::order)) add(p, x);
+            // zeros without a change of sign, or too flat to show one: those of derivatives
+            std::array<double, statics::order + 1> derivative = p.output[along];
+            for (int degree = statics::order - 1; degree >= statics::order - 3; --degree) {
+                for (int k = 0; k <= degree; ++k)
+                    derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
+                for (const double x : statics::roots_about_middle(derivative.data(), degree))
+                    if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
+            }
+            for (const double x : {-1.0, 1.0})
+                if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
+            if (i > 0) add_jump(path_[i - 1], p);
+        }
+        finish(flat_);
+        for (Point& p : points_) p.u = in_window(p.u);
+        std::sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) { return a.u < b.u; });
+        std::vector<Point> apart;
+        for (const Point& p : points_)
+            if (apart.empty() || p.u - apart.back().u > 1e-9 * p.half) apart.push_back(p);
+        if (round_ > 0.0 && apart.size() > 1 && apart.front().u + round_ - apart.back().u <= 1e-9 * apart.back().half)
+            apart.pop_back();
+        points_ = std::move(apart);
+    }
+
+    /// Takes a zero found on a piece, to rounding.
+    void add(const Piece& piece, double x) {
+        Point point{piece.place(x), piece.half};
+        for (const double end : {-1.0, 1.0}) {
+            const bool is_cut = end < 0.0 ? piece.cut_below : piece.cut_above;
+            if (is_cut && std::abs(x - end) <= 1e-9) return add_corner(piece.place(end), piece.half);
+        }
+        const double noise = piece.noise();
+        int m = 0;
+        double lead = 0.0;
+        const Piece first = pieces_.about(point.u, piece.half);
+        // several zeros in one: where the derivative of their order less one is zero, if the lower ones are too
+        if (std::abs(first.output[along][1]) <= 1e-3 * first.bound())
+            for (int order = 4; order >= 2 && m == 0; --order) {
+                const double u = settled(point.u, piece.half, order);
+                const Piece& about = pieces_.about(u, piece.half);
+                bool vanish = std::abs(u - point.u) <= 1e-2 * piece.half &&
+                              std::abs(about.output[along][static_cast<std::size_t>(order)]) > noise;
+                for (int k = 0; k < order - 1; ++k)
+                    vanish = vanish && std::abs(about.output[along][static_cast<std::size_t>(k)]) <= noise;
+                if (!vanish) continue;
+                m = order;
+                point.u = u;
+                lead = about.output[along][static_cast<std::size_t>(order)];
+            }
+        if (m == 0) {
+            m = 1;
+            point.u = settled(point.u, piece.half, 1);
+            const Piece& about = pieces_.about(point.u, piece.half);
+            lead = about.output[along][1];
+            point.slope = lead / piece.half;
+        }
+        // an end of the rail, within rounding
+        for (const double end : {low_, high_})
+            if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), piece.half))
+                point.u = end;
+        if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
+        // at a cusp r' vanishes, and Q with it
+        const auto speed = [&](double u) { return forces_.curve().first(u).norm(); };
+        const double aside = 0x1p-6 * piece.half;
+        if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
+        point.stable = m % 2 == 1 && lead < 0.0;
+        point.pushed = is_pushed(point.u);
+        points_.push_back(point);
+    }
+    /// A jump across zero between two pieces: where the formula changes, or where there is no series in between.
+    void add_jump(const Piece& before, const Piece& after) {
+        const double gap = after.begin() - before.end(), noise = std::max(before.noise(), after.noise());
+        if (!after.cut_below || gap > 1e-11 * std::max(std::abs(after.begin()), after.half)) return;
+        const double from = before.value(RailForces::along, 1.0), to = after.value(RailForces::along, -1.0);
+        if (std::abs(from) <= noise || std::abs(to) <= noise || (from > 0.0) == (to > 0.0)) return;
+        // at a pole it grows beyond all bounds
+        const double from_before = before.value(RailForces::along, -1.0),
+                     to_after = after.value(RailForces::along, 1.0);
+        if (gap > 0.0 && !adjoin(before.end(), after) &&
+            (std::abs(from) > 1.5 * std::abs(from_before) || std::abs(to) > 1.5 * std::abs(to_after)))
+            return;
+        const double u = before.end() + 0.5 * gap;
+        points_.push_back({u, after.half, from > 0.0, is_pushed(u), 0.0});
+    }
+    /// A zero where the formula of the force changes.
+    void add_corner(double u, double half) {
+        const double step = 1e-6 * half;
+        const double before = forces_.along_rail(u - step), after = forces_.along_rail(u + step);
+        Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u), 0.0};
+        // no corner after all: the same slope on both sides
+        const double left = -before / step, right = after / step;
+        if (std::abs(left - right) <= 1e-4 * (std::abs(left) + std::abs(right))) {
+            const Piece& about = pieces_.about(u + step, half);
+            point.slope = about.output[along][1] / half;
+        }
+        points_.push_back(point);
+    }
+    /// The zero of the derivative of Q of an order less one near u, by Newton's method.
+    double settled(double u, double half, int order) {
+        const auto k = static_cast<std::size_t>(order);
+        double last = std::numeric_limits<double>::infinity();
+        for (int iteration = 0; iteration < 8; ++iteration) {
+            const Piece& p = pieces_.about(u, half);
+            const double x = -p.output[along][k - 1] / (order * p.output[along][k]);
+            if (!(std::abs(x) < 0.5 * last) || !(std::abs(x) < 0.5)) break;
+            last = std::abs(x);
+            u += half * x;
+        }
+        return u;
+    }
+    bool is_pushed(double u) {
+        if (!forces_.one_sided()) return true;
+        const Piece& p = pieces_.about(u, 1.0);
+        return p.output[RailForces::push][0] >= -p.noise();
+    }
+
+    // --- intervals ---
+
+    void find_held() {
+        for (const Piece& p : path_) {
+            const double noise = p.noise();
+            std::vector<std::pair<double, int>> roots{{-1.0, -1}};
+            for (const int k : {RailForces::hold, RailForces::push}) {
+                if (k == RailForces::push && !forces_.one_sided()) continue;
+                for (const double x :
+                     statics::roots_about_middle(p.output[static_cast<std::size_t>(k)].data(), statics::order))
+                    roots.emplace_back(x, k);
+            }
+            roots.emplace_back(1.0, -1);
+            std::sort(roots.begin(), roots.end());
+            for (std::size_t j = 0; j + 1 < roots.size(); ++j) {
+                const double x = 0.5 * (roots[j].first + roots[j + 1].first);
+                if (p.value(RailForces::hold, x) < -hold_noise(p, x)) continue;
+                if (forces_.one_sided() && p.value(RailForces::push, x) < -noise) continue;
+                const auto [from, from_root] = roots[j];
+                const auto [to, to_root] = roots[j + 1];
+                const double begin = p.place(from), end = p.place(to);
+                const bool joins =
+                    !held_.empty() && std::abs(begin - ends_.back().first) <= 1e-14 * (std::abs(begin) + p.half);
+                if (!joins) {
+                    held_.emplace_back(from_root >= 0 ? polished(begin, p, from_root) : begin, end);
+                    ends_.emplace_back(end, to_root);
+                }
+                held_.back().second = to_root >= 0 ? polished(end, p, to_root) : end;
+                ends_.back() = {end, to_root};
+            }
+        }
+        finish(held_);
+    }
+    /// A zero of an output near u, by Newton's method.
+    double polished(double u, const Piece& piece, int output) {
+        const auto k = static_cast<std::size_t>(output);
+        double last = 0.01, place = u;
+        for (int iteration = 0; iteration < 6; ++iteration) {
+            const Piece& p = pieces_.about(place, piece.half);
+            const double x = -p.output[k][0] / p.output[k][1];
+            if (!(std::abs(x) < last)) break;
+            u = place;
+            last = 0.5 * std::abs(x);
+            place += piece.half * x;
+            u = place;
+        }
+        return std::clamp(u, low_, high_);
+    }
+
+    void extend(std::vector<Interval>& intervals, std::size_t i) {
+        const Piece& p = path_[i];
+        if (!intervals.empty() && i > 0 && adjoin(intervals.back().second, p))
+            intervals.back().second = p.end();
+        else
+            intervals.emplace_back(p.begin(), p.end());
+    }
+    /// Intervals to the ends of the rail: those of a curve without end go on if the forces do, those of a closed curve
+    /// across its seam.
+    void finish(std::vector<Interval>& intervals) {
+        if (intervals.empty() || path_.empty()) return;
+        const auto near = [&](double a, double b, double half) { return std::abs(a - b) <= 1e-12 * half; };
+        const Piece &first = path_.front(), &last = path_.back();
+        bool is_constant = true;
+        for (const Piece& p : path_) is_constant = is_constant && is_same_all_along(p);
+        Interval &lowest = intervals.front(), &highest = intervals.back();
+        const bool from_begin = near(lowest.first, first.begin(), first.half),
+                   to_end = near(highest.second, last.end(), last.half);
+        if (from_begin && (std::isfinite(low_) || first.polynomial || is_constant)) lowest.first = low_;
+        if (to_end && (std::isfinite(high_) || last.polynomial || is_constant)) highest.second = high_;
+        if (round_ > 0.0 && from_begin && to_end && intervals.size() > 1) {
+            lowest.first = highest.first - round_;
+            intervals.pop_back();
+        }
+    }
+    double in_window(double u) const {
+        if (round_ == 0.0) return u;
+        if (std::abs(u - high_) <= 8.0 * epsilon * high_) return low_;
+        return u >= high_ ? u - round_ : u < low_ - 8.0 * epsilon * round_ ? u + round_ : std::max(u, low_);
+    }
+    /// The same place of a closed curve, in an interval if it lies there.
+    double shifted(const Interval& i, double u) const {
+        return round_ > 0.0 && u > i.second && u - round_ >= i.first ? u - round_ : u;
+    }
+    bool inside(const std::vector<Interval>& intervals, double u) const {
+        for (const Interval& i : intervals) {
+            const double x = shifted(i, u);
+            const double slack = std::isfinite(i.second - i.first) ? 1e-12 * (i.second - i.first) : 0.0;
+            if (x >= i.first - slack && x <= i.second + slack) return true;
+        }
+        return false;
+    }
+
+    /// The equilibria of an interval as one: at the zero of Q nearest its middle if there is one.
+    Equilibrium resting(const Interval& i, bool stable) const {
+        const bool is_bounded = std::isfinite(i.first) && std::isfinite(i.second);
+        double middle = place_;
+        if (is_bounded)
+            middle = i.first + 0.5 * (i.second - i.first);
+        else if (!(place_ >= i.first && place_ <= i.second))
+            middle = std::isfinite(i.first) ? i.first : i.second;
+        double best = std::numeric_limits<double>::infinity(), at = middle;
+        for (const Point& p : points_) {
+            const double u = shifted(i, p.u);
+            if (u < i.first || u > i.second || !(std::abs(u - middle) < best)) continue;
+            best = std::abs(u - middle);
+            at = u;
+        }
+        return {{at}, stable, i};
+    }
+
+    // enough for a rail that is everything but smooth; and each way on one without end
+    static constexpr int most_pieces = 20000, most_stretches = 32;
+    // a zero where the forces vanish too is closed in on so far, which leaves its piece longer than rounding of u
+    static constexpr int most_halvings = 24;
+
+    RailForces forces_;
+    RailPieces pieces_;
+    double place_;
+    double low_ = 0.0, high_ = 0.0, round_ = 0.0;
+    std::vector<Piece> path_;
+    std::vector<Point> points_;
+    std::vector<Interval> flat_, held_;
+    std::vector<std::pair<double, int>> ends_;  // of held intervals, as the pieces have them
+};
+
+}  // namespace rbdyn
