@@ -186,6 +186,13 @@ public:
                        "]";
             }
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
+            if (b.curve && mode.slip[at(i)] != flies) {
+                // a rate of the parameter that is beyond all measure beside a finite speed
+                const double slow = std::sqrt(p.curve.speed_squared),
+                             usual = b.curve->first(x[at(b.first)] - 0.125).norm();
+                if (slow < 1e-6 * usual)
+                    return "the rail of " + b.name + " at u = " + text(x[at(b.first)]) + ", where it has a cusp";
+            }
             const PointReport report = laws_.report(i, mode.slip, t, x);
             if (!report.acceleration.allFinite()) return "the acceleration of " + b.name;
         }
