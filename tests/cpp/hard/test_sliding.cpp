@@ -316,8 +316,7 @@ TEST(Sliding, two_surfaces_at_once_hold_both_variables) {
 }
 
 TEST(Sliding, ends_on_one_surface_where_the_other_makes_it) {
-    // b holds y under a push of 0.75 of a; when a flips, y is pushed the other way by as much and still held, when c
-    // flips no more
+    // b holds y against 0.75 from either side of a, x = 1; from x = 1/2 on a push of 1 is added and it gives way
     const auto fields = model(3, [](const auto&, const auto& x, auto rate) {
         rate[0] = 0.0 * x[1] - 1.0;
         rate[1] =
