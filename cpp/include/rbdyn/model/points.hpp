@@ -53,7 +53,8 @@ public:
     Observe observing(const Mode& mode, double t, std::span<const double> x) const {
         const auto state = std::make_shared<const Within>(mode, t, x);
         return [this, &mode, state](const Observable& o) {
-            const auto active = sliding_force(mode, o.subject, state->t, state->x);
+            const bool of_body = o.quantity != Quantity::length && o.quantity != Quantity::coupling_force;
+            const auto active = sliding_force(mode, of_body ? o.subject : -1, state->t, state->x);
             return rbdyn::observed(laws_, mode.slip, state->t, state->x, o, active);
         };
     }
