@@ -76,13 +76,24 @@ inline Expression length(const Vector3Of<Expression>& v, const std::string& name
 inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
 inline long double length(const Vector3Of<long double>& v, const std::string& = {}, int = -1) { return v.norm(); }
 
+/// Two sides of a case with the weight of the first.
+template <class B, class C>
+Expression blended(const Expression& weight, B&& b, C&& c) {
+    if (weight.is_constant() && weight.value() == 1.0) return b();
+    const Expression below = c();
+    return weight.is_zero() ? below : below + weight * (b() - below);
+}
+
 /// b where x > 0, else c; its change is a switching point of the recorded function, silent if the name is empty.
 /// `b` and `c` are called for what is needed only.
 template <class B, class C>
 Expression select(const Expression& x, B&& b, C&& c, const std::string& name = "where") {
     if (x.is_constant()) return x.value() > 0.0 ? b() : c();
     Recorder* r = x.recorder();
-    if (r->purpose() == Recorder::Purpose::model) return r->side(x, name) > 0 ? b() : c();
+    if (r->purpose() == Recorder::Purpose::model) {
+        if (const auto weight = r->weight(x, name)) return blended(*weight, b, c);
+        return r->side(x, name) > 0 ? b() : c();
+    }
     const Expression above = b(), below = c();
     const std::int32_t i = r->node_of(above), j = r->node_of(below);
     if (i == j) return above;

@@ -22,6 +22,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -138,9 +139,11 @@ struct Switch {
     std::int32_t parameter;  // index of the sign (absolute value) or of the "starts at zero" flag (norm)
     bool is_norm;
     std::string name;
-    int tag;           // what the writer of the model makes of it; -1: nothing
-    int subject;       // the body it was recorded for; -1: none
-    std::uint64_t id;  // the same for the same argument in every recording
+    int tag;                // what the writer of the model makes of it; -1: nothing
+    int subject;            // the body it was recorded for; -1: none
+    std::uint64_t id;       // the same for the same argument in every recording
+    std::uint64_t surface;  // on which it lies, as its id
+    int orientation;        // +1: its argument is positive where that of the surface is; -1: where it is negative
 };
 
 /// A choice between formulas, made for one smooth mode: valid while lower <= argument <= upper.
@@ -151,12 +154,22 @@ struct Branch {
     long lowest, highest;  // choices there are; nothing lies beyond them
     std::string name;      // of the event where it changes; empty: silent
     int subject;
-    std::uint64_t id;  // the same for the same argument in every recording
+    std::uint64_t id = 0;       // the same for the same argument in every recording
+    std::uint64_t surface = 0;  // on which it lies, as its id
+    int orientation = 1;        // +1: its argument is positive where that of the surface is; -1: where it is negative
 
     double lower() const { return is_select ? 0.0 : static_cast<double>(choice); }
     double upper() const { return is_select ? 0.0 : static_cast<double>(choice) + 1.0; }
     bool has_lower() const { return choice > lowest; }
     bool has_upper() const { return choice < highest; }
+};
+
+/// A surface on which no case distinction is made: both sides are written, each with its weight.
+struct Blend {
+    Expression weight;           // of the side where the argument is positive; the other has the rest of 1
+    std::int32_t argument = -1;  // node whose zero is the surface; -1: nothing lies on it so far
+    std::string name = {};       // of the first that lies on it
+    int subject = -1;
 };
 
 /// A number of the user's, used in recorded functions by reference: it may be changed between runs.
@@ -200,17 +213,24 @@ public:
     Purpose purpose() const { return purpose_; }
 
     /// A model whose choices follow from a state: the numbers of time, inputs and parameters from here on. Choices in
-    /// `forced`, by id, are made so whatever the state.
+    /// `forced`, by id, are made so whatever the state; those on the surfaces in `sides` are on that side, +1 or -1.
     void follow(double t, std::span<const double> inputs, std::span<const double> parameters,
-                std::map<std::uint64_t, long> forced = {}) {
+                std::map<std::uint64_t, long> forced = {}, std::map<std::uint64_t, int> sides = {}) {
         follows_ = true;
         time_ = t;
         inputs_.assign(inputs.begin(), inputs.end());
         parameter_values_.assign(parameters.begin(), parameters.end());
         forced_ = std::move(forced);
+        sides_ = std::move(sides);
         values_.clear();
         for (const Node& n : nodes_) values_.push_back(value_of(n));
     }
+
+    /// From here on, what lies on a surface is blended with this weight instead of distinguished.
+    void blend(std::uint64_t surface, const Expression& weight) { blends_[surface].weight = weight; }
+    const std::map<std::uint64_t, Blend>& blends() const { return blends_; }
+    /// The weight of the side where x > 0, if what x distinguishes is blended.
+    std::optional<Expression> weight(const Expression& x, const std::string& name);
 
     Expression input(int index) { return {this, intern({Operation::input, index})}; }
     Expression time() { return {this, intern({Operation::time})}; }
@@ -304,6 +324,8 @@ private:
     double followed(std::int32_t index);
     /// What a node stands for, whatever its index: the same in every recording that writes it so.
     std::uint64_t identity(std::int32_t index);
+    /// The node whose zeros are those of another, which is a multiple of it, and the sign of the factor.
+    std::pair<std::int32_t, int> surface(std::int32_t index) const;
     long choose(Branch branch, long by_state);
 
     Purpose purpose_;
@@ -324,6 +346,8 @@ private:
     std::vector<double> inputs_, parameter_values_, values_;
     std::vector<std::vector<double>> results_;  // of calls
     std::map<std::uint64_t, long> forced_;
+    std::map<std::uint64_t, int> sides_;
+    std::map<std::uint64_t, Blend> blends_;
 };
 
 namespace recording {
@@ -455,9 +479,36 @@ inline double Recorder::followed(std::int32_t index) {
     return values_[at(index)];
 }
 
+inline std::pair<std::int32_t, int> Recorder::surface(std::int32_t index) const {
+    int orientation = 1;
+    while (node(index).operation == Operation::multiply) {
+        const Node& n = node(index);
+        const bool first = node(n.a).operation == Operation::constant;
+        if (!first && node(n.b).operation != Operation::constant) break;
+        if (node(first ? n.a : n.b).value < 0.0) orientation = -orientation;
+        index = first ? n.b : n.a;
+    }
+    return {index, orientation};
+}
+
+inline std::optional<Expression> Recorder::weight(const Expression& x, const std::string& name) {
+    if (blends_.empty() || x.is_constant()) return std::nullopt;
+    const auto [argument, orientation] = surface(x.node());
+    const auto found = blends_.find(identity(argument));
+    if (found == blends_.end()) return std::nullopt;
+    Blend& blend = found->second;
+    if (blend.argument < 0) {
+        blend.argument = argument;
+        blend.name = name;
+        blend.subject = subject_;
+    }
+    return orientation > 0 ? blend.weight : 1.0 - blend.weight;
+}
+
 inline Expression Recorder::sign(const Expression& x, const std::string& name, int tag) {
     if (x.is_constant()) return x.value() < 0.0 ? -1.0 : 1.0;
     if (purpose_ == Purpose::function) return record({Operation::sign, x.node(), -1, -1, name_index(name)});
+    if (const auto above = weight(x, name)) return 2.0 * *above - 1.0;
     for (const Switch& known : switches_)
         if (!known.is_norm && known.argument == x.node()) return parameter(known.parameter);
     const int index = new_parameter();
@@ -465,7 +516,9 @@ inline Expression Recorder::sign(const Expression& x, const std::string& name, i
         parameter_values_.resize(at(index) + 1, 0.0);
         parameter_values_[at(index)] = followed(x.node()) < 0.0 ? -1.0 : 1.0;
     }
-    switches_.push_back({x.node(), index, false, name, tag, subject_, identity(x.node())});
+    const auto [argument, orientation] = surface(x.node());
+    switches_.push_back(
+        {x.node(), index, false, name, tag, subject_, identity(x.node()), identity(argument), orientation});
     return parameter(index);
 }
 
@@ -493,7 +546,8 @@ inline Expression Recorder::norm(const Expression& x, const Expression& y, const
     }
     node.d = new_parameter();
     const Expression result(this, intern(node));
-    switches_.push_back({result.node(), node.d, true, name, tag, subject_, identity(result.node())});
+    const std::uint64_t id = identity(result.node());
+    switches_.push_back({result.node(), node.d, true, name, tag, subject_, id, id, 1});
     return result;
 }
 
@@ -502,8 +556,15 @@ inline long Recorder::choose(Branch branch, long by_state) {
     for (const Branch& known : branches_)
         if (known.id == branch.id && known.argument == branch.argument && known.is_select == branch.is_select)
             return known.choice;
+    if (branch.is_select) {
+        const auto [argument, orientation] = surface(branch.argument);
+        branch.surface = identity(argument);
+        branch.orientation = orientation;
+    }
     const auto forced = forced_.find(branch.id);
     branch.choice = forced != forced_.end() ? forced->second : by_state;
+    if (const auto side = sides_.find(branch.surface); branch.is_select && side != sides_.end())
+        branch.choice = side->second * branch.orientation > 0 ? 1 : 0;
     branches_.push_back(std::move(branch));
     return branches_.back().choice;
 }
@@ -511,7 +572,7 @@ inline long Recorder::choose(Branch branch, long by_state) {
 inline long Recorder::side(const Expression& x, const std::string& name) {
     if (x.is_constant()) return x.value() > 0.0 ? 1 : 0;
     if (!follows_) throw Error("a choice between formulas was recorded where no state says which");
-    return choose({x.node(), 0, true, 0, 1, name, subject_, 0}, followed(x.node()) > 0.0 ? 1 : 0);
+    return choose({x.node(), 0, true, 0, 1, name, subject_}, followed(x.node()) > 0.0 ? 1 : 0);
 }
 
 inline long Recorder::whole(const Expression& x, long lowest, long highest, const std::string& name) {
@@ -521,7 +582,7 @@ inline long Recorder::whole(const Expression& x, long lowest, long highest, cons
     };
     if (x.is_constant()) return below(x.value());
     if (!follows_) throw Error("a choice between formulas was recorded where no state says which");
-    return choose({x.node(), 0, false, lowest, highest, name, subject_, 0}, below(followed(x.node())));
+    return choose({x.node(), 0, false, lowest, highest, name, subject_}, below(followed(x.node())));
 }
 
 inline std::vector<Expression> Recorder::call(const std::shared_ptr<const Callback>& function,

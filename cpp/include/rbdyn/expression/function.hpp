@@ -1,6 +1,7 @@
 // A recorded function: written once over any number type, kept as data, applied in any number type.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "rbdyn/expression/condition.hpp"
+#include "rbdyn/expression/derivative.hpp"
 #include "rbdyn/expression/recording.hpp"
 
 namespace rbdyn {
@@ -169,6 +171,17 @@ private:
                     todo.push_back(node.a);
                     continue;
                 }
+                if constexpr (std::is_same_v<S, Expression>)
+                    if (const auto weight = weight_of(y[at(node.a)], name(node.d))) {
+                        for (const std::int32_t side : {node.b, node.c})
+                            if (!known[at(side)]) todo.push_back(side);
+                        if (todo.size() > before) continue;
+                        y[at(n)] = blended(
+                            *weight, [&] { return y[at(node.b)]; }, [&] { return y[at(node.c)]; });
+                        known[at(n)] = 1;
+                        todo.pop_back();
+                        continue;
+                    }
                 const std::int32_t side = above(y[at(node.a)], name(node.d)) ? node.b : node.c;
                 if (!known[at(side)]) {
                     todo.push_back(side);
@@ -186,6 +199,9 @@ private:
         }
     }
 
+    static std::optional<Expression> weight_of(const Expression& x, const std::string& name) {
+        return x.is_constant() ? std::nullopt : x.recorder()->weight(x, name);
+    }
     template <class S>
     static bool above(const S& x, const std::string& name) {
         if constexpr (std::is_same_v<S, Expression>)
@@ -264,10 +280,12 @@ inline std::vector<Expression> Function::differentiated(const std::vector<Expres
     Recorder* r = x[0].recorder();
     for (std::int32_t n = 0; n < recorder_->size(); ++n) {
         const Node& node = recorder_->node(n);
-        const auto a = [&] { return y[at(node.a)]; };
-        const auto b = [&] { return y[at(node.b)]; };
-        const auto da = [&] { return d[at(node.a)]; };
-        const auto db = [&] { return d[at(node.b)]; };
+        std::array<Expression, 3> operands, slopes;
+        for (std::size_t i = 0; i < 3; ++i)
+            if (const std::int32_t operand = node.operands()[i]; operand >= 0) {
+                operands[i] = y[at(operand)];
+                slopes[i] = d[at(operand)];
+            }
         Expression &v = y[at(n)], &dv = d[at(n)];
         dv = 0.0;
         // the same operation in the new recording; cases and cells are kept as such
@@ -278,38 +296,14 @@ inline std::vector<Expression> Function::differentiated(const std::vector<Expres
             case Operation::select:
                 v = applied<Expression>(n, x, y);
                 dv = select(
-                    a(), [&] { return db(); }, [&] { return d[at(node.c)]; }, name(node.d));
+                    operands[0], [&] { return slopes[1]; }, [&] { return slopes[2]; }, name(node.d));
                 break;
             default: v = applied<Expression>(n, x, y); break;
         }
-        switch (node.operation) {
-            case Operation::input: dv = node.a == input ? 1.0 : 0.0; break;
-            case Operation::add: dv = da() + db(); break;
-            case Operation::multiply: dv = da() * b() + a() * db(); break;
-            case Operation::divide: dv = (da() - v * db()) / b(); break;
-            case Operation::square_root: dv = da() / (2.0 * v); break;
-            case Operation::norm: {
-                const Vector3Of<Expression> u{a(), b(), y[at(node.c)]};
-                const Vector3Of<Expression> du{da(), db(), d[at(node.c)]};
-                const Expression along = dot(u, du);
-                dv = along.is_zero() ? Expression(0.0) : along / v;
-                break;
-            }
-            case Operation::sine: dv = cos(a()) * da(); break;
-            case Operation::cosine: dv = -(sin(a()) * da()); break;
-            case Operation::hyperbolic_sine: dv = cosh(a()) * da(); break;
-            case Operation::hyperbolic_cosine: dv = sinh(a()) * da(); break;
-            case Operation::hyperbolic_tangent: dv = (1.0 - v * v) * da(); break;
-            case Operation::exponential: dv = v * da(); break;
-            case Operation::logarithm: dv = da() / a(); break;
-            case Operation::power: dv = node.value * pow(a(), node.value - 1.0) * da(); break;
-            case Operation::angle: {
-                const Expression turn = b() * da() - a() * db();
-                dv = turn.is_zero() ? turn : turn / (a() * a() + b() * b());
-                break;
-            }
-            default: break;
-        }
+        if (node.operation == Operation::input)
+            dv = node.a == input ? 1.0 : 0.0;
+        else if (node.operation != Operation::select)
+            dv = recording::derivative(node, v, operands, slopes);
     }
     std::vector<Expression> result;
     for (std::int32_t out : outputs_) result.push_back(d[at(out)]);

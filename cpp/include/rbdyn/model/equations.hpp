@@ -1,6 +1,7 @@
 // Equations of smooth motion in one structural mode: what an engine integrates and what guards watch over it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,6 +55,7 @@ struct Guard {
     std::string name = {};
     int watch = -1;                                    // the watched function it is, by order of addition
     int branch = -1, step = 0;                         // the branch whose choice moves by a step where it fires
+    int sliding = -1;                                  // the sliding surface that is left where it fires, to side step
     std::shared_ptr<const Locator> locator = nullptr;  // finds it, if there is no output
 
     bool is_watched() const { return watch >= 0 || role == GuardRole::record; }
@@ -72,8 +74,15 @@ struct Equations {
     std::vector<VariableGroup> groups;
     std::vector<Branch> branches;  // the choices between formulas that were made for them
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
+    std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
+    int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
 
     int variables() const { return program.inputs(); }
+    /// The switch whose argument a guard is; none for guards of other kinds.
+    const Switch* switch_of(const Guard& guard) const {
+        const int index = guard.output - program.outputs();
+        return index >= 0 ? &program.switches()[static_cast<std::size_t>(index)] : nullptr;
+    }
     /// Whether a guard is a state variable itself.
     bool is_variable(const Guard& guard) const {
         return guard.output >= 0 && program.output(guard.output) < program.inputs();

@@ -47,6 +47,7 @@ public:
 
     /// x' of a variable; zero if it is not set.
     Expression& rate(int variable) { return rates_[static_cast<std::size_t>(variable)]; }
+    std::vector<Expression>& rates() { return rates_; }
 
     /// A guard, unless its value cannot change in this structure.
     void guard(Guard g, const Expression& value) {
@@ -60,6 +61,11 @@ public:
         moves_ = moves_ || !recording::is_constant(r_, value);
         guards_.push_back(std::move(g));
         watched_.push_back(value);
+    }
+    /// A value that is asked for and guards nothing. Returns its index among the outputs.
+    int output(const Expression& value) {
+        watched_.push_back(value);
+        return static_cast<int>(rates_.size() + watched_.size()) - 1;
     }
     /// A guard that is none of the program's outputs.
     void outside(Guard g) {

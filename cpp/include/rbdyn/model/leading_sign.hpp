@@ -58,7 +58,8 @@ inline int by_values(const Mode& mode, double t, std::span<const double> x, int 
 
 /// The sign an output of a mode's equations takes just after t: that of its first coefficient that is not zero. 0: it
 /// stays zero.
-inline int leading_sign(const Mode& mode, double t, std::span<const double> x, int output) {
+/// `known_zeros`: how many of the first are zero but for rounding.
+inline int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0) {
     constexpr int order = 8;
     const Program& program = mode.equations->program;
     if (program.has_calls()) return leading::by_values(mode, t, x, output);
@@ -74,8 +75,8 @@ inline int leading_sign(const Mode& mode, double t, std::span<const double> x, i
     const double time = leading::time_scale(series, program.inputs(), order);
     const double* g = series.output(output);
     double size = 0.0;
-    for (int k = 0; k <= order; ++k) size = std::max(size, std::abs(g[k]) * std::pow(time, k));
-    for (int k = 0; k <= order; ++k)
+    for (int k = known_zeros; k <= order; ++k) size = std::max(size, std::abs(g[k]) * std::pow(time, k));
+    for (int k = known_zeros; k <= order; ++k)
         if (std::abs(g[k]) * std::pow(time, k) > 1e-13 * size) return g[k] > 0.0 ? 1 : -1;
     return 0;
 }

@@ -15,6 +15,7 @@
 // zeros are noted.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <memory>
 #include <span>
@@ -55,6 +56,9 @@ public:
         for (const int index : fired) {
             const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
             flipped.push_back(index);
+            // a variable that switches is zero, exactly
+            if (mode.equations->is_variable(guard))
+                x[static_cast<std::size_t>(mode.equations->program.output(guard.output))] = 0.0;
             if (guard.name.empty()) continue;
             const double sign =
                 guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
@@ -64,6 +68,7 @@ public:
         }
         Mode after = mode;
         choose(after, t, x, flipped);
+        if (same_motion(mode, after)) happenings.clear();
         return after;
     }
 
@@ -72,26 +77,29 @@ private:
 
     std::unique_ptr<Structure> record(const Mode&, const RecordedFor& state) const override {
         Recorder r;
-        r.follow(state.t, state.x, {}, state.forced);
+        r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
         const recording::Active active(r);
         const int n = variables();
         const Expression t = r.time();
         std::vector<Expression> x, rate(static_cast<std::size_t>(n), Expression(0.0));
         for (int i = 0; i < n; ++i) x.push_back(r.input(i));
-        model_(t, std::span<const Expression>(x), std::span<Expression>(rate));
-        EquationsWriter write(r, n);
-        for (int i = 0; i < n; ++i) write.rate(i) = rate[static_cast<std::size_t>(i)];
-        if constexpr (requires { model_.watched(t, std::span<const Expression>(x)); }) {
-            int index = 0;
-            for (const auto& [name, value] : model_.watched(t, std::span<const Expression>(x)))
-                write.watch({.role = GuardRole::record, .direction = Direction::either, .name = name, .watch = index++},
-                            value);
-        }
-        int positions = 0;
-        if constexpr (requires { model_.positions(); }) positions = model_.positions();
-        std::vector<VariableGroup> groups;
-        for (int i = 0; i < n; ++i) groups.push_back({i, 1, i < positions});
-        return write.finish(std::move(groups));
+        return written(r, n, state.decided.sliding, [&](EquationsWriter& write) {
+            std::fill(rate.begin(), rate.end(), Expression(0.0));
+            model_(t, std::span<const Expression>(x), std::span<Expression>(rate));
+            for (int i = 0; i < n; ++i) write.rate(i) = rate[static_cast<std::size_t>(i)];
+            if constexpr (requires { model_.watched(t, std::span<const Expression>(x)); }) {
+                int index = 0;
+                for (const auto& [name, value] : model_.watched(t, std::span<const Expression>(x)))
+                    write.watch(
+                        {.role = GuardRole::record, .direction = Direction::either, .name = name, .watch = index++},
+                        value);
+            }
+            int positions = 0;
+            if constexpr (requires { model_.positions(); }) positions = model_.positions();
+            std::vector<VariableGroup> groups;
+            for (int i = 0; i < n; ++i) groups.push_back({i, 1, i < positions});
+            return groups;
+        });
     }
 
     M model_;

@@ -9,6 +9,7 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/model/equations.hpp"
@@ -18,20 +19,13 @@
 
 namespace rbdyn {
 
-/// Equations for what every body does: sticks, slips or flies.
-inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std::vector<Scene::Watch>& watches,
-                                                const std::vector<signed char>& slip, const RecordedFor& at_state) {
+/// Writes what every body does: sticks, slips or flies. Returns the groups of variables, and all active forces.
+inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>> write_points(
+    Recorder& r, EquationsWriter& write, const PointLaws& laws, const std::vector<Scene::Watch>& watches,
+    const std::vector<signed char>& slip) {
     using S = Expression;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    Recorder r;
     const int n = laws.freedoms(), count = static_cast<int>(laws.bodies().size());
-    if (count > 0) r.parameter(2 * count - 1);
-    std::vector<double> parameters(at(2 * count));
-    for (int i = 0; i < count; ++i) {
-        parameters[at(i)] = slip[at(i)];
-        parameters[at(count + i)] = at_state.x[at(laws.body(i).first)];
-    }
-    r.follow(at_state.t, at_state.x, parameters, at_state.forced);
     const S t = r.time();
     const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
     // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
@@ -52,7 +46,6 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
         r.set_subject(i);
         states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first)], slip[at(i)] == flies));
     }
-    EquationsWriter write(r, 2 * n);
     std::vector<RecordedPoints::Body> present;
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
@@ -142,7 +135,39 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
             const int size = b.may_fly ? 3 : b.freedoms();
             groups.push_back({first + b.first + b.freedoms() - size, size, first == 0});
         }
-    return write.finish(std::move(groups));
+    std::vector<Vector3Of<S>> forces;
+    for (const RecordedPoints::Body& b : present) forces.push_back(b.force.force);
+    return {std::move(groups), std::move(forces)};
+}
+
+/// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
+inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std::vector<Scene::Watch>& watches,
+                                                const std::vector<signed char>& slip, const RecordedFor& at_state) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    Recorder r;
+    const int count = static_cast<int>(laws.bodies().size());
+    if (count > 0) r.parameter(2 * count - 1);
+    std::vector<double> parameters(at(2 * count));
+    for (int i = 0; i < count; ++i) {
+        parameters[at(i)] = slip[at(i)];
+        parameters[at(count + i)] = at_state.x[at(laws.body(i).first)];
+    }
+    const Decisions& decided = at_state.decided;
+    r.follow(at_state.t, at_state.x, parameters, decided.forced, decided.sides);
+    int first = -1;
+    auto result = written(r, 2 * laws.freedoms(), decided.sliding, [&](EquationsWriter& write) {
+        auto [groups, forces] = write_points(r, write, laws, watches, slip);
+        first = -1;
+        if (!decided.sliding.empty())
+            for (const Vector3Of<Expression>& force : forces)
+                for (const Expression& component : force) {
+                    const int output = write.output(component);
+                    if (first < 0) first = output;
+                }
+        return groups;
+    });
+    if (result) result->equations.forces = first;
+    return result;
 }
 
 }  // namespace rbdyn

@@ -198,15 +198,16 @@ public:
         return result;
     }
 
-    /// Motion and reaction of a body in a mode.
-    PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x) const {
+    /// Motion and reaction of a body in a mode. `active`: the active force, where it is not that of the state alone.
+    PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
+                       const std::optional<Vector3>& active = {}) const {
         const Body& b = bodies_[at(index)];
         const signed char phase = slip[at(index)];
         const std::vector<PointState<double>> all = states(t, x, slip);
         const PointState<double>& p = all[at(index)];
         PointReport result;
-        const Resultant<double> f =
-            resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
+        Resultant<double> f = resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
+        if (active) f.force = *active;
         Vector3 force = f.force, acceleration, reaction = Vector3::Zero();
         if (!b.curve || phase == flies) {
             acceleration = force / b.mass;

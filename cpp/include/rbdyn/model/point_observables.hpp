@@ -1,6 +1,7 @@
 // What a watched function may ask of particles, as expressions and in numbers.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,7 +91,7 @@ private:
 
 /// The same in numbers, at a state.
 inline double observed(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
-                       const Observable& o) {
+                       const Observable& o, const std::optional<Vector3>& active = {}) {
     const auto vector = [&](const Vector3& v) { return v[o.component]; };
     if (o.quantity == Quantity::time) return t;
     if (o.quantity == Quantity::length || o.quantity == Quantity::coupling_force) {
@@ -100,7 +101,7 @@ inline double observed(const PointLaws& laws, std::span<const signed char> slip,
         const Vector3 d = a.first - b.first, v = a.second - b.second;
         return o.quantity == Quantity::length ? d.norm() : vector(laws.view().axes * c.spring(d, v));
     }
-    const PointReport r = laws.report(o.subject, slip, t, x);
+    const PointReport r = laws.report(o.subject, slip, t, x, active);
     switch (o.quantity) {
         case Quantity::position: return vector(r.position);
         case Quantity::velocity: return vector(r.velocity);

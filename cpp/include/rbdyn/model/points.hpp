@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -36,7 +37,7 @@ public:
         const std::vector<double> x = start(t);
         Mode mode;
         mode.slip = slip;
-        return structure(mode, t, x, {}).equations;
+        return structure(mode, t, x, {})->equations;
     }
 
     /// The state the scene starts in.
@@ -45,14 +46,16 @@ public:
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {
         const Within state(mode, t, x);
-        return laws_.report(body, mode.slip, state.t, state.x);
+        return laws_.report(body, mode.slip, state.t, state.x, sliding_force(mode, body, state.t, state.x));
     }
 
     /// What watched functions may ask for, at a state.
     Observe observing(const Mode& mode, double t, std::span<const double> x) const {
         const auto state = std::make_shared<const Within>(mode, t, x);
         return [this, &mode, state](const Observable& o) {
-            return rbdyn::observed(laws_, mode.slip, state->t, state->x, o);
+            const bool of_body = o.quantity != Quantity::length && o.quantity != Quantity::coupling_force;
+            const auto active = sliding_force(mode, of_body ? o.subject : -1, state->t, state->x);
+            return rbdyn::observed(laws_, mode.slip, state->t, state->x, o, active);
         };
     }
 
@@ -131,6 +134,8 @@ public:
             }
         }
         choose(after, t, x, flipped, is_new);
+        if (same_motion(mode, after))
+            std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
         for (int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
             if (guard.kind == EventKind::land && let_go(after, guard.subject, t, x))
@@ -258,6 +263,16 @@ private:
             return std::isfinite(time) ? time : std::max(std::abs(t), 1.0);
         }
     };
+
+    /// The active force on a body, in the view, where motion slides: between those on the two sides of a surface.
+    static std::optional<Vector3> sliding_force(const Mode& mode, int body, double t, std::span<const double> x) {
+        if (mode.equations == nullptr || mode.equations->forces < 0 || body < 0) return std::nullopt;
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        const int first = mode.equations->forces + 3 * body;
+        return Vector3(values.output(first), values.output(first + 1), values.output(first + 2));
+    }
 
     /// What a bead does at a speed along its rail.
     signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const {

@@ -2,101 +2,216 @@
 //
 // A mode's equations are recorded at the state it begins in, which says on which side of every choice they are; where
 // it says nothing (a choice that starts on its edge) the way the motion leaves the edge does. What an event did not
-// change stays as it was, whatever rounding makes of it.
+// change stays as it was, whatever rounding makes of it. Where the motion comes straight back to the surface of a
+// distinction from both of its sides, it slides along it (sliding.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/expression/evaluate.hpp"
-#include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/leading_sign.hpp"
+#include "rbdyn/model/sliding.hpp"
 
 namespace rbdyn {
 
-/// A state that equations are recorded for: it says which side of every choice they are on, but for those in `forced`.
+/// What of the distinctions in equations is settled, whatever the state says.
+struct Decisions {
+    std::map<std::uint64_t, long> forced = {};  // choices, by id
+    std::map<std::uint64_t, int> sides = {};    // +1 or -1, of the surfaces that were just left
+    std::set<std::uint64_t> sliding = {};       // the surfaces that motion slides along
+};
+
+/// A state that equations are recorded for: it says which side of every choice they are on, but for those decided.
 struct RecordedFor {
     double t = 0.0;
     std::span<const double> x;
-    std::map<std::uint64_t, long> forced = {};
+    Decisions decided = {};
 };
 
 class RecordedModel : public HybridModel {
 protected:
     /// What the equations depend on beside the choices: modes of one kind share them.
     virtual std::vector<signed char> kind_of(const Mode& mode) const = 0;
-    /// The equations for a mode of a kind, at a state.
+    /// The equations for a mode of a kind, at a state; none if it cannot slide as decided.
     virtual std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const = 0;
     /// Sets the parameters that are no signs of switches.
     virtual void own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const {}
 
-    /// The structure for a state, recorded anew only if no earlier one makes the same choices.
-    const Structure& structure(const Mode& mode, double t, std::span<const double> x,
-                               std::map<std::uint64_t, long> forced) const {
+    /// Whether an event came to nothing: a surface left or met by rounding alone, and motion goes on as before.
+    static bool same_motion(const Mode& a, const Mode& b) {
+        return a.equations == b.equations && a.parameters == b.parameters && a.slip == b.slip;
+    }
+
+    /// The structure for a state, recorded anew only if no earlier one makes the same choices; none if there is none.
+    const Structure* structure(const Mode& mode, double t, std::span<const double> x, const Decisions& decided) const {
         const std::lock_guard lock(mutex_);
-        auto& known = structures_[kind_of(mode)];
-        if (!known.empty() && known.front()->equations.branches.empty()) return *known.front();
-        auto recorded = record(mode, {t, x, std::move(forced)});
+        auto& known = structures_[{kind_of(mode), decided.sliding}];
+        if (!known.empty() && known.front()->equations.branches.empty()) return known.front().get();
+        auto recorded = record(mode, {t, x, decided});
+        if (!recorded) return nullptr;
         const auto& branches = recorded->equations.branches;
         for (const auto& one : known) {
             const auto& others = one->equations.branches;
             const auto same = [](const Branch& a, const Branch& b) { return a.id == b.id && a.choice == b.choice; };
-            if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return *one;
+            if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return one.get();
         }
         known.push_back(std::move(recorded));
-        return *known.back();
+        return known.back().get();
     }
 
     /// Completes a mode: its equations and their parameters. `flipped`: guards whose switch or choice changed; the
     /// others stay as they are, unless the state is a new one.
     void choose(Mode& mode, double t, std::span<const double> x, std::span<const int> flipped,
                 bool is_new = false) const {
+        const Change change{mode.equations, mode.parameters, flipped, is_new};
         const Equations* before = mode.equations;
-        const std::vector<double> old = mode.parameters;
-        mode.equations = nullptr;
-        std::map<std::uint64_t, long> forced;
-        if (before != nullptr && !is_new)
-            for (const Branch& b : before->branches) forced[b.id] = b.choice;
+        Decisions decided;
+        if (before != nullptr && !is_new) {
+            for (const Branch& b : before->branches) decided.forced[b.id] = b.choice;
+            decided.sliding.insert(before->sliding.begin(), before->sliding.end());
+        }
+        std::set<std::uint64_t> touched;
         if (before != nullptr)
-            for (const int index : flipped)
-                if (const Guard& guard = before->guards[at(index)]; guard.branch >= 0)
-                    forced[before->branches[at(guard.branch)].id] =
-                        before->branches[at(guard.branch)].choice + guard.step;
-        // a choice that starts on its edge is made by the way it leaves it
-        for (int attempt = 0; attempt < 8; ++attempt) {
-            const Structure& s = structure(mode, t, x, forced);
-            mode.equations = &s.equations;
-            mode.still = s.still;
-            set_parameters(mode, t, x, before, old, flipped, is_new);
-            if (s.equations.branches.empty()) return;
-            bool changed = false;
-            Evaluator<double> values(s.equations.program);
-            values.set_parameters(mode.parameters);
-            values(t, x);
-            for (const Guard& guard : s.equations.guards) {
-                if (guard.branch < 0) continue;
-                const Branch& b = s.equations.branches[at(guard.branch)];
-                const bool is_zero =
-                    std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output);
-                if (forced.contains(b.id) || !is_zero) continue;
-                const bool leaves = leading_sign(mode, t, x, guard.output) < 0;
-                forced[b.id] = b.choice + (leaves ? guard.step : 0);
-                changed = changed || leaves;
+            for (const int index : flipped) {
+                const Guard& guard = before->guards[at(index)];
+                if (guard.branch >= 0) {
+                    const Branch& b = before->branches[at(guard.branch)];
+                    decided.forced[b.id] = b.choice + guard.step;
+                }
+                if (guard.sliding >= 0) {
+                    decided.sliding.erase(before->sliding[at(guard.sliding)]);
+                    decided.sides[before->sliding[at(guard.sliding)]] = guard.step;
+                } else if (const auto surface = surface_of(*before, guard)) {
+                    touched.insert(*surface);
+                }
             }
-            if (!changed) return;
+        if (!complete(mode, t, x, change, decided)) {
+            decided.sliding.clear();
+            complete(mode, t, x, change, decided);
+        }
+        // what comes back to a surface from both sides slides along it, what is pulled off it leaves it
+        std::set<std::uint64_t> refused;
+        const bool everywhere = before == nullptr || is_new;
+        for (int attempt = 0; attempt < 8; ++attempt) {
+            Decisions next = decided;
+            if (!revise(mode, t, x, everywhere ? nullptr : &touched, refused, next)) return;
+            Mode after = mode;
+            if (complete(after, t, x, change, next)) {
+                mode = std::move(after);
+                decided = std::move(next);
+                continue;
+            }
+            for (const std::uint64_t s : next.sliding)
+                if (!decided.sliding.contains(s)) refused.insert(s);
         }
     }
 
-    void set_parameters(Mode& mode, double t, std::span<const double> x, const Equations* before,
-                        const std::vector<double>& old, std::span<const int> flipped, bool is_new) const {
+private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// What a mode comes from.
+    struct Change {
+        const Equations* before;
+        std::vector<double> parameters;
+        std::span<const int> flipped;
+        bool is_new;
+    };
+
+    /// The equations and parameters for what is decided. Returns whether there are any.
+    bool complete(Mode& mode, double t, std::span<const double> x, const Change& change, Decisions& decided) const {
+        mode.equations = nullptr;
+        // a choice that starts on its edge is made by the way it leaves it
+        for (int attempt = 0; attempt < 8; ++attempt) {
+            const Structure* s = structure(mode, t, x, decided);
+            if (s == nullptr) return false;
+            mode.equations = &s->equations;
+            mode.still = s->still;
+            set_parameters(mode, t, x, change, decided);
+            if (s->equations.branches.empty() && s->equations.sliding.empty()) return true;
+            bool changed = false;
+            Evaluator<double> values(s->equations.program);
+            values.set_parameters(mode.parameters);
+            values(t, x);
+            for (const Guard& guard : s->equations.guards) {
+                if (guard.sliding >= 0 && !std::isfinite(values.output(guard.output))) return false;
+                if (guard.branch < 0) continue;
+                const Branch& b = s->equations.branches[at(guard.branch)];
+                const bool is_zero =
+                    std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output);
+                if (decided.forced.contains(b.id) || decided.sides.contains(b.surface) || !is_zero) continue;
+                const bool leaves = leading_sign(mode, t, x, guard.output) < 0;
+                decided.forced[b.id] = b.choice + (leaves ? guard.step : 0);
+                changed = changed || leaves;
+            }
+            if (!changed) return true;
+        }
+        return true;
+    }
+
+    /// The surface of the switch or of the choice of two that a guard stands for, if motion may slide along it.
+    static std::optional<std::uint64_t> surface_of(const Equations& e, const Guard& guard) {
+        if (guard.kind != EventKind::switching || guard.sliding >= 0) return std::nullopt;
+        if (guard.branch >= 0) {
+            const Branch& b = e.branches[at(guard.branch)];
+            return b.is_select ? std::optional(b.surface) : std::nullopt;
+        }
+        const Switch* s = e.switch_of(guard);
+        return s != nullptr && !s->is_norm ? std::optional(s->surface) : std::nullopt;
+    }
+
+    /// Looks whether a mode goes on as decided: not along a surface that it is pulled off, not back to one of `touched`
+    /// (none: of those it is on) that it came to from the other side. Returns whether that changed a decision.
+    bool revise(const Mode& mode, double t, std::span<const double> x, const std::set<std::uint64_t>* touched,
+                const std::set<std::uint64_t>& refused, Decisions& decided) const {
+        const Equations& e = *mode.equations;
+        std::optional<Evaluator<double>> values;
+        const auto evaluated = [&]() -> const Evaluator<double>& {
+            if (!values) {
+                values.emplace(e.program);
+                values->set_parameters(mode.parameters);
+                (*values)(t, x);
+            }
+            return *values;
+        };
+        const Decisions before = decided;
+        for (const Guard& guard : e.guards) {
+            if (guard.sliding >= 0) {
+                // weights are numbers between 0 and 1
+                const double weight = evaluated().output(guard.output);
+                if (weight > 64.0 * epsilon) continue;
+                if (weight >= -64.0 * epsilon && leading_sign(mode, t, x, guard.output, 1) >= 0) continue;
+                decided.sliding.erase(e.sliding[at(guard.sliding)]);
+                decided.sides[e.sliding[at(guard.sliding)]] = guard.step;
+                continue;
+            }
+            const auto surface = surface_of(e, guard);
+            if (!surface || refused.contains(*surface) || before.sides.contains(*surface)) continue;
+            if (touched != nullptr
+                    ? !touched->contains(*surface)
+                    : std::abs(evaluated().output(guard.output)) > 64.0 * epsilon * evaluated().magnitude(guard.output))
+                continue;
+            const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
+            if (sign * leading_sign(mode, t, x, guard.output, 1) < 0.0) decided.sliding.insert(*surface);
+        }
+        return decided.sliding != before.sliding || decided.sides != before.sides;
+    }
+
+    void set_parameters(Mode& mode, double t, std::span<const double> x, const Change& change,
+                        const Decisions& decided) const {
+        const auto& [before, old, flipped, is_new] = change;
         const Equations& e = *mode.equations;
         const Program& program = e.program;
         mode.parameters.assign(at(program.parameters()), 0.0);
@@ -120,6 +235,13 @@ protected:
                 }
             }
         }
+        for (std::size_t k = 0; k < program.switches().size(); ++k) {
+            const Switch& now = program.switches()[k];
+            const auto side = decided.sides.find(now.surface);
+            if (now.is_norm || side == decided.sides.end()) continue;
+            settled[k] = true;
+            mode.parameters[at(now.parameter)] = side->second * now.orientation;
+        }
         Evaluator<double> values(program);
         values.set_parameters(mode.parameters);
         values(t, x);
@@ -141,12 +263,9 @@ protected:
                 mode.parameters[at(program.switches()[k].parameter)] = -1.0;
     }
 
-private:
-    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
+    using Key = std::pair<std::vector<signed char>, std::set<std::uint64_t>>;  // kind, and what it slides along
     mutable std::mutex mutex_;
-    mutable std::map<std::vector<signed char>, std::vector<std::unique_ptr<Structure>>> structures_;
+    mutable std::map<Key, std::vector<std::unique_ptr<Structure>>> structures_;
 };
 
 }  // namespace rbdyn
