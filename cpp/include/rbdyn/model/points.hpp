@@ -125,6 +125,8 @@ public:
                     // a variable that switches is zero, exactly
                     if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
                     if (guard.kind == EventKind::switching && guard.name.empty()) break;
+                    // where the reaction of a rail that only pushes vanishes the bead detaches, and that is said
+                    if (guard.kind == EventKind::normal_zero && laws_.body(i).side != RailSide::both) break;
                     happenings.push_back({guard.kind, i, guard.step > 0 ? Direction::rising : direction,
                                           guard.kind == EventKind::switching ? guard.name : std::string()});
                     break;
@@ -306,7 +308,9 @@ private:
             v{x[at(n + space)], x[at(n + space + 1)], x[at(n + space + 2)]};
         x[at(b.first)] = laws_.landing(i)->place(r);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-        const double w = dot<double>(c.first, v) / c.speed_squared;
+        // along the normal: what rounding leaves along the rail is none
+        const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
+        const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
         x[at(n + b.first)] = w;
         for (int k = 0; k < 3; ++k) x[at(n + space + k)] = 0.0;
         mode.slip[at(i)] = 1;
