@@ -103,7 +103,8 @@ public:
                 }
                 case EventKind::slip: {
                     carry(i, t, x);
-                    const Holding h = laws_.holding(i, t, x, mode.slip);
+                    const Within state(mode, t, x);
+                    const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
                     const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
                     after.slip[at(i)] = s;
                     happenings.push_back({EventKind::slip, i, s > 0 ? Direction::rising : Direction::falling, {}});
@@ -273,7 +274,8 @@ private:
     signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         carry(i, t, x);
-        const Holding h = laws_.holding(i, t, x, mode.slip);
+        const Within state(mode, t, x);
+        const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
         const signed char escape = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
         if (needed > limit * (1.0 + 8.0 * epsilon)) return escape;
@@ -362,7 +364,15 @@ private:
             }
             if (is_free) continue;
             const double before = std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared) * x[at(n + b.first)];
-            if (c.parameter) set(b.first, *c.parameter);
+            if (c.parameter) {
+                const Domain domain = b.curve->domain();
+                require(b.curve->closed() || (*c.parameter >= domain.begin && *c.parameter <= domain.end) ||
+                            !std::isfinite(*c.parameter),
+                        user, "parameter of " + b.name + " its action gives", *c.parameter,
+                        "it lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
+                set(b.first, *c.parameter);
+                b.curve->require_regular(*c.parameter);
+            }
             const double speed = c.speed.value_or(before);
             set(n + b.first, speed / std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared));
             if (b.rough) mode.slip[at(i)] = slip_of(mode, i, speed, t, x);

@@ -74,8 +74,8 @@ protected:
         for (int attempt = 0; attempt < 8; ++attempt) {
             const Structure& s = structure(mode, t, x, forced);
             mode.equations = &s.equations;
-            mode.still = s.still;
             set_parameters(mode, t, x, before, old, flipped, is_new);
+            mode.still = s.still && holds(mode, t, x);
             if (s.equations.branches.empty()) return;
             bool changed = false;
             Evaluator<double> values(s.equations.program);
@@ -93,6 +93,18 @@ protected:
             }
             if (!changed) return;
         }
+    }
+
+    /// Whether no guard of a mode asks for another one at once.
+    static bool holds(const Mode& mode, double t, std::span<const double> x) {
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        for (const Guard& guard : mode.equations->guards)
+            if (!guard.is_watched() && guard.output >= 0 && guard.sign_parameter < 0 &&
+                values.output(guard.output) < -64.0 * epsilon * values.magnitude(guard.output))
+                return false;
+        return true;
     }
 
     void set_parameters(Mode& mode, double t, std::span<const double> x, const Equations* before,
