@@ -364,6 +364,48 @@ TEST(SignOfVelocity, as_a_force_of_the_users_own_holds_or_is_refused_and_never_h
     EXPECT_NEAR(result.run.end(), 2.0, 1e-9);
 }
 
+TEST(Cases, that_load_a_resting_bead_beyond_its_cone_make_it_slip) {
+    // nothing moves and no number changes but the case
+    for (double push : {10.0, -10.0})
+        for (const bool is_hoop : {false, true}) {
+            Scene scene(is_hoop ? none : down);
+            const Curve curve = is_hoop ? Curve(vertical_circle(1.0)) : Curve(along_x);
+            const BodyHandle bead = scene.add(Particle{1.0}, Rail(curve, Coulomb{0.5, 0.25}), {.parameter = 0.0});
+            scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                            using S = std::decay_t<decltype(t)>;
+                            return Vector3Of<S>{where(t > 1.0, S(push), S(0.0)), S(0.0), S(is_hoop ? -gravity : 0.0)};
+                        }),
+                        bead);
+            const Trajectory run = simulate(scene, {.until = 1.25, .error = 1e-11});
+            ASSERT_EQ(kinds(run).substr(0, 11), "switch slip") << push << ' ' << is_hoop;
+            EXPECT_EQ(run.events()[0].time, 1.0);
+            EXPECT_EQ(run[bead].parameter(1.0), 0.0);
+            EXPECT_GT(push * run[bead].parameter(1.25), 0.0);
+            if (!is_hoop)
+                EXPECT_NEAR(run[bead].parameter(1.25), std::copysign(0.5 * (10.0 - 0.25 * gravity) * 0.0625, push),
+                            1e-12);
+        }
+}
+
+TEST(Cases, that_turn_a_constant_load_lift_a_bead_off_a_straight_rail) {
+    for (const RailSide side : {RailSide::plus, RailSide::minus}) {
+        Scene scene;
+        const BodyHandle bead =
+            scene.add(Particle{1.0}, Rail(along_x, std::nullopt, {.side = side}), {.parameter = 0.0, .speed = 1.0});
+        const double press = along_x.direction.cross(Vector3(0, 0, 1)).norm() > 0.0 ? 1.0 : 0.0;
+        const Vector3 normal = press * Curve(along_x).frenet(0.0).normal * (side == RailSide::plus ? 1.0 : -1.0);
+        scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                        using S = std::decay_t<decltype(t)>;
+                        const S f = where(t > 1.0, S(2.0), S(-3.0));
+                        return Vector3Of<S>{f * normal[0], f * normal[1], f * normal[2]};
+                    }),
+                    bead);
+        const Trajectory run = simulate(scene, {.until = 2.0, .error = 1e-11});
+        EXPECT_EQ(kinds(run), "switch detach");
+        EXPECT_LE((run[bead].position(2.0) - Vector3(2, 0, 0) - normal).norm(), 1e-12);
+    }
+}
+
 // --- numbers of the user's ---
 
 TEST(Parameters, changed_between_runs_change_the_runs_to_come_alone) {

@@ -292,7 +292,7 @@ TEST(Hills, as_a_spline_are_left_and_met_again) {
         const Real u = zero([&](Real v) { return curve.position(static_cast<double>(v)).x() - r.x(); }, 0, 60);
         return r.z() - curve.position(static_cast<double>(u)).z();
     };
-    const Bead bead(gravity, curve, RailSide::minus, {.parameter = 0.0, .speed = 4.75}, std::nullopt, mass);
+    const Bead bead(gravity, curve, RailSide::minus, {.parameter = 0.0, .speed = 5.0}, std::nullopt, mass);
     const Trajectory run = bead.run(4.0, 1e-9);
     EXPECT_GE(check_flights(run, bead, above, mass, 1e-8), 1) << kinds(run);
 }

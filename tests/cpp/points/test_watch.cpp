@@ -152,7 +152,10 @@ TEST(Watches, of_velocity_in_the_world_pass_zero_with_a_reversal_on_a_hoop_once)
     }
     EXPECT_EQ(times.size(), stops + quarters) << kinds(run);
     for (const double stop : run.events().times("reverse"))
-        EXPECT_EQ(std::count(times.begin(), times.end(), stop), 1) << stop;
+        EXPECT_EQ(std::count_if(times.begin(), times.end(),
+                                [=](double t) { return std::abs(t - stop) <= 4.0 * epsilon * stop; }),
+                  1)
+            << stop;
 }
 
 // --- what may be watched ---
@@ -172,7 +175,7 @@ TEST(Watches, may_ask_for_everything_a_run_can_tell) {
     watch("reaction", [=](const Now& now) { return now[bead].reaction()[2] - 5.0; });
     watch("parameter", [=](const Now& now) { return now[bead].parameter(); });
     watch("speed", [=](const Now& now) { return now[bead].speed(); });
-    watch("ball's speed", [=](const Now& now) { return now[ball].speed() - 2.0; });
+    watch("ball's speed", [=](const Now& now) { return dot(now[ball].velocity(), now[ball].velocity()) - 4.0; });
     watch("tangential", [=](const Now& now) { return now[bead].tangential_force(); });
     watch("kinetic", [=](const Now& now) { return now[bead].kinetic_energy() - 0.5; });
     watch("length", [=](const Now& now) { return now[spring].length() - 1.0; });
@@ -303,12 +306,15 @@ TEST(BouncingBall, watched_by_a_function_called_back_meets_the_floor_at_the_same
 }
 
 TEST(BouncingBall, accumulating_ends_with_a_status_and_never_falls_through) {
-    // the limit of bounces with e = 1/2 is three times the fall
-    const Attempt result = attempt(bouncing(2.0, 0.5), {.until = 10.0, .rtol = 1e-10});
-    const double limit = 3.0 * std::sqrt(4.0 / gravity);
-    EXPECT_NE(result.run.status(), Status::reached_end);
-    EXPECT_NEAR(result.run.end(), limit, 1e-6);
-    EXPECT_GE(result.run.events().size(), 20u);
+    // the limit of bounces is (1 + e) / (1 - e) times the fall
+    for (double e : {0.5, 0.9})
+        for (std::optional<double> rtol : {std::optional<double>(1e-10), std::optional<double>()}) {
+            const Attempt result = attempt(bouncing(2.0, e), {.until = 100.0, .rtol = rtol});
+            const double limit = (1.0 + e) / (1.0 - e) * std::sqrt(4.0 / gravity);
+            EXPECT_EQ(result.run.status(), Status::inconsistent);
+            EXPECT_NEAR(result.run.end(), limit, 1e-11 * limit);
+            EXPECT_NEAR(result.run[first].position(result.run.end()).z(), 0.0, 1e-14);
+        }
 }
 
 TEST(Changes, of_a_bead_on_a_rough_rail_set_its_slip_anew) {
@@ -426,6 +432,7 @@ TEST(Watches, with_names_taken_or_handles_of_nothing_are_refused) {
     EXPECT_THROW(scene.watch("", place(1.0)), InvalidInput);
     EXPECT_THROW(scene.watch("b", [](const Now& now) { return now[BodyHandle{3}].position()[0]; }), InvalidInput);
     EXPECT_THROW(scene.watch("c", [](const Now& now) { return now[first].reaction()[0]; }), InvalidInput);
+    EXPECT_THROW(scene.watch("e", [](const Now& now) { return now[first].speed(); }), InvalidInput);
     EXPECT_THROW(scene.watch("d", [](const Now& now) { return now[CouplingHandle{0}].length(); }), InvalidInput);
 }
 
