@@ -198,7 +198,7 @@ private:
             if (guard.locator)
                 locate(guard, g, fresh);
             else
-                seek_by_values(mode, guard, g, 0.0, 1.0, fresh, 0);
+                seek_by_values(mode, guard, g, 0.0, 1.0, fresh, is_last, 0);
             return;
         }
         const double* c = engine_.guard(static_cast<int>(g));
@@ -225,7 +225,7 @@ private:
             at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
         int leaves = starts;
         if (at_zero) {
-            const int m = leading(q.data(), degree);
+            const int m = leading(q.data(), degree, is_watch && handled(g));
             if (m > degree || size == 0.0) return;  // stays at zero
             p += m;
             degree -= m;
@@ -258,7 +258,7 @@ private:
     /// A guard that has values only: on [lo, hi] of the piece as a polynomial through them, on halves where it does not
     /// hold.
     void seek_by_values(const Mode& mode, const Guard& guard, std::size_t g, double lo, double hi, bool fresh,
-                        int depth) {
+                        bool is_last, int depth) {
         using series::Fit;
         const Piece& piece = engine_.piece();
         state_.resize(static_cast<std::size_t>(piece.variables));
@@ -284,8 +284,8 @@ private:
                 std::abs(value(Fit::check(j)) - series::value(q.data(), Fit::degree, Fit::check(j))) <= 1e-10 * size;
         if (!holds && depth < max_halvings) {
             const double middle = 0.5 * (lo + hi);
-            seek_by_values(mode, guard, g, lo, middle, fresh, depth + 1);
-            seek_by_values(mode, guard, g, middle, hi, false, depth + 1);
+            seek_by_values(mode, guard, g, lo, middle, fresh, false, depth + 1);
+            seek_by_values(mode, guard, g, middle, hi, false, is_last, depth + 1);
             return;
         }
         int& side = side_of(guard);
@@ -296,7 +296,7 @@ private:
         const double* p = q.data();
         int degree = Fit::degree, leaves = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
         if (leaves == 0 || (fresh && std::abs(q[0]) <= (handled(g) ? 1e-9 : 1e-12) * size)) {
-            const int m = leading(q.data(), degree);
+            const int m = leading(q.data(), degree, handled(g));
             if (m > degree) return;
             p += m;
             degree -= m;
@@ -306,6 +306,19 @@ private:
         if (leaves != now) found_.push_back({lo, g, leaves > 0});
         roots_.clear();
         finder_.find(p, degree, roots_);
+        if (is_last && roots_.empty()) {
+            // at the very end of the run, within rounding and the engine's error
+            double sum = 0.0, slope = 0.0;
+            for (int k = degree; k >= 0; --k) {
+                sum += std::abs(p[k]);
+                slope += k * p[k];
+            }
+            const double late =
+                (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
+            const double end = series::value(p, degree, 1.0);
+            if (std::abs(end) <= 1e-15 * size + late * std::abs(slope) && end * slope <= 0.0 && end * leaves >= 0.0)
+                roots_.push_back(1.0);
+        }
         for (const double place : roots_) {
             leaves = -leaves;
             found_.push_back({lo + place * (hi - lo), g, leaves > 0});
@@ -319,8 +332,9 @@ private:
     }
 
     /// The order of the first term that is not rounding. A piece cut short by the end of a run tells too little, so the
-    /// terms are weighed over the length that the engine would have gone.
-    int leading(const double* q, int degree) const {
+    /// terms are weighed over the length that the engine would have gone. Where the user has set the state anew, every
+    /// term is meant (the last small bounces of a ball).
+    int leading(const double* q, int degree, bool is_set) const {
         const double stretch = std::max(1.0, engine_.natural_length() / engine_.piece().length);
         series::Coefficients sizes;
         double size = 0.0, power = 1.0;
@@ -329,7 +343,8 @@ private:
             size = std::max(size, sizes[static_cast<std::size_t>(k)]);
         }
         int m = 1;
-        while (m <= degree && !(sizes[static_cast<std::size_t>(m)] > significant_ * size)) ++m;
+        const double rounding = is_set ? 0.0 : significant_ * size;
+        while (m <= degree && !(sizes[static_cast<std::size_t>(m)] > rounding)) ++m;
         return m;
     }
 

@@ -38,6 +38,14 @@ inline bool is_constant(const Recorder& r, const Expression& x) {
     return true;
 }
 
+/// Whether anything recorded has another formula or sign elsewhere.
+inline bool chooses(const Recorder& r) {
+    if (!r.branches().empty()) return true;
+    for (std::int32_t n = 0; n < r.size(); ++n)
+        if (r.node(n).operation == Operation::sign) return true;
+    return false;
+}
+
 }  // namespace recording
 
 class EquationsWriter {
@@ -49,10 +57,11 @@ public:
     Expression& rate(int variable) { return rates_[static_cast<std::size_t>(variable)]; }
     std::vector<Expression>& rates() { return rates_; }
 
-    /// A guard, unless its value cannot change in this structure.
+    /// A guard, unless its value cannot change: in this structure, and with no other choice that could have been made.
     void guard(Guard g, const Expression& value) {
-        if (recording::is_constant(r_, value)) return;
-        moves_ = true;
+        const bool is_constant = recording::is_constant(r_, value);
+        if (is_constant && (g.branch >= 0 || !recording::chooses(r_))) return;
+        moves_ = moves_ || !is_constant;
         watch(std::move(g), value);
     }
     /// A guard whose value is looked at even if it cannot change: it may between structures.

@@ -106,7 +106,8 @@ public:
                 }
                 case EventKind::slip: {
                     carry(i, t, x);
-                    const Holding h = laws_.holding(i, t, x, mode.slip);
+                    const Within state(mode, t, x);
+                    const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
                     const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
                     after.slip[at(i)] = s;
                     happenings.push_back({EventKind::slip, i, s > 0 ? Direction::rising : Direction::falling, {}});
@@ -128,6 +129,8 @@ public:
                     // a variable that switches is zero, exactly
                     if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
                     if (guard.kind == EventKind::switching && guard.name.empty()) break;
+                    // where the reaction of a rail that only pushes vanishes the bead detaches, and that is said
+                    if (guard.kind == EventKind::normal_zero && laws_.body(i).side != RailSide::both) break;
                     happenings.push_back({guard.kind, i, guard.step > 0 ? Direction::rising : direction,
                                           guard.kind == EventKind::switching ? guard.name : std::string()});
                     break;
@@ -293,7 +296,8 @@ private:
     signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         carry(i, t, x);
-        const Holding h = laws_.holding(i, t, x, mode.slip);
+        const Within state(mode, t, x);
+        const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
         const signed char escape = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
         if (needed > limit * (1.0 + 8.0 * epsilon)) return escape;
@@ -328,7 +332,9 @@ private:
             v{x[at(n + space)], x[at(n + space + 1)], x[at(n + space + 2)]};
         x[at(b.first)] = laws_.landing(i)->place(r);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-        const double w = dot<double>(c.first, v) / c.speed_squared;
+        // along the normal: what rounding leaves along the rail is none
+        const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
+        const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
         x[at(n + b.first)] = w;
         for (int k = 0; k < 3; ++k) x[at(n + space + k)] = 0.0;
         mode.slip[at(i)] = 1;
@@ -380,7 +386,15 @@ private:
             }
             if (is_free) continue;
             const double before = std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared) * x[at(n + b.first)];
-            if (c.parameter) set(b.first, *c.parameter);
+            if (c.parameter) {
+                const Domain domain = b.curve->domain();
+                require(b.curve->closed() || (*c.parameter >= domain.begin && *c.parameter <= domain.end) ||
+                            !std::isfinite(*c.parameter),
+                        user, "parameter of " + b.name + " its action gives", *c.parameter,
+                        "it lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
+                set(b.first, *c.parameter);
+                b.curve->require_regular(*c.parameter);
+            }
             const double speed = c.speed.value_or(before);
             set(n + b.first, speed / std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared));
             if (b.rough) mode.slip[at(i)] = slip_of(mode, i, speed, t, x);

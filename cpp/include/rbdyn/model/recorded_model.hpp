@@ -138,8 +138,8 @@ private:
             const Structure* s = structure(mode, t, x, decided);
             if (s == nullptr) return false;
             mode.equations = &s->equations;
-            mode.still = s->still;
             set_parameters(mode, t, x, change, decided);
+            mode.still = s->still && holds(mode, t, x);
             if (s->equations.branches.empty() && s->equations.sliding.empty()) return true;
             bool changed = false;
             Evaluator<double> values(s->equations.program);
@@ -158,6 +158,18 @@ private:
             }
             if (!changed) return true;
         }
+        return true;
+    }
+
+    /// Whether no guard of a mode asks for another one at once.
+    static bool holds(const Mode& mode, double t, std::span<const double> x) {
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        for (const Guard& guard : mode.equations->guards)
+            if (!guard.is_watched() && guard.output >= 0 && guard.sign_parameter < 0 &&
+                values.output(guard.output) < -64.0 * epsilon * values.magnitude(guard.output))
+                return false;
         return true;
     }
 
