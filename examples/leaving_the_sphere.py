@@ -1,7 +1,8 @@
-"""A bead slides off a smooth sphere: it leaves at acos(2/3), flies, and lands on what lies below.
+"""A bead slides off a smooth sphere at acos(2/3) and falls to the ground; another leaves a loop and lands on it again.
 
-A rail with side="-" only pushes, here outward, against the normal of its circle; where the push would have to pull, the
-bead leaves. What it falls on is a bowl, written as a watched function whose action gives it a new state.
+A rail with side="-" only pushes against the normal of its curve, which points to the center of a circle: outward, like a
+sphere. With side="+" it pushes inward, like a loop. Where it would have to pull, the bead leaves it ("detach") and flies;
+where it meets the curve again from that side it lands ("land").
 """
 
 import math
