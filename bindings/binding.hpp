@@ -19,6 +19,10 @@
 #include <type_traits>
 #include <vector>
 
+namespace rbdyn {
+class Curve;
+}
+
 namespace binding {
 
 namespace py = pybind11;
