@@ -46,20 +46,6 @@ auto with_present(std::function<py::object(Quantity, int, bool)> asked, const Ha
     return f(py::cast(now));
 }
 
-/// The same in numbers.
-template <class F>
-auto with_numbers(const Observe& observe, const Handles& handles, F&& f) {
-    const CallingBack here;
-    return with_present(
-        [&observe](Quantity quantity, int subject, bool is_vector) -> py::object {
-            if (!is_vector) return py::float_(observe({quantity, subject, 0}));
-            py::array_t<double> result(3);
-            for (int i = 0; i < 3; ++i) result.mutable_at(i) = observe({quantity, subject, i});
-            return result;
-        },
-        handles, std::forward<F>(f));
-}
-
 double one_number(const py::object& value, const std::string& user) {
     const py::array array = py::array::ensure(value);
     if (!array || array.size() != 1)
@@ -97,6 +83,36 @@ std::vector<rbdyn::StateChange> changes(const py::object& returned, const Handle
     return result;
 }
 
+/// What a function that is called back needs; any thread may copy and drop it.
+struct Called {
+    py::object f;
+    BoundScene scene;
+    std::string user;
+};
+std::shared_ptr<const Called> called(const py::object& f, const BoundScene& scene, const std::string& user) {
+    return {new Called{f, scene, user}, [](const Called* c) {
+                if (Py_IsInitialized() == 0) return;
+                const py::gil_scoped_acquire lock;
+                delete c;
+            }};
+}
+
+/// Calls it with a present moment in numbers, with the lock; `read` makes of what it returns what is wanted.
+template <class Read>
+auto call_with_numbers(const Called& c, const Observe& observe, Read&& read) {
+    const py::gil_scoped_acquire lock;
+    const CallingBack here;
+    return with_present(
+        [&](Quantity quantity, int subject, bool is_vector) -> py::object {
+            c.scene.scene.require_observable({quantity, subject, 0}, c.user);
+            if (!is_vector) return py::float_(observe({quantity, subject, 0}));
+            py::array_t<double> result(3);
+            for (int i = 0; i < 3; ++i) result.mutable_at(i) = observe({quantity, subject, i});
+            return result;
+        },
+        c.scene.handles, [&](const py::object& now) { return read(c.f(now)); });
+}
+
 }  // namespace
 
 WatchFunction watched_function(const py::object& f, const BoundScene& scene, std::optional<bool> trace,
@@ -104,13 +120,18 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
     if (PyCallable_Check(f.ptr()) == 0)
         throw InvalidInput(user + ": " + shown(f) + " is no function; give function(now)");
     std::string reason = "trace=False";
-    const Handles handles = scene.handles;
     if (trace.value_or(true)) {
         std::vector<Observable> asked;
-        const auto now = std::make_shared<Present>(Present{nullptr, handles});
+        std::exception_ptr refused;  // what the scene does not have is no reason to call back
+        const auto now = std::make_shared<Present>(Present{nullptr, scene.handles});
         const auto ask_in = [&](Recording& recording, Quantity quantity, int subject, bool is_vector) -> py::object {
             const int count = is_vector ? 3 : 1;
-            scene.scene.require_observable({quantity, subject, 0}, user);
+            try {
+                scene.scene.require_observable({quantity, subject, 0}, user);
+            } catch (const InvalidInput&) {
+                refused = std::current_exception();
+                throw;
+            }
             const auto found = std::find(asked.begin(), asked.end(), Observable{quantity, subject, 0});
             const auto first = static_cast<int>(found - asked.begin());
             if (found == asked.end())
@@ -135,16 +156,14 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
                 return std::vector<Expression>{*y};
             });
         now->ask = nullptr;
-        if (a.function) {
-            return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
-        }
+        if (a.function) return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
+        if (refused) std::rethrow_exception(refused);
         if (trace.value_or(false)) throw InvalidInput(user + ": its function cannot be recorded: " + a.reason);
         reason = a.reason;
     }
     return WatchFunction::called_back(
-        [f, handles, user](const Observe& observe) {
-            const py::gil_scoped_acquire lock;
-            return with_numbers(observe, handles, [&](const py::object& now) { return one_number(f(now), user); });
+        [c = called(f, scene, user)](const Observe& observe) {
+            return call_with_numbers(*c, observe, [&](const py::object& y) { return one_number(y, c->user); });
         },
         reason, true);
 }
@@ -159,10 +178,9 @@ rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, 
     if (PyCallable_Check(action.ptr()) == 0)
         throw InvalidInput(user + ": action is " + shown(action) +
                            "; it is \"record\", \"stop\", or a function of now");
-    return {Kind::change, [f = action, handles = scene.handles, user](const Observe& observe) {
-                const py::gil_scoped_acquire lock;
-                return with_numbers(observe, handles,
-                                    [&](const py::object& now) { return changes(f(now), handles, user); });
+    return {Kind::change, [c = called(action, scene, user)](const Observe& observe) {
+                return call_with_numbers(*c, observe,
+                                         [&](const py::object& y) { return changes(y, c->scene.handles, c->user); });
             }};
 }
 

@@ -67,7 +67,7 @@ public:
         has_slope_ = true;
         const double span = limit - t_;
         double& wanted = workshop_->step;
-        if (!(wanted > 0.0)) wanted = span;
+        if (!(wanted > 0.0)) wanted = first_step(span);
         double h = 0.0, error = 0.0;
         bool rejected = false, capped = false;
         Instant end;
@@ -239,6 +239,40 @@ private:
     bool stages(std::integer_sequence<int, s...>, Instant t, const double* x, const double* low, const double* slope,
                 double h) const {
         return (stage<s + 1>(t, x, low, slope, h) && ...);
+    }
+
+    /// The span, or as much of it that Euler's method over it, twice, does not make a slope sixteen times as large.
+    ///
+    /// The stages of a step that is much too long run away; functions of the user's are not to be asked about that.
+    double first_step(double span) {
+        const auto size = [&](const VariableGroup& group, const std::vector<double>& slope) {
+            double largest = 0.0;
+            for (int i = group.first; i < group.first + group.count; ++i)
+                largest = std::max(largest, std::abs(slope[at(i)]));
+            return largest;
+        };
+        std::vector<double> before;
+        const auto runs_away = [&](double h) {
+            defect_ = slope_;
+            before.assign(equations_->groups.size(), 0.0);
+            for (int pass = 0; pass < 3; ++pass) {
+                for (std::size_t g = 0; g < before.size(); ++g) {
+                    const VariableGroup& group = equations_->groups[g];
+                    // a velocity may be small at the start for no reason
+                    if (group.is_position && before.size() > 1) continue;
+                    const double now = size(group, defect_);
+                    if (before[g] > 0.0 && now > 16.0 * before[g]) return true;
+                    if (before[g] == 0.0) before[g] = now;
+                }
+                if (pass == 2) break;
+                for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] + h * defect_[at(i)];
+                if (!evaluate(t_ + h, y_, defect_.data())) return true;
+            }
+            return false;
+        };
+        double h = span;
+        while (h > 0x1p-60 * span && runs_away(h)) h *= 0.125;
+        return h;
     }
 
     /// Tries a step of length h; returns its error over the one allowed.
