@@ -381,9 +381,10 @@ TEST(Cases, that_load_a_resting_bead_beyond_its_cone_make_it_slip) {
             EXPECT_EQ(run.events()[0].time, 1.0);
             EXPECT_EQ(run[bead].parameter(1.0), 0.0);
             EXPECT_GT(push * run[bead].parameter(1.25), 0.0);
-            if (!is_hoop)
+            if (!is_hoop) {
                 EXPECT_NEAR(run[bead].parameter(1.25), std::copysign(0.5 * (10.0 - 0.25 * gravity) * 0.0625, push),
                             1e-12);
+            }
         }
 }
 
