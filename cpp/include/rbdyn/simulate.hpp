@@ -40,10 +40,10 @@ namespace simulating {
 inline std::string engine_for(const Plan& plan, const std::string& wanted) {
     const std::string engine = wanted == "auto" ? plan.engine : wanted;
     (void)make_engine(engine, 1e-6);
-    if (engine != "dop853" && plan.calls_back)
-        throw InvalidInput("simulate: engine is \"" + engine +
-                           "\", and a function of this scene is called back, which has no Taylor series and no "
-                           "Jacobian; use \"auto\" or \"dop853\", or write it so that it can be recorded");
+    if (engine == "taylor" && plan.calls_back)
+        throw InvalidInput(
+            "simulate: engine is \"taylor\", and a function of this scene is called back, which has no "
+            "Taylor series; use \"auto\" or \"dop853\", or write it so that it can be recorded");
     return engine;
 }
 
