@@ -15,6 +15,25 @@ namespace rbdyn {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
+// In doubles, one operation at a time: results are vectors, not expressions, of which there would be hundreds of types
+// to compile. Chosen before Eigen's own because they match exactly.
+inline Vector3 operator+(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vector3 operator-(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Vector3 operator-(const Vector3& v) { return {-v[0], -v[1], -v[2]}; }
+template <class T>
+requires std::is_arithmetic_v<T> Vector3 operator*(const Vector3& v, const T& s) {
+    return {v[0] * s, v[1] * s, v[2] * s};
+}
+template <class T>
+requires std::is_arithmetic_v<T> Vector3 operator*(const T& s, const Vector3& v) {
+    return {s * v[0], s * v[1], s * v[2]};
+}
+template <class T>
+requires std::is_arithmetic_v<T> Vector3 operator/(const Vector3& v, const T& s) {
+    return {v[0] / s, v[1] / s, v[2] / s};
+}
+inline Vector3 operator*(const Matrix3& m, const Vector3& v) { return m.lazyProduct(v); }
+
 /// A vector in numbers of type S.
 template <class S>
 class Triple;
