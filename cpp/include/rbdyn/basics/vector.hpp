@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <concepts>
 #include <type_traits>
 
 #if defined(__FAST_MATH__)
@@ -16,23 +17,35 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
 // In doubles, one operation at a time: results are vectors, not expressions, of which there would be hundreds of types
-// to compile. Chosen before Eigen's own because they match exactly.
-inline Vector3 operator+(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline Vector3 operator-(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Vector3 operator-(const Vector3& v) { return {-v[0], -v[1], -v[2]}; }
-template <class T>
-requires std::is_arithmetic_v<T> Vector3 operator*(const Vector3& v, const T& s) {
-    return {v[0] * s, v[1] * s, v[2] * s};
+// to compile. Chosen before Eigen's own where both operands are vectors themselves, and only there.
+template <std::same_as<Vector3> V>
+V operator+(const V& a, const V& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
-template <class T>
-requires std::is_arithmetic_v<T> Vector3 operator*(const T& s, const Vector3& v) {
-    return {s * v[0], s * v[1], s * v[2]};
+template <std::same_as<Vector3> V>
+V operator-(const V& a, const V& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-template <class T>
-requires std::is_arithmetic_v<T> Vector3 operator/(const Vector3& v, const T& s) {
-    return {v[0] / s, v[1] / s, v[2] / s};
+template <std::same_as<Vector3> V>
+V operator-(const V& v) {
+    return {-v[0], -v[1], -v[2]};
 }
-inline Vector3 operator*(const Matrix3& m, const Vector3& v) { return m.lazyProduct(v); }
+template <std::same_as<Vector3> V, class T>
+requires std::is_arithmetic_v<T> V operator*(const V& v, const T& s) { return {v[0] * s, v[1] * s, v[2] * s}; }
+template <std::same_as<Vector3> V, class T>
+requires std::is_arithmetic_v<T> V operator*(const T& s, const V& v) { return {s * v[0], s * v[1], s * v[2]}; }
+template <std::same_as<Vector3> V, class T>
+requires std::is_arithmetic_v<T> V operator/(const V& v, const T& s) { return {v[0] / s, v[1] / s, v[2] / s}; }
+template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
+V operator*(const M& m, const V& v) {
+    return m.lazyProduct(v);
+}
+template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
+V operator*(const Eigen::Transpose<const M>& back, const V& v) {
+    const M& m = back.nestedExpression();
+    const auto along = [&](int i) { return m(0, i) * v[0] + m(1, i) * v[1] + m(2, i) * v[2]; };
+    return {along(0), along(1), along(2)};
+}
 
 /// A vector in numbers of type S.
 template <class S>
