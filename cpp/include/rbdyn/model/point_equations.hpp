@@ -160,8 +160,8 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
         first = -1;
         if (!decided.sliding.empty())
             for (const Vector3Of<Expression>& force : forces)
-                for (const Expression& component : force) {
-                    const int output = write.output(component);
+                for (int k = 0; k < 3; ++k) {
+                    const int output = write.output(force[k]);
                     if (first < 0) first = output;
                 }
         return groups;
