@@ -382,6 +382,8 @@ class Curve:
         recorded, with its derivatives. domain: first and last parameter; without it the curve has no ends. closed: it ends
         where it began, in r and r', and its parameter counts on; domain is one round.
         """
+    def __reduce__(self) -> tuple:
+        ...
     def __repr__(self) -> str:
         ...
     def curvature(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
@@ -644,7 +646,7 @@ class Rail:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[Curve, Coulomb | None, typing.Any, typing.Any, str, str]:
+    def __getstate__(self) -> tuple[typing.Any, Coulomb | None, typing.Any, typing.Any, str, str]:
         ...
     def __hash__(self) -> int:
         ...
