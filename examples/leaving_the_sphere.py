@@ -1,8 +1,8 @@
 """A bead slides off a smooth sphere at acos(2/3) and falls to the ground; another leaves a loop and lands again.
 
-A rail with side="-" only pushes against the normal of its curve, which points to the center of a circle: outward, like a
-sphere. With side="+" it pushes inward, like a loop. Where it would have to pull, the bead leaves it ("detach") and flies;
-where it meets the curve again from that side it lands ("land").
+A rail with side="-" only pushes against the normal of its curve, which points to the center of a circle: outward,
+like a sphere. With side="+" it pushes inward, like a loop. Where it would have to pull, the bead leaves it ("detach")
+and flies; where it meets the curve again from that side it lands ("land").
 """
 
 import math
