@@ -63,7 +63,10 @@ TEST(Potentials, give_the_force_that_is_their_slope) {
         }
         ASSERT_TRUE(a.drift().contains("energy"));
         EXPECT_LE(a.drift().at("energy"), 1e-11);
-        EXPECT_FALSE(c.drift().contains("energy"));
+        // of a force alone nobody knows a potential in space
+        if (!is_bead) {
+            EXPECT_FALSE(c.drift().contains("energy"));
+        }
         // T - U with gravity
         const Vector3 r = a[first].position(2.0);
         const double u = -0.5 * k * r.squaredNorm() - b * r.x() * r.x() * r.y() + m / std::sqrt(1.0 + r.squaredNorm());
@@ -386,6 +389,22 @@ TEST(Cases, that_load_a_resting_bead_beyond_its_cone_make_it_slip) {
                             1e-12);
             }
         }
+}
+
+TEST(Cases, that_begin_at_the_start_are_begun_with_silently) {
+    for (double push : {10.0, -10.0, 2.0}) {
+        Scene scene(down);
+        const BodyHandle bead = scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.5, 0.25}), {.parameter = 0.0});
+        scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                        using S = std::decay_t<decltype(t)>;
+                        return Vector3Of<S>{where(t > 0.0, S(push), S(0.0)), S(0.0), S(0.0)};
+                    }),
+                    bead);
+        const Trajectory run = simulate(scene, {.until = 1.0, .error = 1e-11});
+        EXPECT_TRUE(run.events().empty()) << kinds(run);
+        const double distance = std::abs(push) > 0.5 * gravity ? std::copysign(5.0 - 0.125 * gravity, push) : 0.0;
+        EXPECT_NEAR(run[bead].parameter(1.0), distance, 1e-12);
+    }
 }
 
 TEST(Cases, that_turn_a_constant_load_lift_a_bead_off_a_straight_rail) {

@@ -62,12 +62,15 @@ public:
     Mode begin(double t, std::span<double> x) const override {
         Mode mode;
         mode.slip.assign(laws_.bodies().size(), 1);
+        // what starts on the edge of a case is looked at from the side it leaves to
+        choose(mode, t, x, {});
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
             if (!b.rough) continue;
             // the slip as the user gave it, so that a bead carried by its rail starts stuck
             mode.slip[at(i)] = slip_of(mode, i, b.start_speed, t, x);
         }
+        mode.equations = nullptr;
         choose(mode, t, x, {});
         // what its rail would have to pull flies from the start
         for (int i = 0; i < bodies(); ++i) let_go(mode, i, t, x);
@@ -250,7 +253,8 @@ private:
             };
             const double rate = (go(step) - value) / step;
             if (rate != 0.0 && std::isfinite(rate)) {
-                go((2.0 * margin - value) / rate);
+                // exactly on the edge, and of no size: at t = 0, say
+                go(margin > 0.0 ? (2.0 * margin - value) / rate : 0x1p-30 * step);
             } else {
                 t = time;
                 x = state;
