@@ -72,7 +72,7 @@ TEST(Exceptions, of_a_force_pass_unchanged_and_the_run_until_then_is_kept) {
             EXPECT_LT(result.run.end(), 200.0);
             for (double share : {0.25, 1.0}) {
                 const double t = share * result.run.end();
-                EXPECT_NEAR(result.run[first].position(t).x(), std::cos(t), 1e-7);
+                EXPECT_NEAR(state_at(result.run.data()->record, t, Side::after)[0], std::cos(t), 1e-7);
             }
         }
     }

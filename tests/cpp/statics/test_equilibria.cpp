@@ -469,12 +469,12 @@ TEST(Equilibria, what_makes_no_sense_is_refused_by_name) {
     EXPECT_TRUE(has(refusal(bead_on(along_x), {std::nan("")}), "near"));
     // square roots of negative numbers
     EXPECT_TRUE(has(refusal(bead_under([](const auto& x) { return sqrt(x) - 1.0; }, -2.0)),
-                    "bead 1: at parameter -2 force \"function\" on bead 1, which is [-nan, 0, 0] is not finite"))
+                    "bead 1: at parameter -2 force \"function\" on bead 1, which is [nan, 0, 0] is not finite"))
         << refusal(bead_under([](const auto& x) { return sqrt(x) - 1.0; }, -2.0));
     Scene free;
     const auto a = free.add(Particle{.mass = 1.0}, FreeStart{.position = {-1.0, 2.0, 3.0}});
     free.apply(Force([](const auto&, const auto& r, const auto&) { return Vector(log(r[0]), 0.0, 0.0); }), a);
-    EXPECT_TRUE(has(refusal(free), "force \"function\" on particle 1, which is [-nan, 0, 0] is not finite"))
+    EXPECT_TRUE(has(refusal(free), "force \"function\" on particle 1, which is [nan, 0, 0] is not finite"))
         << refusal(free);
 }
 
