@@ -25,26 +25,32 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
     const std::vector<signed char>& slip) {
     using S = Expression;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    const int n = laws.freedoms(), count = static_cast<int>(laws.bodies().size());
+    const int n = laws.positions(), count = static_cast<int>(laws.bodies().size());
     const S t = r.time();
     const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
     // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
-    std::vector<S> q(at(n)), v(at(n));
+    std::vector<S> q(at(n)), v(at(laws.variables() - n));
     std::vector<bool> fixed(at(count), false);
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
         fixed[at(i)] = held(i) && b.drive.is_zero();
-        for (int k = b.first; k < b.first + b.freedoms(); ++k) {
-            const bool is_still = fixed[at(i)] && k == b.first;
-            q[at(k)] = is_still ? r.parameter(count + i) : r.input(k);
-            v[at(k)] = is_still ? S(0.0) : r.input(n + k);
+        for (int k = 0; k < b.positions(); ++k) {
+            const bool is_still = fixed[at(i)] && k == 0;
+            q[at(b.first + k)] = is_still ? r.parameter(count + i) : r.input(b.first + k);
         }
+        for (int k = 0; k < b.velocities(); ++k) {
+            const bool is_still = fixed[at(i)] && k == 0;
+            v[at(b.first_rate - n + k)] = is_still ? S(0.0) : r.input(b.first_rate + k);
+        }
+        // the spin of a body whose frame follows its axis does not change
+        if (b.rigid && b.rigid->follows_axis)
+            v[at(b.first_rate - n + b.velocities() - 1)] = r.parameter(count + i);
     }
     std::vector<PointState<S>> states;
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
         r.set_subject(i);
-        states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first)], slip[at(i)] == flies));
+        states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first_rate - n)], slip[at(i)] == flies));
     }
     std::vector<RecordedPoints::Body> present;
     for (int i = 0; i < count; ++i) {
@@ -52,6 +58,12 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
         const PointState<S>& p = states[at(i)];
         const bool is_flying = slip[at(i)] == flies, slips = b.rough && !held(i) && !is_flying;
         r.set_subject(i);
+        if (b.rigid) {
+            const Wrench<S> w = laws.wrench<S>(i, t, states);
+            b.rigid->rates<S>(*p.rigid, &q[at(b.first)], w, &write.rate(b.first), &write.rate(b.first_rate));
+            present.push_back({p, {w.force, S(0.0)}, 0.0, false, w.moment, &write.rate(b.first_rate)});
+            continue;
+        }
         const S sign = slips ? r.parameter(i) : S(1.0);
         // with a rail at rest, the sign of the slip is the sign of w
         const auto length_of_w = [&](const S& w) -> S {
@@ -63,7 +75,7 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
             const int space = b.first_of_space();
             for (int k = 0; k < 3; ++k) {
                 write.rate(space + k) = p.v[k];
-                write.rate(n + space + k) = f.force[k] / S(b.mass);
+                write.rate(b.first_of_velocity() + k) = f.force[k] / S(b.mass);
             }
             if (is_flying && b.side != RailSide::both)
                 write.outside({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
@@ -96,7 +108,7 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
             write.guard({.kind = EventKind::detach, .subject = i},
                         dot<S>(b.binormal.cast<S>(), PointLaws::friction_vector<S>(b, c, p.w, g)));
         write.rate(b.first) = p.w;
-        write.rate(n + b.first) = rate;
+        write.rate(b.first_rate) = rate;
         present.push_back({p, f, rate, true});
         const Domain domain = b.curve->domain();
         if (!b.curve->closed() && !fixed[at(i)]) {
@@ -129,11 +141,19 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
         write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
     }
     std::vector<VariableGroup> groups;
-    for (const int first : {0, n})
+    for (const bool is_position : {true, false})
         for (const PointLaws::Body& b : laws.bodies()) {
-            if (b.may_fly) groups.push_back({first + b.first, 1, first == 0});
-            const int size = b.may_fly ? 3 : b.freedoms();
-            groups.push_back({first + b.first + b.freedoms() - size, size, first == 0});
+            const int first = is_position ? b.first : b.first_rate;
+            if (b.rigid) {
+                for (VariableGroup g : b.rigid->groups(is_position)) {
+                    g.first += first;
+                    groups.push_back(g);
+                }
+                continue;
+            }
+            if (b.may_fly) groups.push_back({first, 1, is_position});
+            const int size = b.may_fly ? 3 : b.positions();
+            groups.push_back({first + b.positions() - size, size, is_position});
         }
     std::vector<Vector3Of<S>> forces;
     for (const RecordedPoints::Body& b : present) forces.push_back(b.force.force);
@@ -150,12 +170,12 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     std::vector<double> parameters(at(2 * count));
     for (int i = 0; i < count; ++i) {
         parameters[at(i)] = slip[at(i)];
-        parameters[at(count + i)] = at_state.x[at(laws.body(i).first)];
+        parameters[at(count + i)] = at_state.x[at(laws.body(i).fixed_variable())];
     }
     const Decisions& decided = at_state.decided;
     r.follow(at_state.t, at_state.x, parameters, decided.forced, decided.sides);
     int first = -1;
-    auto result = written(r, 2 * laws.freedoms(), decided.sliding, [&](EquationsWriter& write) {
+    auto result = written(r, laws.variables(), decided.sliding, [&](EquationsWriter& write) {
         auto [groups, forces] = write_points(r, write, laws, watches, slip);
         first = -1;
         if (!decided.sliding.empty())

@@ -1,4 +1,4 @@
-// Particles, free or on rails, smooth or rough: the laws of their motion, and the reactions of their rails.
+// Particles, free or on rails, smooth or rough, and rigid bodies: the laws of their motion, and their reactions.
 //
 // Notation: r(u) the rail's curve, u its parameter, w = du/dt, r' = dr/du; F the active force, Phi the rail's
 // reaction; m a = F + Phi (eq. 7.7). Along r' and across it, in the curve's own parameter:
@@ -13,8 +13,9 @@
 //
 // Vectors are seen from one placement (`view`), chosen so that what vanishes vanishes exactly: a bead on a plane
 // curve under forces in its plane then has c = (0, 0, c_z), and |c| is c_z with its sign locked.
+// Rigid bodies, on joints to the ground, obey rigid_law.hpp; scenes with any are seen from the world.
 // Invariant: state variables are the positions of all bodies (u; x y z; u x y z for one that may leave its rail, those
-// not in use at rest), then their velocities.
+// not in use at rest; what rigid_law.hpp says), then their velocities.
 #pragma once
 
 #include <cmath>
@@ -29,6 +30,7 @@
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/rail_landing.hpp"
+#include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn {
@@ -58,7 +60,7 @@ struct Holding {
 /// The laws of a scene of particles, each written once over the number type. Immutable.
 class PointLaws {
 public:
-    /// One particle.
+    /// One particle or rigid body.
     struct Body {
         std::string name;
         double mass = 0.0;
@@ -66,7 +68,7 @@ public:
         bool rough = false;
         double mu_static = 0.0, mu_dynamic = 0.0;
         TimeFunction drive;
-        int first = 0;                    // its first position variable
+        int first = 0, first_rate = 0;    // its first position variable, its first velocity variable
         Vector3 force = Vector3::Zero();  // constant forces together
         double linear_drag = 0.0, quadratic_drag = 0.0;
         std::vector<std::variant<Force, Potential, Lorentz>> functions;
@@ -76,15 +78,24 @@ public:
         Vector3 binormal = Vector3::Zero();  // of a rail that only pushes, in the view; the sign of its side in it
         bool may_fly = false;
         double start_u = 0.0, start_speed = 0.0;
+        double start_positions[8] = {}, start_velocities[6] = {};  // of a rigid body
         Vector3 start_position = Vector3::Zero(), start_velocity = Vector3::Zero();
 
-        int freedoms() const { return !curve ? 3 : may_fly ? 4 : 1; }
-        /// The first of the variables of a place in space.
+        std::optional<RigidLaw> rigid;
+        std::vector<RigidLoad> loads;  // of a rigid body
+
+        /// The variable that is a parameter of the equations where it cannot change.
+        int fixed_variable() const { return rigid && rigid->follows_axis ? first_rate + velocities() - 1 : first; }
+        int positions() const { return rigid ? rigid->positions() : !curve ? 3 : may_fly ? 4 : 1; }
+        int velocities() const { return rigid ? rigid->velocities() : positions(); }
+        /// The first of the variables of a place in space, and of a velocity in it.
         int first_of_space() const { return curve ? first + 1 : first; }
+        int first_of_velocity() const { return curve ? first_rate + 1 : first_rate; }
     };
     struct SpringEnd {
         int body = -1;
-        Vector3 point = Vector3::Zero();
+        Vector3 point = Vector3::Zero();  // in the view; of a rigid body: from o, in its frame
+        bool is_on_rigid = false;
     };
     struct ConnectedSpring {
         Spring spring;
@@ -96,8 +107,12 @@ public:
         int position = 0;
         for (const Scene::Body& b : bodies) {
             Body body;
-            body.mass = b.particle.mass;
+            body.mass = b.mass();
             body.name = b.name;
+            if (b.rigid() != nullptr) {
+                body.rigid.emplace(scene, static_cast<int>(bodies_.size()));
+                body.rigid->start(b, body.start_positions, body.start_velocities);
+            }
             if (const Rail* rail = b.rail()) {
                 body.curve = rail->curve();
                 body.drive = rail->drive();
@@ -115,7 +130,7 @@ public:
                 }
             }
             body.first = position;
-            position += body.freedoms();
+            position += body.positions();
             body.force = seen(scene.gravity()) * body.mass;
             body.start_u = b.parameter;
             body.start_speed = b.speed;
@@ -123,7 +138,11 @@ public:
             body.start_velocity = b.velocity;
             bodies_.push_back(std::move(body));
         }
-        freedoms_ = position;
+        positions_ = variables_ = position;
+        for (Body& b : bodies_) {
+            b.first_rate = variables_;
+            variables_ += b.velocities();
+        }
         for (const Body& b : bodies_)
             landings_.push_back(b.side == RailSide::both
                                     ? nullptr
@@ -131,7 +150,11 @@ public:
                                                                           b.first, b.first_of_space()));
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
-            if (const Force* force = std::get_if<Force>(&load.load)) {
+            if (body.rigid) {
+                const Vector3 point =
+                    load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->center;
+                if (is_present(load.load)) body.loads.push_back({load.load, point});
+            } else if (const Force* force = std::get_if<Force>(&load.load)) {
                 if (force->is_constant())
                     body.force += seen(force->constant());
                 else
@@ -155,15 +178,21 @@ public:
     const std::vector<Body>& bodies() const { return bodies_; }
     const Body& body(int i) const { return bodies_[at(i)]; }
     const Placement& view() const { return view_; }
-    /// Position variables of all bodies together.
-    int freedoms() const { return freedoms_; }
+    /// Position variables of all bodies together, and all variables.
+    int positions() const { return positions_; }
+    int variables() const { return variables_; }
 
     /// The state the scene starts in at time t.
     std::vector<double> start(double t = 0.0) const {
-        std::vector<double> x(at(2 * freedoms_), 0.0);
+        std::vector<double> x(at(variables_), 0.0);
         for (const Body& b : bodies_) {
             double* q = x.data() + b.first;
-            double* v = q + freedoms_;
+            double* v = x.data() + b.first_rate;
+            if (b.rigid) {
+                std::copy_n(b.start_positions, b.positions(), q);
+                std::copy_n(b.start_velocities, b.velocities(), v);
+                continue;
+            }
             if (b.curve) {
                 *q = b.start_u;
                 *v = b.start_speed / std::sqrt(curve_point(b, b.start_u).speed_squared);
@@ -190,7 +219,7 @@ public:
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             const Body& b = bodies_[i];
             result.push_back(
-                moving<double>(b, t, x.data() + b.first, x.data() + b.first + freedoms_, slip[i] == flies));
+                moving<double>(b, t, x.data() + b.first, x.data() + b.first_rate, slip[i] == flies));
             // held by its rail: the rail's own speed, exactly
             if (b.rough && slip[i] == sticks)
                 result.back().set_rate(b.drive(t) / std::sqrt(result.back().curve.speed_squared));
@@ -206,6 +235,17 @@ public:
         const std::vector<PointState<double>> all = states(t, x, slip);
         const PointState<double>& p = all[at(index)];
         PointReport result;
+        if (b.rigid) {
+            const RigidReport r = rigid_report(index, t, x, all);
+            result.position = p.r;
+            result.velocity = p.v;
+            result.acceleration = r.acceleration;
+            result.force = r.force;
+            result.reaction = r.reaction;
+            result.speed = p.v.norm();
+            result.effort = r.force_effort;
+            return result;
+        }
         Resultant<double> f = resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
         if (active) f.force = *active;
         Vector3 force = f.force, acceleration, reaction = Vector3::Zero();
@@ -243,12 +283,28 @@ public:
         result.reaction = view_.axes * reaction;
         return result;
     }
+    /// Motion and reactions of a rigid body.
+    RigidReport rigid_report(int index, double t, std::span<const double> x,
+                             const std::vector<PointState<double>>& all) const {
+        const Body& b = bodies_[at(index)];
+        const Wrench<double> w = wrench<double>(index, t, all);
+        return RigidReport(*b.rigid, *all[at(index)].rigid, w, x.data() + b.first);
+    }
+    RigidReport rigid_report(int index, double t, std::span<const double> x) const {
+        return rigid_report(index, t, x, states(t, x, std::vector<signed char>(bodies_.size(), 1)));
+    }
     /// Derivatives of a body's position and velocity variables.
     void slope(int index, std::span<const signed char> slip, double t, std::span<const double> x, std::span<double> dq,
                std::span<double> dv) const {
         const Body& b = bodies_[at(index)];
+        if (b.rigid) {
+            const std::vector<PointState<double>> all = states(t, x, slip);
+            b.rigid->rates<double>(*all[at(index)].rigid, x.data() + b.first, wrench<double>(index, t, all), dq.data(),
+                                   dv.data());
+            return;
+        }
         const PointReport r = report(index, slip, t, x);
-        for (int k = 0; k < b.freedoms(); ++k) dq[at(k)] = dv[at(k)] = 0.0;
+        for (int k = 0; k < b.positions(); ++k) dq[at(k)] = dv[at(k)] = 0.0;
         if (b.curve && slip[at(index)] != flies) {
             dq[0] = r.w;
             dv[0] = r.w_rate;
@@ -268,6 +324,14 @@ public:
     /// One body, from its own variables.
     template <class S>
     PointState<S> moving(const Body& b, const S& t, const S* q, const S* v, bool is_flying) const {
+        if (b.rigid) {
+            PointState<S> p;
+            p.rigid = std::make_shared<const RigidState<S>>(b.rigid->state(q, v));
+            const Vector3Of<S> g = RigidLaw::constant<S>(b.rigid->center);
+            p.r = p.rigid->position(g);
+            p.v = p.rigid->velocity(g);
+            return p;
+        }
         if (!b.curve) return PointState<S>::free(q, v);
         if (is_flying) return PointState<S>::free(q + 1, v + 1);
         std::shared_ptr<const RailFrame<S>> frame;
@@ -300,20 +364,42 @@ public:
         }
         for (const ConnectedSpring& c : springs_) {
             if ((c.a.body != i && c.b.body != i) || (c.spring.stiffness == 0.0 && c.spring.damping == 0.0)) continue;
-            const auto [ra, va] = motion_of<S>(c.a, states);
-            const auto [rb, vb] = motion_of<S>(c.b, states);
-            const Vector3Of<S> d = ra - rb, v = va - vb;
-            Vector3Of<S> force;
-            if constexpr (std::is_same_v<S, double>)
-                force = c.spring(d, v, ra.norm() + rb.norm());
-            else
-                force = c.spring(d, v);
+            const Vector3Of<S> force = spring_force(c, states);
             if (c.a.body == i)
                 f.force += force;
             else
                 f.force -= force;
         }
         return f;
+    }
+
+    /// The force of a spring on its first end.
+    template <class S>
+    static Vector3Of<S> spring_force(const ConnectedSpring& c, const std::vector<PointState<S>>& states) {
+        const auto [ra, va] = motion_of<S>(c.a, states);
+        const auto [rb, vb] = motion_of<S>(c.b, states);
+        const Vector3Of<S> d = ra - rb, v = va - vb;
+        if constexpr (std::is_same_v<S, double>)
+            return c.spring(d, v, ra.norm() + rb.norm());
+        else
+            return c.spring(d, v);
+    }
+
+    /// Active forces on rigid body i, and their moment.
+    template <class S>
+    Wrench<S> wrench(int i, const S& t, const std::vector<PointState<S>>& states) const {
+        const Body& b = bodies_[at(i)];
+        const RigidState<S>& s = *states[at(i)].rigid;
+        Wrench<S> w;
+        w.add(s, RigidLaw::constant<S>(b.force), RigidLaw::constant<S>(b.rigid->center));
+        for (const RigidLoad& load : b.loads) add_load(w, *b.rigid, s, load, t, b.name);
+        for (const ConnectedSpring& c : springs_) {
+            if ((c.a.body != i && c.b.body != i) || (c.spring.stiffness == 0.0 && c.spring.damping == 0.0)) continue;
+            const Vector3Of<S> force = spring_force(c, states);
+            if (c.a.body == i) w.add(s, force, RigidLaw::constant<S>(c.a.point));
+            if (c.b.body == i) w.add(s, Vector3Of<S>(-force), RigidLaw::constant<S>(c.b.point));
+        }
+        return w;
     }
 
     /// A place of the view in the world.
@@ -343,6 +429,11 @@ public:
     template <class S>
     static std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const SpringEnd& e,
                                                            const std::vector<PointState<S>>& states) {
+        if (e.is_on_rigid) {
+            const RigidState<S>& s = *states[at(e.body)].rigid;
+            const Vector3Of<S> c = RigidLaw::constant<S>(e.point);
+            return {s.position(c), s.velocity(c)};
+        }
         if (e.body >= 0) return {states[at(e.body)].r, states[at(e.body)].v};
         return {e.point.cast<S>(), Vector3::Zero().cast<S>()};
     }
@@ -429,15 +520,19 @@ private:
         return snapped(view_.axes.transpose() * (p - view_.origin), p.norm() + view_.origin.norm());
     }
     SpringEnd end(const End& e) const {
-        if (const BodyHandle* body = std::get_if<BodyHandle>(&e)) return {body->index, Vector3::Zero()};
-        return {-1, seen_point(std::get<Vector3>(e))};
+        if (const Vector3* point = std::get_if<Vector3>(&e)) return {-1, seen_point(*point), false};
+        const int body = body_of(e);
+        const std::optional<RigidLaw>& rigid = bodies_[at(body)].rigid;
+        if (!rigid) return {body, Vector3::Zero(), false};
+        const BodyPoint* point = std::get_if<BodyPoint>(&e);
+        return {body, point != nullptr ? rigid->point_in_frame(point->point) : rigid->center, true};
     }
 
     Placement view_;
     std::vector<std::shared_ptr<const RailLanding>> landings_;
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
-    int freedoms_ = 0;
+    int positions_ = 0, variables_ = 0;
 };
 
 }  // namespace rbdyn

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "rbdyn/curve/curve.hpp"
+#include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 
 namespace rbdyn {
@@ -53,13 +54,14 @@ private:
     }
 };
 
-/// Position, velocity and place on its rail of one particle.
+/// Position, velocity and place on its rail of one particle; or those of a rigid body's centre of mass.
 template <class S>
 struct PointState {
     Vector3Of<S> r, v;
     CurvePoint<S> curve;  // on a rail
     S w = S(0.0);
-    std::shared_ptr<const RailFrame<S>> frame;  // of a rail that moves
+    std::shared_ptr<const RailFrame<S>> frame;   // of a rail that moves
+    std::shared_ptr<const RigidState<S>> rigid;  // of a rigid body
 
     static PointState free(const S* r, const S* v) {
         PointState p;

@@ -27,7 +27,7 @@ class PointsModel : public RecordedModel {
 public:
     PointsModel(const Scene& scene, const Placement& view) : laws_(scene, view), watches_(scene.watches()) {}
 
-    int variables() const override { return 2 * laws_.freedoms(); }
+    int variables() const override { return laws_.variables(); }
     int bodies() const { return static_cast<int>(laws_.bodies().size()); }
     bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
     const PointLaws& laws() const { return laws_; }
@@ -151,10 +151,9 @@ public:
     }
 
     bool slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope) const override {
-        const int n = laws_.freedoms();
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
-            laws_.slope(i, mode.slip, t, x, slope.subspan(at(b.first)), slope.subspan(at(n + b.first)));
+            laws_.slope(i, mode.slip, t, x, slope.subspan(at(b.first)), slope.subspan(at(b.first_rate)));
         }
         for (double s : slope)
             if (!std::isfinite(s)) return false;
@@ -293,7 +292,7 @@ private:
     void carry(int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-        x[at(b.first + laws_.freedoms())] = b.drive(t) / std::sqrt(c.speed_squared);
+        x[at(b.first_rate)] = b.drive(t) / std::sqrt(c.speed_squared);
     }
 
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
@@ -322,25 +321,25 @@ private:
         const PointState<double> p = laws_.states(t, x, mode.slip)[at(i)];
         for (int k = 0; k < 3; ++k) {
             x[at(b.first_of_space() + k)] = p.r[k];
-            x[at(laws_.freedoms() + b.first_of_space() + k)] = p.v[k];
+            x[at(b.first_of_velocity() + k)] = p.v[k];
         }
-        x[at(laws_.freedoms() + b.first)] = 0.0;
+        x[at(b.first_rate)] = 0.0;
         mode.slip[at(i)] = flies;
     }
 
     /// A bead that flies comes to its rail, where it keeps its velocity along it. Returns the impulse on it.
     double land(Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
-        const int n = laws_.freedoms(), space = b.first_of_space();
+        const int space = b.first_of_space(), velocity = b.first_of_velocity();
         const Vector3 r{x[at(space)], x[at(space + 1)], x[at(space + 2)]},
-            v{x[at(n + space)], x[at(n + space + 1)], x[at(n + space + 2)]};
+            v{x[at(velocity)], x[at(velocity + 1)], x[at(velocity + 2)]};
         x[at(b.first)] = laws_.landing(i)->place(r);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
         // along the normal: what rounding leaves along the rail is none
         const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
         const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
-        x[at(n + b.first)] = w;
-        for (int k = 0; k < 3; ++k) x[at(n + space + k)] = 0.0;
+        x[at(b.first_rate)] = w;
+        for (int k = 0; k < 3; ++k) x[at(velocity + k)] = 0.0;
         mode.slip[at(i)] = 1;
         if (b.rough) mode.slip[at(i)] = slip_of(mode, i, w * std::sqrt(c.speed_squared), t, x);
         return b.mass * (v - c.first * w).norm();
@@ -366,7 +365,6 @@ private:
 
     /// What the user's own action makes of the state.
     void change(Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const {
-        const int n = laws_.freedoms();
         for (const StateChange& c : watch.options.action.change(observing(mode, t, x))) {
             const int i = c.body.index;
             const std::string user = "watch " + watch.name;
@@ -386,10 +384,10 @@ private:
                 if (c.position)
                     set(b.first_of_space() + k,
                         (laws_.view().axes.transpose() * (*c.position - laws_.view().origin))[k]);
-                if (c.velocity) set(n + b.first_of_space() + k, (laws_.view().axes.transpose() * *c.velocity)[k]);
+                if (c.velocity) set(b.first_of_velocity() + k, (laws_.view().axes.transpose() * *c.velocity)[k]);
             }
             if (is_free) continue;
-            const double before = std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared) * x[at(n + b.first)];
+            const double before = std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared) * x[at(b.first_rate)];
             if (c.parameter) {
                 const Domain domain = b.curve->domain();
                 require(b.curve->closed() || (*c.parameter >= domain.begin && *c.parameter <= domain.end) ||
@@ -400,7 +398,7 @@ private:
                 b.curve->require_regular(*c.parameter);
             }
             const double speed = c.speed.value_or(before);
-            set(n + b.first, speed / std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared));
+            set(b.first_rate, speed / std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared));
             if (b.rough) mode.slip[at(i)] = slip_of(mode, i, speed, t, x);
         }
     }
@@ -420,7 +418,7 @@ private:
     void own_parameters(Mode& mode, std::span<const double> x) const override {
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
-            if (laws_.body(i).curve) mode.parameters[at(bodies() + i)] = x[at(laws_.body(i).first)];
+            mode.parameters[at(bodies() + i)] = x[at(laws_.body(i).fixed_variable())];
         }
     }
 

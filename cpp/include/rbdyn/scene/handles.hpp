@@ -7,9 +7,17 @@
 
 namespace rbdyn {
 
+/// A point of a body: in body axes, from the origin of its frame [m].
+struct BodyPoint {
+    int body = -1;
+    Vector3 point = Vector3::Zero();
+    bool operator==(const BodyPoint&) const = default;
+};
 /// A body of a scene.
 struct BodyHandle {
     int index = -1;
+    /// One of its points, in body axes [m].
+    BodyPoint point(const Vector3& place) const { return {index, place}; }
     bool operator==(const BodyHandle&) const = default;
 };
 /// A load of a scene.
@@ -28,7 +36,14 @@ struct WatchHandle {
     bool operator==(const WatchHandle&) const = default;
 };
 
-/// An end of a coupling: a body, or a point of the world.
-using End = std::variant<BodyHandle, Vector3>;
+/// An end of a coupling: a body (a particle, or the centre of mass), one of its points, or a point of the world.
+using End = std::variant<BodyHandle, BodyPoint, Vector3>;
+
+/// The body an end is on, or -1.
+inline int body_of(const End& end) {
+    if (const BodyHandle* body = std::get_if<BodyHandle>(&end)) return body->index;
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&end)) return point->body;
+    return -1;
+}
 
 }  // namespace rbdyn

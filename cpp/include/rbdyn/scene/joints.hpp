@@ -4,12 +4,28 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 
 namespace rbdyn {
+
+namespace joints {
+
+inline void require_finite(const std::string& object, const std::string& what, const Vector3& v) {
+    for (int i = 0; i < 3; ++i)
+        require(std::isfinite(v[i]), object, "component " + std::to_string(i) + " of " + what, v[i],
+                "it is finite; give it in SI units");
+}
+inline void require_direction(const std::string& object, const Vector3& axis) {
+    require_finite(object, "axis", axis);
+    require(axis.norm() > 0.0, object, "length of axis", axis.norm(), "an axis has a direction; its length is free");
+}
+
+}  // namespace joints
 
 /// No constraint.
 struct Free {
@@ -20,6 +36,16 @@ struct Free {
 struct FreeStart {
     Vector3 position = Vector3::Zero();
     Vector3 velocity = Vector3::Zero();
+};
+
+/// Initial state of a free rigid body: position [m] and velocity [m/s] of the origin of the body's frame, world axes;
+/// attitude; angular velocity [rad/s], in body axes or in the world's, one of them.
+struct BodyStart {
+    Vector3 position = Vector3::Zero();
+    Vector3 velocity = Vector3::Zero();
+    Attitude attitude = {};
+    std::optional<Vector3> angular_velocity = std::nullopt;
+    std::optional<Vector3> angular_velocity_world = std::nullopt;
 };
 
 /// Coulomb-Morin friction (eq. 7.23): sliding, the tangential reaction is mu_dynamic times the perpendicular one,
@@ -114,6 +140,69 @@ struct RailStart {
     std::optional<double> arc_length = std::nullopt;
     double speed = 0.0;
 };
+
+/// A ball joint: one point of the body (body axes) is held at a point of the world [m]; it turns as it likes (7.57).
+struct Spherical {
+    Vector3 at = Vector3::Zero();
+    Vector3 point = Vector3::Zero();
+
+    bool operator==(const Spherical&) const = default;
+    void validate() const {
+        joints::require_finite("Spherical", "at", at);
+        joints::require_finite("Spherical", "point", point);
+    }
+};
+
+/// Initial state on a ball joint: attitude; angular velocity [rad/s], in body axes or in the world's, one of them.
+struct SphericalStart {
+    Attitude attitude = {};
+    std::optional<Vector3> angular_velocity = std::nullopt;
+    std::optional<Vector3> angular_velocity_world = std::nullopt;
+};
+
+/// A hinge: the body turns about an axis through a point of the world, where it holds a point of its own (7.60). At
+/// angle 0 body axes and world axes coincide, so the axis is the same direction in both; angles are right-handed.
+struct Revolute {
+    Vector3 axis = Vector3::UnitZ();
+    Vector3 at = Vector3::Zero();
+    Vector3 point = Vector3::Zero();
+
+    bool operator==(const Revolute&) const = default;
+    void validate() const {
+        joints::require_direction("Revolute", axis);
+        joints::require_finite("Revolute", "at", at);
+        joints::require_finite("Revolute", "point", point);
+    }
+};
+
+/// Initial state on a hinge: angle [rad] and its rate [rad/s].
+struct RevoluteStart {
+    double angle = 0.0;
+    double rate = 0.0;
+};
+
+/// A slide: the body moves along an axis without turning, body axes along the world's. At displacement 0 its point is
+/// at the point given of the world.
+struct Prismatic {
+    Vector3 axis = Vector3::UnitX();
+    Vector3 at = Vector3::Zero();
+    Vector3 point = Vector3::Zero();
+
+    bool operator==(const Prismatic&) const = default;
+    void validate() const {
+        joints::require_direction("Prismatic", axis);
+        joints::require_finite("Prismatic", "at", at);
+        joints::require_finite("Prismatic", "point", point);
+    }
+};
+
+/// Initial state on a slide: displacement [m] along the axis and its rate [m/s].
+struct PrismaticStart {
+    double displacement = 0.0;
+    double rate = 0.0;
+};
+
+using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic>;
 
 /// Where arc length counts from on a curve.
 inline double arc_length_origin(const Curve& curve) {

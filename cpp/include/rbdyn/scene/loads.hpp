@@ -1,4 +1,4 @@
-// Loads: forces on one body.
+// Loads: forces and torques on one body.
 #pragma once
 
 #include <cmath>
@@ -9,37 +9,41 @@
 #include <variant>
 
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/scene/torque.hpp"
 
 namespace rbdyn {
 
-/// A force [N] in world axes: constant, or a function (t, position, velocity), recorded or called back.
+/// A force [N], in world axes or in those of the body: constant, or a function (t, position, velocity) of the point it
+/// acts at, world axes both, recorded or called back.
 class Force {
 public:
-    Force(const Vector3& constant) : constant_(constant) {
+    Force(const Vector3& constant, Frame frame = Frame::world) : constant_(constant), frame_(frame) {
         for (int i = 0; i < 3; ++i)
             require(std::isfinite(constant[i]), "Force", "component " + std::to_string(i), constant[i],
                     "a force is finite; give it in N");
     }
     /// From a recorded function of (t, x, y, z, vx, vy, vz) with three results.
-    explicit Force(Function function, std::string name = "function")
-        : function_(std::move(function)), name_(std::move(name)) {
+    explicit Force(Function function, std::string name = "function", Frame frame = Frame::world)
+        : function_(std::move(function)), name_(std::move(name)), frame_(frame) {
         require_shape(function_.inputs(), function_.outputs());
     }
     /// From a function that is called back, of (t, x, y, z, vx, vy, vz) with three results.
-    explicit Force(std::shared_ptr<const Callback> callback) : callback_(std::move(callback)), name_(callback_->name) {
+    explicit Force(std::shared_ptr<const Callback> callback, Frame frame = Frame::world)
+        : callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
         require_shape(callback_->inputs, callback_->outputs);
     }
     /// [](const auto& t, const auto& position, const auto& velocity) { return Vector3Of<...>{...}; }
     template <class F>
     requires std::is_invocable_v < F, const Expression&, const Vector3Of<Expression>
-    &, const Vector3Of<Expression>& > Force(F f)
+    &, const Vector3Of<Expression>& > Force(F f, Frame frame = Frame::world)
         : Force(Function::record(7, [&](const std::vector<Expression>& x) {
               const Vector3Of<Expression> r =
                   f(x[0], Vector3Of<Expression>{x[1], x[2], x[3]}, Vector3Of<Expression>{x[4], x[5], x[6]});
               return std::vector<Expression>{r[0], r[1], r[2]};
-          })) {}
+          }), "function", frame) {}
 
     bool is_constant() const { return !function_ && !callback_; }
+    Frame frame() const { return frame_; }
     const Vector3& constant() const { return constant_; }
     const Function& function() const { return function_; }
     const std::shared_ptr<const Callback>& callback() const { return callback_; }
@@ -81,7 +85,8 @@ public:
     }
 
     bool operator==(const Force& other) const {
-        return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_;
+        return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_ &&
+               frame_ == other.frame_;
     }
 
 private:
@@ -95,6 +100,7 @@ private:
     Function function_;
     std::shared_ptr<const Callback> callback_;
     std::string name_;
+    Frame frame_ = Frame::world;
 };
 
 /// A force by its potential U(position) [J], in world axes: F = +grad U (the chapter's sign, eq. 7.2).
@@ -177,6 +183,33 @@ struct Drag {
     bool operator==(const Drag&) const = default;
 };
 
-using Load = std::variant<Force, Potential, Lorentz, Drag>;
+/// A spring about a hinge: its torque about the axis is -(stiffness (angle - rest_angle) + damping rate). stiffness
+/// [N m/rad], rest_angle [rad], damping [N m s].
+struct TorsionSpring {
+    double stiffness = 0.0;
+    double rest_angle = 0.0;
+    double damping = 0.0;
+
+    bool present() const { return stiffness != 0.0 || damping != 0.0; }
+    void validate() const {
+        for (auto [name, value] : {std::pair{"stiffness", stiffness}, std::pair{"damping", damping}})
+            require(std::isfinite(value) && value >= 0.0, "TorsionSpring", name, value,
+                    "it is zero or positive and finite");
+        require(std::isfinite(rest_angle), "TorsionSpring", "rest_angle", rest_angle, "an angle is finite, in rad");
+    }
+    bool operator==(const TorsionSpring&) const = default;
+};
+
+using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring>;
+
+/// Whether a load does anything.
+inline bool is_present(const Load& load) {
+    if (const Force* force = std::get_if<Force>(&load)) return !force->is_constant() || !force->constant().isZero(0.0);
+    if (const Torque* torque = std::get_if<Torque>(&load)) return torque->present();
+    if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) return lorentz->present();
+    if (const Drag* drag = std::get_if<Drag>(&load)) return drag->present();
+    if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) return spring->present();
+    return true;
+}
 
 }  // namespace rbdyn

@@ -1,0 +1,321 @@
+// The law of one rigid body on its joint to the ground: coordinates, and what forces make of them.
+//
+// About o, the centre of mass of a free body or the point a ball joint holds, on principal axes (Euler's equations,
+// 7.47, 7.48), M the moment about o:
+//     A w1' = (B - C) w2 w3 + M1   and cyclically;   m a_G = F for a free body
+// A symmetric body, A = B, whose forces act on its axis only, is written in the frame that follows the axis e3 and does
+// not turn about it (rigid_state.hpp):
+//     A w1' = M1 - C w3 w2,  A w2' = M2 + C w3 w1,  w3' = 0,  spin' = w3
+// On a hinge: I_33 psi'' = M_3 (7.60), e3 the axis, I_33 about it. On a slide: m d'' = F.e3.
+//
+// Coordinates: free: G, quaternion (w, x, y, z), spin | G', w1, w2, w3; ball joint: the same without G; hinge: psi |
+// psi'; slide: d | d'. Spin is a coordinate in the frame that does not turn only.
+// Invariant: constants that derive from the user's doubles are computed in DoubleDouble and rounded once.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/scene/scene.hpp"
+
+namespace rbdyn {
+
+class RigidLaw {
+public:
+    enum class Kind { free, spherical, revolute, prismatic };
+
+    Kind kind = Kind::free;
+    bool follows_axis = false;  // the frame does not turn about e3
+    double mass = 0.0;
+    Matrix3 frame = Matrix3::Identity();   // columns: the frame's axes in body axes (spin zero)
+    Quaternion frame_attitude;             // of the frame in the body
+    Vector3 origin = Vector3::Zero();      // o, in body axes
+    Vector3 center = Vector3::Zero();      // G from o, in the frame
+    Vector3 at = Vector3::Zero();          // where o is held, or slides from, in the world
+    Vector3 moments = Vector3::Ones();     // about o: on the principal axes; on a hinge [2] is I_33
+    Vector3 coupling = Vector3::Zero();    // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
+    Matrix3 inertia = Matrix3::Zero();     // about G, in the frame
+
+    /// Of a body of a scene.
+    RigidLaw(const Scene& scene, int index) {
+        const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
+        const RigidBody& body = *b.rigid();
+        mass = body.mass();
+        if (const Spherical* joint = std::get_if<Spherical>(&b.joint)) {
+            kind = Kind::spherical;
+            at = joint->at;
+            origin = joint->point;
+        } else if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
+            kind = Kind::revolute;
+            at = hinge->at;
+            origin = hinge->point;
+        } else if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) {
+            kind = Kind::prismatic;
+            at = slide->at;
+            origin = slide->point;
+        } else {
+            origin = body.com();
+        }
+        const MassProperties exact = body.properties();
+        const Vector3Of<DoubleDouble> o = widened(origin);
+        const Matrix3Of<DoubleDouble> about_o = kind == Kind::free ? exact.inertia : inertia_about(exact, o);
+        const Vector3Of<DoubleDouble> to_center = exact.com - o;
+        if (turns_freely()) {
+            choose_principal_frame(scene, index, principal_axes(about_o), rounded(to_center));
+        } else {
+            frame = hinge_frame(kind == Kind::revolute ? std::get<Revolute>(b.joint).axis
+                                                       : std::get<Prismatic>(b.joint).axis,
+                                rounded(to_center));
+            const Vector3Of<DoubleDouble> e3 = widened(Vector3(frame.col(2)));
+            moments[2] = double(dot<DoubleDouble>(e3, product(about_o, e3)) / dot<DoubleDouble>(e3, e3));
+        }
+        frame_attitude = Attitude(frame).quaternion();
+        center = kind == Kind::free ? Vector3::Zero().eval() : in_frame(rounded(to_center));
+        inertia = frame.transpose() * rounded(exact.inertia) * frame;
+    }
+
+    bool turns_freely() const { return kind == Kind::free || kind == Kind::spherical; }
+    int positions() const {
+        const int attitude = follows_axis ? 5 : 4;
+        return kind == Kind::free ? 3 + attitude : kind == Kind::spherical ? attitude : 1;
+    }
+    int velocities() const { return kind == Kind::free ? 6 : kind == Kind::spherical ? 3 : 1; }
+
+    /// The state a scene's body starts in.
+    void start(const Scene::Body& b, double* q, double* v) const {
+        if (!turns_freely()) {
+            q[0] = b.parameter;
+            v[0] = b.speed;
+            return;
+        }
+        if (kind == Kind::free) {
+            const Matrix3 r = rotation_matrix(b.attitude);
+            const Vector3 g = b.position + r * origin, u = b.velocity + r * b.angular_velocity.cross(origin);
+            for (int i = 0; i < 3; ++i) {
+                *q++ = g[i];
+                *v++ = u[i];
+            }
+        }
+        const Quaternion p = b.attitude * frame_attitude;
+        const Vector3 omega = frame.transpose() * b.angular_velocity;
+        for (const double c : {p.w, p.x, p.y, p.z}) *q++ = c;
+        if (follows_axis) *q = 0.0;
+        for (int i = 0; i < 3; ++i) v[i] = omega[i];
+    }
+
+    template <class S>
+    RigidState<S> state(const S* q, const S* v) const {
+        RigidState<S> s;
+        const Vector3Of<S> none{S(0.0), S(0.0), S(0.0)};
+        s.r = constant<S>(at);
+        s.v = s.omega = s.turning = none;
+        switch (kind) {
+            case Kind::free:
+                s.r = {q[0], q[1], q[2]};
+                s.v = {v[0], v[1], v[2]};
+                q += 3;
+                v += 3;
+                [[fallthrough]];
+            case Kind::spherical: {
+                QuaternionOf<S> p{q[0], q[1], q[2], q[3]};
+                if constexpr (std::is_floating_point_v<S>) p = unit(p);
+                s.axes = axes(p);
+                s.omega = s.turning = {v[0], v[1], v[2]};
+                if (follows_axis) {
+                    s.turning[2] = S(0.0);
+                    s.spin = q[4];
+                }
+                break;
+            }
+            case Kind::revolute: {
+                using std::cos, std::sin;
+                const S c = cos(q[0]), n = sin(q[0]);
+                const Vector3Of<S> x = constant<S>(frame.col(0)), y = constant<S>(frame.col(1));
+                s.axes = {x * c + y * n, y * c - x * n, constant<S>(frame.col(2))};
+                s.omega[2] = s.turning[2] = v[0];
+                break;
+            }
+            case Kind::prismatic:
+                s.axes = {constant<S>(frame.col(0)), constant<S>(frame.col(1)), constant<S>(frame.col(2))};
+                s.r += s.axes.e3 * q[0];
+                s.v = s.axes.e3 * v[0];
+                break;
+        }
+        if (!turns_freely()) {
+            s.coordinate = q[0];
+            s.rate = v[0];
+        }
+        return s;
+    }
+
+    /// The derivatives of the coordinates.
+    template <class S>
+    void rates(const RigidState<S>& s, const S* q, const Wrench<S>& w, S* q_rate, S* v_rate) const {
+        if (kind == Kind::revolute) {
+            *q_rate = s.rate;
+            *v_rate = w.moment[2] / S(moments[2]);
+            return;
+        }
+        if (kind == Kind::prismatic) {
+            *q_rate = s.rate;
+            *v_rate = dot<S>(s.axes.e3, w.force) / S(mass);
+            return;
+        }
+        if (kind == Kind::free) {
+            for (int i = 0; i < 3; ++i) {
+                *q_rate++ = s.v[i];
+                *v_rate++ = w.force[i] / S(mass);
+            }
+            q += 3;
+        }
+        const S half = 0.5;
+        const Vector3Of<S> t = s.turning * half;
+        q_rate[0] = -(q[1] * t[0]) - q[2] * t[1] - q[3] * t[2];
+        q_rate[1] = q[0] * t[0] + q[2] * t[2] - q[3] * t[1];
+        q_rate[2] = q[0] * t[1] + q[3] * t[0] - q[1] * t[2];
+        q_rate[3] = q[0] * t[2] + q[1] * t[1] - q[2] * t[0];
+        const Vector3Of<S>& o = s.omega;
+        if (follows_axis) {
+            q_rate[4] = o[2];
+            v_rate[0] = w.moment[0] / S(moments[0]) - S(coupling[0]) * o[2] * o[1];
+            v_rate[1] = w.moment[1] / S(moments[0]) + S(coupling[0]) * o[2] * o[0];
+            v_rate[2] = S(0.0);
+            return;
+        }
+        for (int i = 0; i < 3; ++i)
+            v_rate[i] = S(coupling[i]) * (o[(i + 1) % 3] * o[(i + 2) % 3]) + w.moment[i] / S(moments[i]);
+    }
+
+    /// The coordinates, or the velocities, that share a scale: an attitude's is 1.
+    std::vector<VariableGroup> groups(bool of_positions) const {
+        if (!turns_freely()) return {{0, 1, of_positions && kind == Kind::prismatic}};
+        std::vector<VariableGroup> result;
+        const int first = kind == Kind::free ? 3 : 0;
+        if (first > 0) result.push_back({0, 3, of_positions});
+        result.push_back({first, of_positions ? 4 : 3, false});
+        if (of_positions && follows_axis) result.push_back({first + 4, 1, false});
+        return result;
+    }
+
+    /// The angular acceleration in the frame, and the acceleration of o in the world, from the rates of the velocities.
+    template <class S>
+    std::pair<Vector3Of<S>, Vector3Of<S>> accelerations(const RigidState<S>& s, const S* v_rate) const {
+        Vector3Of<S> turning{S(0.0), S(0.0), S(0.0)}, moving = turning;
+        if (kind == Kind::revolute) turning[2] = v_rate[0];
+        if (kind == Kind::prismatic) moving = s.axes.e3 * v_rate[0];
+        if (kind == Kind::free) {
+            moving = {v_rate[0], v_rate[1], v_rate[2]};
+            v_rate += 3;
+        }
+        if (turns_freely())
+            turning = Vector3Of<S>(v_rate[0], v_rate[1], v_rate[2]) + cross<S>(s.turning, s.omega);
+        return {turning, moving};
+    }
+
+    /// A vector of the frame in body axes, for a spin in numbers.
+    Vector3 to_body(const Vector3& a, double spin) const {
+        const double c = std::cos(spin), s = std::sin(spin);
+        return frame * Vector3(c * a[0] + s * a[1], c * a[1] - s * a[0], a[2]);
+    }
+    /// A point or vector given in body axes, in the frame; with spin zero.
+    Vector3 point_in_frame(const Vector3& p) const { return in_frame(p - origin); }
+
+    /// The attitude of the body, from its coordinates.
+    Quaternion attitude(const double* q) const {
+        if (kind == Kind::prismatic) return {};
+        if (kind == Kind::revolute) return turn(frame.col(2), q[0]);
+        if (kind == Kind::free) q += 3;
+        Quaternion p = unit(Quaternion{q[0], q[1], q[2], q[3]});
+        if (follows_axis) p = p * Quaternion{std::cos(0.5 * q[4]), 0.0, 0.0, std::sin(0.5 * q[4])};
+        return p * conjugate(frame_attitude);
+    }
+
+    template <class S>
+    static Vector3Of<S> constant(const Vector3& a) {
+        return Vector3Of<S>(S(a[0]), S(a[1]), S(a[2]));
+    }
+
+private:
+    template <class S>
+    static QuaternionOf<S> unit(const QuaternionOf<S>& q) {
+        const S n = std::sqrt(squared_norm(q));
+        return {q.w / n, q.x / n, q.y / n, q.z / n};
+    }
+
+    /// v in components of the frame, without what is rounding in them.
+    Vector3 in_frame(const Vector3& v) const {
+        Vector3 c = frame.transpose() * v;
+        for (double& x : c.reshaped())
+            if (std::abs(x) <= 4.0 * std::numeric_limits<double>::epsilon() * v.norm()) x = 0.0;
+        return c;
+    }
+
+    /// e3 along the axis, G in the plane of e3 and e1.
+    static Matrix3 hinge_frame(const Vector3& axis, const Vector3& to_center) {
+        const Vector3 across = to_center - axis * (axis.dot(to_center) / axis.squaredNorm());
+        const bool has_arm = across.norm() > 1e-15 * to_center.norm();
+        const curves::LongVector z = curves::unit_long(axis);
+        curves::LongVector x = curves::unit_long(has_arm ? to_center : least_along(axis));
+        x = curves::across(z, x);
+        x /= x.norm();
+        return curves::columns(x, z.cross(x), z);
+    }
+    /// The world axis most across a direction.
+    static Vector3 least_along(const Vector3& direction) {
+        Eigen::Index least = 0;
+        direction.cwiseAbs().minCoeff(&least);
+        return Vector3::Unit(least);
+    }
+
+    /// The principal axes about o; for a symmetric body loaded on its axis, that axis third.
+    void choose_principal_frame(const Scene& scene, int index, const PrincipalAxesOf<DoubleDouble>& p,
+                                const Vector3& to_center) {
+        int axis = -1;
+        for (int i = 0; i < 3; ++i)
+            if (p.moments[(i + 1) % 3] == p.moments[(i + 2) % 3]) axis = i;
+        const bool is_ball = p.moments[0] == p.moments[1] && p.moments[1] == p.moments[2];
+        const int first = axis < 0 ? 0 : (axis + 1) % 3;
+        Vector3Of<DoubleDouble> m;
+        for (int i = 0; i < 3; ++i) {
+            const int k = (first + i) % 3;
+            frame.col(i) = rounded(Vector3Of<DoubleDouble>(p.axes.col(k)));
+            m[i] = p.moments[k];
+        }
+        // a ball turns about any of its axes: that through G
+        if (is_ball && !to_center.isZero(0.0)) frame = hinge_frame(to_center, to_center);
+        follows_axis = axis >= 0 && acts_on_axis(scene, index, frame.col(2));
+        moments = rounded(m);
+        for (int i = 0; i < 3; ++i)
+            coupling[i] = double((m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i]);
+        if (follows_axis) coupling.fill(double(m[2] / m[0]));
+    }
+
+    /// Whether all that acts on a body acts at points of the axis e through o, and not along axes of the body.
+    bool acts_on_axis(const Scene& scene, int index, const Vector3& e) const {
+        const RigidBody& body = *scene.bodies()[static_cast<std::size_t>(index)].rigid();
+        const auto is_on_axis = [&](const Vector3& point) {
+            const Vector3 d = point - origin;
+            return (d - e * e.dot(d)).norm() <= 4.0 * std::numeric_limits<double>::epsilon() * d.norm();
+        };
+        if (!is_on_axis(body.com())) return false;
+        for (const Scene::AppliedLoad& load : scene.loads()) {
+            if (load.body != index || !is_present(load.load)) continue;
+            const Force* force = std::get_if<Force>(&load.load);
+            if (std::holds_alternative<Torque>(load.load) || (force != nullptr && force->frame() == Frame::body) ||
+                !is_on_axis(load.at.value_or(body.com())))
+                return false;
+        }
+        for (const Scene::Connection& c : scene.connections())
+            for (const End* end : {&c.a, &c.b})
+                if (const BodyPoint* point = std::get_if<BodyPoint>(end);
+                    point != nullptr && point->body == index && !is_on_axis(point->point))
+                    return false;
+        return true;
+    }
+};
+
+}  // namespace rbdyn

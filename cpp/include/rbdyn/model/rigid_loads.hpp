@@ -1,0 +1,107 @@
+// What acts on a rigid body, and what its joint must exert.
+//
+// Reactions of ideal joints (7.57, 7.60): Phi = m a_G - F, and about the point o that the joint holds
+//     M = I_G omega' + omega x I_G omega - M_G + (G - o) x Phi, M_G the moment of what acts on it about G.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "rbdyn/model/rigid_law.hpp"
+
+namespace rbdyn {
+
+/// A load on a rigid body at a point of it, in the frame (rigid_state.hpp).
+struct RigidLoad {
+    Load load;
+    Vector3 point = Vector3::Zero();
+};
+
+/// Adds what a load exerts.
+template <class S>
+void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const RigidLoad& load, const S& t,
+              const std::string& name) {
+    const Vector3Of<S> point = RigidLaw::constant<S>(load.point);
+    const auto turned = [](const Matrix3& m, const Vector3Of<S>& v) { return curves::turned<S>(m, v); };
+    if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
+        w.moment[2] -= S(spring->stiffness) * (s.coordinate - S(spring->rest_angle)) + S(spring->damping) * s.rate;
+        return;
+    }
+    if (const Torque* torque = std::get_if<Torque>(&load.load)) {
+        const bool in_body = torque->frame() == Frame::body;
+        RotationOf<S> r{};
+        Vector3Of<S> omega = s.omega;
+        if (!torque->is_constant()) {
+            const Vector3Of<S>* e[3] = {&s.axes.e1, &s.axes.e2, &s.axes.e3};
+            for (std::size_t i = 0; i < 3; ++i) {
+                const auto k = static_cast<Eigen::Index>(i);
+                const Vector3Of<S> row = turned(law.frame, Vector3Of<S>((*e[0])[k], (*e[1])[k], (*e[2])[k]));
+                for (std::size_t j = 0; j < 3; ++j) r[i][j] = row[static_cast<Eigen::Index>(j)];
+            }
+            omega = in_body ? turned(law.frame, s.omega) : s.to_world(s.omega);
+        }
+        const Vector3Of<S> m = (*torque)(t, r, omega);
+        w.moment += in_body ? turned(law.frame.transpose(), m) : s.to_frame(m);
+        return;
+    }
+    const Vector3Of<S> place = s.position(point), velocity = s.velocity(point);
+    if (const Drag* drag = std::get_if<Drag>(&load.load)) {
+        S factor = drag->linear;
+        if (drag->quadratic != 0.0) factor += S(drag->quadratic) * length(velocity, "speed of " + name);
+        w.add(s, Vector3Of<S>(-(velocity * factor)), point);
+        return;
+    }
+    if (const Force* force = std::get_if<Force>(&load.load)) {
+        Vector3Of<S> f = (*force)(t, place, velocity);
+        if (force->frame() == Frame::body) f = s.to_world(turned(law.frame.transpose(), f));
+        w.add(s, f, point);
+    } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
+        w.add(s, (*potential)(t, place, velocity), point);
+    } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
+        w.add(s, (*lorentz)(t, place, velocity), point);
+    }
+}
+
+/// Motion and reactions of a rigid body at a time.
+struct RigidReport {
+    Quaternion attitude;
+    Vector3 position, velocity;                       // of the origin of the body's frame, world
+    Vector3 acceleration, force, reaction;            // of G; world
+    Vector3 moment, reaction_torque;                  // about o, world
+    Vector3 angular_velocity, angular_acceleration;   // body axes
+    double coordinate = 0.0, rate = 0.0;              // of a joint with one
+    double spin = 0.0;
+    double force_effort = 0.0, torque_effort = 0.0;   // sizes of what the reactions are differences of
+
+    RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q) {
+        double q_rate[8], v_rate[6];
+        law.rates<double>(s, q, w, q_rate, v_rate);
+        const auto [turning, moving] = law.accelerations<double>(s, v_rate);
+        const Vector3 centripetal = s.omega.cross(s.omega.cross(law.center));
+        acceleration = moving + s.to_world(turning.cross(law.center) + centripetal);
+        force = w.force;
+        attitude = law.attitude(q);
+        spin = s.spin;
+        angular_velocity = law.to_body(s.omega, spin);
+        angular_acceleration = law.to_body(turning, spin);
+        // the origin of the body's axes from o
+        const Vector3 back = -rotation_matrix(attitude) * law.origin;
+        position = s.r + back;
+        velocity = s.v + s.to_world(s.omega).cross(back);
+        coordinate = s.coordinate;
+        rate = s.rate;
+        moment = s.to_world(w.moment);
+        reaction = reaction_torque = Vector3::Zero();
+        if (law.kind == RigidLaw::Kind::free) return;
+        reaction = law.mass * acceleration - force;
+        force_effort = law.mass * acceleration.norm() + force.norm();
+        if (law.kind == RigidLaw::Kind::spherical) return;
+        const Vector3 spun = law.inertia * turning + s.omega.cross(law.inertia * s.omega);
+        const Vector3 about_center = w.moment - law.center.cross(s.to_frame(force));
+        const Vector3 needed = spun - about_center + law.center.cross(s.to_frame(reaction));
+        reaction_torque = s.to_world(needed);
+        torque_effort = spun.norm() + w.moment.norm() + law.center.norm() * force_effort;
+    }
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,118 @@
+// A torque on a rigid body: constant, or a function of time, attitude and angular velocity.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/function.hpp"
+
+namespace rbdyn {
+
+/// The axes a vector is given in: the world's, or those of the body it acts on.
+enum class Frame { world, body };
+
+/// A rotation matrix in numbers of any type: element of row i and column j is r[i][j].
+template <class S>
+using RotationOf = std::array<std::array<S, 3>, 3>;
+
+/// A torque [N m] in body axes, or in those of the world: constant, or a function (t, rotation_matrix,
+/// angular_velocity), recorded or called back. The matrix turns body axes into the world's; the angular velocity is in
+/// the axes the torque is in.
+class Torque {
+public:
+    Torque(const Vector3& constant, Frame frame = Frame::body) : constant_(constant), frame_(frame) {
+        for (int i = 0; i < 3; ++i)
+            require(std::isfinite(constant[i]), "Torque", "component " + std::to_string(i), constant[i],
+                    "a torque is finite; give it in N m");
+    }
+    /// From a recorded function of t, the 9 elements of the matrix row by row, and the angular velocity, with three
+    /// results.
+    explicit Torque(Function function, std::string name = "function", Frame frame = Frame::body)
+        : function_(std::move(function)), name_(std::move(name)), frame_(frame) {
+        require_shape(function_.inputs(), function_.outputs());
+    }
+    /// From a function that is called back, of the same numbers.
+    explicit Torque(std::shared_ptr<const Callback> callback, Frame frame = Frame::body)
+        : callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
+        require_shape(callback_->inputs, callback_->outputs);
+    }
+    /// [](const auto& t, const auto& rotation_matrix, const auto& angular_velocity) { return Vector3Of<...>{...}; }
+    template <class F>
+    requires std::is_invocable_v<F, const Expression&, const RotationOf<Expression>&, const Vector3Of<Expression>&>
+    Torque(F f, Frame frame = Frame::body)
+        : Torque(Function::record(inputs,
+                                  [&](const std::vector<Expression>& x) {
+                                      RotationOf<Expression> r;
+                                      for (std::size_t i = 0; i < 9; ++i) r[i / 3][i % 3] = x[1 + i];
+                                      const Vector3Of<Expression> m =
+                                          f(x[0], r, Vector3Of<Expression>{x[10], x[11], x[12]});
+                                      return std::vector<Expression>{m[0], m[1], m[2]};
+                                  }),
+                 "function", frame) {}
+
+    bool is_constant() const { return !function_ && !callback_; }
+    const Vector3& constant() const { return constant_; }
+    const Function& function() const { return function_; }
+    const std::shared_ptr<const Callback>& callback() const { return callback_; }
+    const std::string& name() const { return name_; }
+    Frame frame() const { return frame_; }
+    /// Whether there is any.
+    bool present() const { return !is_constant() || !constant_.isZero(0.0); }
+    /// With the numbers of the user's as they are now.
+    Torque frozen() const {
+        Torque result = *this;
+        result.function_ = function_.frozen();
+        return result;
+    }
+
+    template <class S>
+    Vector3Of<S> operator()(const S& t, const RotationOf<S>& r, const Vector3Of<S>& omega) const {
+        if (is_constant()) return Vector3Of<S>(S(constant_[0]), S(constant_[1]), S(constant_[2]));
+        const std::array<S, inputs> x{t,       r[0][0], r[0][1], r[0][2], r[1][0],  r[1][1], r[1][2],
+                                      r[2][0], r[2][1], r[2][2], omega[0], omega[1], omega[2]};
+        if (function_) {
+            const std::vector<S> m = function_(std::span<const S>(x));
+            return {m[0], m[1], m[2]};
+        }
+        if constexpr (std::is_same_v<S, Expression>) {
+            for (const Expression& e : x)
+                if (!e.is_constant()) {
+                    const std::vector<Expression> m = e.recorder()->call(callback_, std::span<const Expression>(x));
+                    return {m[0], m[1], m[2]};
+                }
+            throw Error("a function is called back with numbers that vary");
+        } else {
+            double in[inputs], out[3];
+            for (std::size_t i = 0; i < inputs; ++i) in[i] = static_cast<double>(x[i]);
+            (*callback_)(in, out);
+            return {S(out[0]), S(out[1]), S(out[2])};
+        }
+    }
+
+    bool operator==(const Torque& other) const {
+        return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_ &&
+               frame_ == other.frame_;
+    }
+
+private:
+    static constexpr std::size_t inputs = 13;
+
+    static void require_shape(int given_inputs, int outputs) {
+        if (given_inputs != static_cast<int>(inputs) || outputs != 3)
+            throw InvalidInput("Torque: the function has " + std::to_string(outputs) +
+                               " results; a torque has three components, in N m");
+    }
+
+    Vector3 constant_ = Vector3::Zero();
+    Function function_;
+    std::shared_ptr<const Callback> callback_;
+    std::string name_;
+    Frame frame_ = Frame::body;
+};
+
+}  // namespace rbdyn
