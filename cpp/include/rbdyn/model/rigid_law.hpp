@@ -60,7 +60,7 @@ public:
         } else {
             origin = body.com();
         }
-        const MassProperties exact = body.properties();
+        const MassProperties exact = body.exact();
         const Vector3Of<DoubleDouble> o = widened(origin);
         const Matrix3Of<DoubleDouble> about_o = kind == Kind::free ? exact.inertia : inertia_about(exact, o);
         const Vector3Of<DoubleDouble> to_center = exact.com - o;

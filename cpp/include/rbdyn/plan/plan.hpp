@@ -208,7 +208,7 @@ inline Plan make_plan(const Scene& scene) {
     if (!any_rail) {
         bool isolated = true;
         for (const auto& c : scene.connections())
-            isolated = isolated && std::holds_alternative<BodyHandle>(c.a) && std::holds_alternative<BodyHandle>(c.b);
+            isolated = isolated && body_of(c.a) >= 0 && body_of(c.b) >= 0;
         Vector3 external = Vector3::Zero();
         bool known = isolated && !drag;
         for (const auto& load : scene.loads())

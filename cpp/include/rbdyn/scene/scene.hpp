@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rbdyn/body/particle.hpp"
+#include "rbdyn/body/rigid_body.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -19,19 +20,25 @@ namespace rbdyn {
 class Scene {
 public:
     struct Body {
-        Particle particle;
-        std::variant<Free, Rail> joint;
-        Vector3 position, velocity;  // a free body's start
-        double parameter = 0.0;      // a bead's start
-        double speed = 0.0;
+        std::variant<Particle, RigidBody> body;
+        Joint joint;
+        Vector3 position = Vector3::Zero(), velocity = Vector3::Zero();  // the start of a free body
+        double parameter = 0.0, speed = 0.0;                             // of a bead; of a joint with one coordinate
+        Quaternion attitude = {};                                        // of a body that turns freely
+        Vector3 angular_velocity = Vector3::Zero();                      // its own, body axes
         std::string name;
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
+        const RigidBody* rigid() const { return std::get_if<RigidBody>(&body); }
+        double mass() const {
+            return rigid() != nullptr ? rigid()->mass() : std::get<Particle>(body).mass;
+        }
         bool operator==(const Body&) const = default;
     };
     struct AppliedLoad {
         Load load;
         int body;
+        std::optional<Vector3> at = std::nullopt;  // a rigid body's point, body axes; else its centre of mass
         bool operator==(const AppliedLoad&) const = default;
     };
     struct Connection {
@@ -76,8 +83,10 @@ public:
             require(std::isfinite(start.velocity[i]), name, "component " + std::to_string(i) + " of velocity",
                     start.velocity[i], "a velocity is finite; give it in m/s");
         }
-        bodies_.push_back({particle, Free{}, start.position, start.velocity, 0.0, 0.0, std::move(name)});
-        return {static_cast<int>(bodies_.size()) - 1};
+        return add({.body = particle,
+                    .position = start.position,
+                    .velocity = start.velocity,
+                    .name = std::move(name)});
     }
     BodyHandle add(const Particle& particle, const FreeStart& start = {}, std::string name = {}) {
         return add(particle, Free{}, start, std::move(name));
@@ -101,21 +110,84 @@ public:
                 "a start lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
         require(std::isfinite(start.speed), name, "speed", start.speed, "a speed is finite; give it in m/s");
         curve.require_regular(u);
-        bodies_.push_back({particle, rail, Vector3::Zero(), Vector3::Zero(), u, start.speed, std::move(name)});
-        return {static_cast<int>(bodies_.size()) - 1};
+        return add({.body = particle, .joint = rail, .parameter = u, .speed = start.speed, .name = std::move(name)});
     }
 
-    LoadHandle apply(Load load, BodyHandle body) {
+    BodyHandle add(const RigidBody& body, const Free&, const BodyStart& start = {}, std::string name = {}) {
+        name = named(std::move(name), "body");
+        joints::require_finite(name, "position", start.position);
+        joints::require_finite(name, "velocity", start.velocity);
+        require_turnable(body, body.com(), name);
+        const Quaternion attitude = start.attitude.quaternion();
+        return add({.body = body,
+                    .position = start.position,
+                    .velocity = start.velocity,
+                    .attitude = attitude,
+                    .angular_velocity = angular_velocity(start, attitude, name),
+                    .name = std::move(name)});
+    }
+    BodyHandle add(const RigidBody& body, const BodyStart& start = {}, std::string name = {}) {
+        return add(body, Free{}, start, std::move(name));
+    }
+    BodyHandle add(const RigidBody& body, const Spherical& joint, const SphericalStart& start = {},
+                   std::string name = {}) {
+        joint.validate();
+        name = named(std::move(name), "body");
+        require_turnable(body, joint.point, name);
+        const Quaternion attitude = start.attitude.quaternion();
+        return add({.body = body,
+                    .joint = joint,
+                    .attitude = attitude,
+                    .angular_velocity = angular_velocity(start, attitude, name),
+                    .name = std::move(name)});
+    }
+    BodyHandle add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start = {},
+                   std::string name = {}) {
+        joint.validate();
+        name = named(std::move(name), "body");
+        require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
+        require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+        const Vector3 e = joint.axis.normalized();
+        const Matrix3 about = body.inertia(joint.point);
+        const double axial = e.dot(about * e), largest = about.trace();
+        require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
+                "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
+        return add({.body = body, .joint = joint, .parameter = start.angle, .speed = start.rate,
+                    .name = std::move(name)});
+    }
+    BodyHandle add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start = {},
+                   std::string name = {}) {
+        joint.validate();
+        name = named(std::move(name), "body");
+        require(std::isfinite(start.displacement), name, "displacement", start.displacement,
+                "a displacement is finite; give it in m");
+        require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
+        return add({.body = body, .joint = joint, .parameter = start.displacement, .speed = start.rate,
+                    .name = std::move(name)});
+    }
+
+    /// A load on a body. `at`: the point of a rigid body where a force acts, body axes [m]; else its centre of mass.
+    LoadHandle apply(Load load, BodyHandle body, std::optional<Vector3> at = std::nullopt) {
         require_body(body, "apply");
+        require_fitting(load, bodies_[static_cast<std::size_t>(body.index)], at);
         if (const Drag* drag = std::get_if<Drag>(&load)) drag->validate();
         if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
-        loads_.push_back({std::move(load), body.index});
+        if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) spring->validate();
+        loads_.push_back({std::move(load), body.index, at});
         return {static_cast<int>(loads_.size()) - 1};
     }
 
     CouplingHandle connect(Coupling coupling, End a, End b) {
         for (const End* end : {&a, &b}) {
-            if (const BodyHandle* body = std::get_if<BodyHandle>(end)) require_body(*body, "connect");
+            if (body_of(*end) >= 0 || !std::holds_alternative<Vector3>(*end))
+                require_body(BodyHandle{body_of(*end)}, "connect");
+            if (const BodyPoint* point = std::get_if<BodyPoint>(end)) {
+                joints::require_finite("connect", "a point of a body", point->point);
+                const Body& body = bodies_[static_cast<std::size_t>(point->body)];
+                if (body.rigid() == nullptr)
+                    throw InvalidInput("connect: a point of " + body.name +
+                                       " is given, which is a particle and has no other; give its handle");
+            }
             if (const Vector3* point = std::get_if<Vector3>(end))
                 for (int i = 0; i < 3; ++i)
                     require(std::isfinite((*point)[i]), "connect", "component " + std::to_string(i) + " of a point",
@@ -156,6 +228,7 @@ public:
         for (AppliedLoad& l : result.loads_) {
             if (const Force* force = std::get_if<Force>(&l.load)) l.load = force->frozen();
             if (const Potential* potential = std::get_if<Potential>(&l.load)) l.load = potential->frozen();
+            if (const Torque* torque = std::get_if<Torque>(&l.load)) l.load = torque->frozen();
         }
         for (Watch& w : result.watches_) w.function = w.function.frozen();
         for (Integral& i : result.integrals_) i.function = i.function.frozen();
@@ -186,6 +259,52 @@ public:
     }
 
 private:
+    // a moment of inertia that is this small beside the others is rounding
+    static constexpr double least_moment = 1e-15;
+
+    BodyHandle add(Body body) {
+        bodies_.push_back(std::move(body));
+        return {static_cast<int>(bodies_.size()) - 1};
+    }
+    /// The angular velocity in body axes that a start gives.
+    template <class Start>
+    static Vector3 angular_velocity(const Start& start, const Quaternion& attitude, const std::string& name) {
+        if (start.angular_velocity && start.angular_velocity_world)
+            throw InvalidInput(name +
+                               ": both angular_velocity and angular_velocity_world are given; one of them says how it "
+                               "turns, in body axes or in the world's");
+        if (start.angular_velocity) {
+            joints::require_finite(name, "angular_velocity", *start.angular_velocity);
+            return *start.angular_velocity;
+        }
+        if (!start.angular_velocity_world) return Vector3::Zero();
+        joints::require_finite(name, "angular_velocity_world", *start.angular_velocity_world);
+        return to_body<double>(attitude, *start.angular_velocity_world);
+    }
+    /// A body turns freely about a point only if no moment there vanishes.
+    static void require_turnable(const RigidBody& body, const Vector3& point, const std::string& name) {
+        const Vector3 moments = body.principal(point).moments;
+        require(moments.minCoeff() > least_moment * moments.maxCoeff(), name, "least principal moment of inertia",
+                moments.minCoeff(),
+                "a rod-like body has no inertia against spin about its own line, which this joint leaves free: hold it "
+                "by Revolute, Prismatic or off its line, or give it a thickness");
+    }
+    static void require_fitting(const Load& load, const Body& body, const std::optional<Vector3>& at) {
+        if (at) joints::require_finite("apply", "at", *at);
+        const bool is_turning = std::holds_alternative<Torque>(load);
+        if (body.rigid() == nullptr) {
+            if (at) throw InvalidInput("apply: at is given, and " + body.name + " is a particle, which has one point");
+            const Force* force = std::get_if<Force>(&load);
+            if (is_turning || (force != nullptr && force->frame() == Frame::body))
+                throw InvalidInput("apply: " + body.name + " is a particle, which has no axes and turns with nothing; " +
+                                   (is_turning ? "a Torque acts on a RigidBody" : "give the force in world axes"));
+        }
+        if (is_turning && at)
+            throw InvalidInput("apply: at is given for a Torque, which is the same about every point; leave it out");
+        if (std::holds_alternative<TorsionSpring>(load) && (!std::holds_alternative<Revolute>(body.joint) || at))
+            throw InvalidInput("apply: a TorsionSpring acts about the axis of a Revolute joint, " +
+                               std::string(at ? "at no point" : "which " + body.name + " is not on"));
+    }
     void require_observables(const WatchFunction& function, const std::string& user) const {
         for (const Observable& o : function.arguments()) require_observable(o, user);
     }

@@ -52,19 +52,19 @@ inline Scene alone(const Scene& scene, BodyHandle bead, const std::string& user)
     if (body.rail() == nullptr)
         throw InvalidInput(user + ": " + body.name + " is free; this is about a bead on a rail");
     Scene result(scene.gravity());
-    const BodyHandle one = result.add(body.particle, *body.rail(), {.parameter = body.parameter}, body.name);
+    const BodyHandle one = result.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
     for (const Scene::AppliedLoad& load : scene.loads())
         if (load.body == bead.index) result.apply(load.load, one);
     for (const Scene::Connection& c : scene.connections()) {
-        const BodyHandle *a = std::get_if<BodyHandle>(&c.a), *b = std::get_if<BodyHandle>(&c.b);
-        if (!(a != nullptr && *a == bead) && !(b != nullptr && *b == bead)) continue;
-        if (a != nullptr && b != nullptr) {
-            const int other = *a == bead ? b->index : a->index;
+        const int a = body_of(c.a), b = body_of(c.b);
+        if (a != bead.index && b != bead.index) continue;
+        if (a >= 0 && b >= 0) {
+            const int other = a == bead.index ? b : a;
             throw InvalidInput(user + ": a spring joins " + body.name + " with " +
                                scene.bodies()[static_cast<std::size_t>(other)].name +
                                "; the force on it does not depend on its own place alone");
         }
-        result.connect(c.coupling, a != nullptr ? End(one) : c.a, b != nullptr ? End(one) : c.b);
+        result.connect(c.coupling, a >= 0 ? End(one) : c.a, b >= 0 ? End(one) : c.b);
     }
     return result;
 }

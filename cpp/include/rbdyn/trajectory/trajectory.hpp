@@ -331,10 +331,10 @@ private:
         const auto& bodies = data_->scene.bodies();
         if (of.empty()) {
             for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
-                f((*this)[BodyHandle{i}].report(t, side), bodies[static_cast<std::size_t>(i)].particle.mass);
+                f((*this)[BodyHandle{i}].report(t, side), bodies[static_cast<std::size_t>(i)].mass());
         } else {
             for (BodyHandle b : of)
-                f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].particle.mass);
+                f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].mass());
         }
     }
     template <class F>
