@@ -239,7 +239,7 @@ public:
             const RigidReport r = rigid_report(index, t, x, all);
             result.position = p.r;
             result.velocity = p.v;
-            result.acceleration = r.acceleration;
+            result.acceleration = r.center_acceleration;
             result.force = r.force;
             result.reaction = r.reaction;
             result.speed = p.v.norm();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/rigid_observables.hpp"
 
 namespace rbdyn {
 
@@ -19,6 +20,8 @@ public:
         Resultant<S> force;
         S rate = 0.0;  // of a bead: w'
         bool on_rail = false;
+        Vector3Of<S> moment{S(0.0), S(0.0), S(0.0)};  // of a rigid body
+        const S* rates = nullptr;                     // of its velocities
     };
 
     RecordedPoints(const PointLaws& laws, const S& t, const std::vector<Body>& bodies)
@@ -36,6 +39,8 @@ public:
         }
         const Body& b = bodies_[at(o.subject)];
         const PointLaws::Body& law = laws_.body(o.subject);
+        if (law.rigid)
+            return rbdyn::observed<S>(*law.rigid, *b.state.rigid, Wrench<S>{b.force.force, b.moment}, b.rates, o);
         const CurvePoint<S>& c = b.state.curve;
         switch (o.quantity) {
             case Quantity::position: return laws_.in_world<S>(b.state.r)[o.component];
@@ -77,8 +82,9 @@ private:
     std::pair<Vector3Of<S>, Vector3Of<S>> ends(int coupling) const {
         const PointLaws::ConnectedSpring& c = laws_.springs()[at(coupling)];
         const auto end = [&](const PointLaws::SpringEnd& e) -> std::pair<Vector3Of<S>, Vector3Of<S>> {
-            if (e.body >= 0) return {bodies_[at(e.body)].state.r, bodies_[at(e.body)].state.v};
-            return {e.point.cast<S>(), Vector3::Zero().cast<S>()};
+            std::vector<PointState<S>> states;
+            for (const Body& b : bodies_) states.push_back(b.state);
+            return PointLaws::motion_of<S>(e, states);
         };
         const auto a = end(c.a), b = end(c.b);
         return {a.first - b.first, a.second - b.second};
@@ -100,6 +106,14 @@ inline double observed(const PointLaws& laws, std::span<const signed char> slip,
         const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);
         const Vector3 d = a.first - b.first, v = a.second - b.second;
         return o.quantity == Quantity::length ? d.norm() : vector(laws.view().axes * c.spring(d, v));
+    }
+    if (const auto& body = laws.body(o.subject); body.rigid) {
+        const auto all = laws.states(t, x, slip);
+        const RigidState<double>& s = *all[static_cast<std::size_t>(o.subject)].rigid;
+        const Wrench<double> w = laws.wrench<double>(o.subject, t, all);
+        double q_rate[8], v_rate[6];
+        body.rigid->rates<double>(s, x.data() + body.first, w, q_rate, v_rate);
+        return observed<double>(*body.rigid, s, w, v_rate, o);
     }
     const PointReport r = laws.report(o.subject, slip, t, x, active);
     switch (o.quantity) {

@@ -165,6 +165,10 @@ public:
         out.clear();
         const Within state(mode, t, x);
         for (int i = 0; i < bodies(); ++i) {
+            if (laws_.body(i).rigid) {
+                observe_rigid(i, state, mode, out);
+                continue;
+            }
             const PointReport r = laws_.report(i, mode.slip, state.t, state.x);
             out.push_back({r.position, true, 0.0, r.position.norm()});
             out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm()});
@@ -194,6 +198,14 @@ public:
                     name = "the slope of potential \"" + u->name() + "\"";
                 return name + " on " + b.name + ", which is [" + text(f[0]) + ", " + text(f[1]) + ", " + text(f[2]) +
                        "]";
+            }
+            if (b.rigid) {
+                for (const RigidLoad& load : b.loads) {
+                    Wrench<double> w;
+                    add_load(w, *b.rigid, *p.rigid, load, t, b.name);
+                    if (!w.force.allFinite() || !w.moment.allFinite()) return "a load on " + b.name;
+                }
+                continue;
             }
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
             if (b.curve && mode.slip[at(i)] != flies) {
@@ -269,6 +281,28 @@ private:
             return std::isfinite(time) ? time : std::max(std::abs(t), 1.0);
         }
     };
+
+    /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
+    void observe_rigid(int i, const Within& state, const Mode& mode, std::vector<Observed>& out) const {
+        const RigidLaw& law = *laws_.body(i).rigid;
+        const auto all = laws_.states(state.t, state.x, mode.slip);
+        const RigidReport r = laws_.rigid_report(i, state.t, state.x, all);
+        const PointState<double>& p = all[at(i)];
+        if (law.kind == RigidLaw::Kind::free || law.kind == RigidLaw::Kind::prismatic) {
+            out.push_back({p.r, true, 0.0, p.r.norm()});
+            out.push_back({p.v, false, 0.0, p.v.norm()});
+        }
+        if (law.kind != RigidLaw::Kind::prismatic) {
+            // axes of unit length: together they show the angle between two attitudes
+            const Matrix3 axes = rotation_matrix(r.attitude);
+            for (int k = 0; k < 3; ++k) out.push_back({axes.col(k), false, 1.0, 1.0});
+            out.push_back({r.angular_velocity, false, 0.0, r.angular_velocity.norm()});
+        }
+        if (law.kind == RigidLaw::Kind::free) return;
+        out.push_back({r.reaction, false, 0.0, r.force_effort});
+        if (law.kind != RigidLaw::Kind::spherical)
+            out.push_back({r.reaction_torque, false, 0.0, r.torque_effort});
+    }
 
     /// The active force on a body, in the view, where motion slides: between those on the two sides of a surface.
     static std::optional<Vector3> sliding_force(const Mode& mode, int body, double t, std::span<const double> x) {

@@ -123,6 +123,7 @@ public:
             case Kind::spherical: {
                 QuaternionOf<S> p{q[0], q[1], q[2], q[3]};
                 if constexpr (std::is_floating_point_v<S>) p = unit(p);
+                s.attitude = p;
                 s.axes = axes(p);
                 s.omega = s.turning = {v[0], v[1], v[2]};
                 if (follows_axis) {
@@ -216,23 +217,56 @@ public:
         return {turning, moving};
     }
 
-    /// A vector of the frame in body axes, for a spin in numbers.
-    Vector3 to_body(const Vector3& a, double spin) const {
-        const double c = std::cos(spin), s = std::sin(spin);
-        return frame * Vector3(c * a[0] + s * a[1], c * a[1] - s * a[0], a[2]);
+    /// A vector of the frame in body axes, and one of the body in the frame.
+    template <class S>
+    Vector3Of<S> to_body(const RigidState<S>& s, const Vector3Of<S>& a) const {
+        return curves::turned<S>(frame, follows_axis ? spun(a, S(-s.spin)) : a);
     }
-    /// A point or vector given in body axes, in the frame; with spin zero.
-    Vector3 point_in_frame(const Vector3& p) const { return in_frame(p - origin); }
+    template <class S>
+    Vector3Of<S> from_body(const RigidState<S>& s, const Vector3Of<S>& a) const {
+        const Vector3Of<S> b = curves::turned<S>(frame.transpose(), a);
+        return follows_axis ? spun(b, s.spin) : b;
+    }
+    /// The body's own axes in the world.
+    template <class S>
+    AxesOf<S> body_axes(const RigidState<S>& s) const {
+        const auto axis = [&](int i) { return s.to_world(from_body(s, constant<S>(Vector3::Unit(i)))); };
+        return {axis(0), axis(1), axis(2)};
+    }
+    /// The origin of the body's axes from o, in the frame.
+    template <class S>
+    Vector3Of<S> origin_in_frame(const RigidState<S>& s) const {
+        return from_body(s, constant<S>(-origin));
+    }
+    /// The acceleration of a point of the body, world axes; what accelerations() says is given.
+    template <class S>
+    static Vector3Of<S> acceleration(const RigidState<S>& s, const std::pair<Vector3Of<S>, Vector3Of<S>>& rates,
+                                     const Vector3Of<S>& point) {
+        return rates.second + s.to_world(Vector3Of<S>(cross<S>(rates.first, point) +
+                                                      cross<S>(s.omega, cross<S>(s.omega, point))));
+    }
+    /// The quaternion of the body's axes.
+    template <class S>
+    QuaternionOf<S> attitude(const RigidState<S>& s) const {
+        using std::cos, std::sin;
+        if (kind == Kind::prismatic) return {S(1.0), S(0.0), S(0.0), S(0.0)};
+        if (kind == Kind::revolute) {
+            const S half = s.coordinate * S(0.5), n = sin(half);
+            const Vector3 e = frame.col(2);
+            return {cos(half), n * S(e[0]), n * S(e[1]), n * S(e[2])};
+        }
+        QuaternionOf<S> q = s.attitude;
+        if (follows_axis) {
+            const S half = s.spin * S(0.5);
+            q = q * QuaternionOf<S>{cos(half), S(0.0), S(0.0), sin(half)};
+        }
+        const Quaternion& f = frame_attitude;
+        if (f == Quaternion{}) return q;
+        return q * QuaternionOf<S>{S(f.w), S(-f.x), S(-f.y), S(-f.z)};
+    }
 
-    /// The attitude of the body, from its coordinates.
-    Quaternion attitude(const double* q) const {
-        if (kind == Kind::prismatic) return {};
-        if (kind == Kind::revolute) return turn(frame.col(2), q[0]);
-        if (kind == Kind::free) q += 3;
-        Quaternion p = unit(Quaternion{q[0], q[1], q[2], q[3]});
-        if (follows_axis) p = p * Quaternion{std::cos(0.5 * q[4]), 0.0, 0.0, std::sin(0.5 * q[4])};
-        return p * conjugate(frame_attitude);
-    }
+    /// A point given in body axes, in the frame; with spin zero.
+    Vector3 point_in_frame(const Vector3& p) const { return in_frame(p - origin); }
 
     template <class S>
     static Vector3Of<S> constant(const Vector3& a) {
@@ -240,6 +274,21 @@ public:
     }
 
 private:
+    /// v turned about e3.
+    template <class S>
+    static Vector3Of<S> spun(const Vector3Of<S>& a, const S& angle) {
+        using std::cos, std::sin;
+        if (is_exactly_zero(a[0]) && is_exactly_zero(a[1])) return a;
+        const S c = cos(angle), n = sin(angle);
+        return Vector3Of<S>(c * a[0] - n * a[1], n * a[0] + c * a[1], a[2]);
+    }
+    template <class S>
+    static bool is_exactly_zero(const S& x) {
+        if constexpr (std::is_same_v<S, Expression>)
+            return x.is_zero();
+        else
+            return x == S(0.0);
+    }
     template <class S>
     static QuaternionOf<S> unit(const QuaternionOf<S>& q) {
         const S n = std::sqrt(squared_norm(q));

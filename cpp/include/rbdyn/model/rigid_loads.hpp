@@ -65,36 +65,34 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
 /// Motion and reactions of a rigid body at a time.
 struct RigidReport {
     Quaternion attitude;
-    Vector3 position, velocity;                       // of the origin of the body's frame, world
-    Vector3 acceleration, force, reaction;            // of G; world
-    Vector3 moment, reaction_torque;                  // about o, world
-    Vector3 angular_velocity, angular_acceleration;   // body axes
-    double coordinate = 0.0, rate = 0.0;              // of a joint with one
-    double spin = 0.0;
-    double force_effort = 0.0, torque_effort = 0.0;   // sizes of what the reactions are differences of
+    Vector3 position, velocity, acceleration;        // of the origin of the body's frame, world
+    Vector3 center_acceleration, force, reaction;    // world
+    Vector3 moment, reaction_torque;                 // about o, world
+    Vector3 angular_velocity, angular_acceleration;  // body axes
+    double coordinate = 0.0, rate = 0.0;             // of a joint with one
+    double force_effort = 0.0, torque_effort = 0.0;  // sizes of what the reactions are differences of
 
     RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q) {
         double q_rate[8], v_rate[6];
         law.rates<double>(s, q, w, q_rate, v_rate);
-        const auto [turning, moving] = law.accelerations<double>(s, v_rate);
-        const Vector3 centripetal = s.omega.cross(s.omega.cross(law.center));
-        acceleration = moving + s.to_world(turning.cross(law.center) + centripetal);
+        const auto rates = law.accelerations<double>(s, v_rate);
+        const Vector3& turning = rates.first;
+        center_acceleration = RigidLaw::acceleration<double>(s, rates, law.center);
         force = w.force;
-        attitude = law.attitude(q);
-        spin = s.spin;
-        angular_velocity = law.to_body(s.omega, spin);
-        angular_acceleration = law.to_body(turning, spin);
-        // the origin of the body's axes from o
-        const Vector3 back = -rotation_matrix(attitude) * law.origin;
-        position = s.r + back;
-        velocity = s.v + s.to_world(s.omega).cross(back);
+        attitude = law.attitude(s);
+        angular_velocity = law.to_body(s, s.omega);
+        angular_acceleration = law.to_body(s, turning);
+        const Vector3 o = law.origin_in_frame(s);
+        position = s.position(o);
+        velocity = s.velocity(o);
+        acceleration = RigidLaw::acceleration<double>(s, rates, o);
         coordinate = s.coordinate;
         rate = s.rate;
         moment = s.to_world(w.moment);
         reaction = reaction_torque = Vector3::Zero();
         if (law.kind == RigidLaw::Kind::free) return;
-        reaction = law.mass * acceleration - force;
-        force_effort = law.mass * acceleration.norm() + force.norm();
+        reaction = law.mass * center_acceleration - force;
+        force_effort = law.mass * center_acceleration.norm() + force.norm();
         if (law.kind == RigidLaw::Kind::spherical) return;
         const Vector3 spun = law.inertia * turning + s.omega.cross(law.inertia * s.omega);
         const Vector3 about_center = w.moment - law.center.cross(s.to_frame(force));

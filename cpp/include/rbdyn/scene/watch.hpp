@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 
 #include "rbdyn/basics/direction.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/scene/handles.hpp"
 
 namespace rbdyn {
@@ -32,6 +34,21 @@ enum class Quantity {
     speed,
     tangential_force,
     kinetic_energy,
+    // of a rigid body
+    center_of_mass,
+    center_of_mass_velocity,
+    center_of_mass_acceleration,
+    quaternion,        // w, x, y, z
+    rotation_matrix,   // row by row
+    euler_angles,      // theta in [0, pi], psi and phi in [-pi, pi]
+    angular_velocity,  // body axes, as the next
+    angular_acceleration,
+    angular_velocity_world,
+    poisson_vector,  // the world's third axis in body axes (7.59)
+    reaction_torque,
+    angle,  // of a hinge
+    displacement,
+    rate,  // of a joint with one coordinate
     // of a coupling
     length,
     coupling_force
@@ -76,6 +93,40 @@ public:
         Expression speed() const { return now_.value({Quantity::speed, index_}); }
         Expression tangential_force() const { return now_.value({Quantity::tangential_force, index_}); }
         Expression kinetic_energy() const { return now_.value({Quantity::kinetic_energy, index_}); }
+        Vector3Of<Expression> center_of_mass() const { return now_.vector(Quantity::center_of_mass, index_); }
+        Vector3Of<Expression> center_of_mass_velocity() const {
+            return now_.vector(Quantity::center_of_mass_velocity, index_);
+        }
+        Vector3Of<Expression> center_of_mass_acceleration() const {
+            return now_.vector(Quantity::center_of_mass_acceleration, index_);
+        }
+        QuaternionOf<Expression> quaternion() const {
+            const auto q = [&](int i) { return now_.value({Quantity::quaternion, index_, i}); };
+            return {q(0), q(1), q(2), q(3)};
+        }
+        /// Row by row.
+        std::array<Expression, 9> rotation_matrix() const {
+            std::array<Expression, 9> r;
+            for (std::size_t i = 0; i < 9; ++i)
+                r[i] = now_.value({Quantity::rotation_matrix, index_, static_cast<int>(i)});
+            return r;
+        }
+        EulerAnglesOf<Expression> euler_angles() const {
+            const Vector3Of<Expression> a = now_.vector(Quantity::euler_angles, index_);
+            return {a[0], a[1], a[2]};
+        }
+        Vector3Of<Expression> angular_velocity() const { return now_.vector(Quantity::angular_velocity, index_); }
+        Vector3Of<Expression> angular_acceleration() const {
+            return now_.vector(Quantity::angular_acceleration, index_);
+        }
+        Vector3Of<Expression> angular_velocity_world() const {
+            return now_.vector(Quantity::angular_velocity_world, index_);
+        }
+        Vector3Of<Expression> poisson_vector() const { return now_.vector(Quantity::poisson_vector, index_); }
+        Vector3Of<Expression> reaction_torque() const { return now_.vector(Quantity::reaction_torque, index_); }
+        Expression angle() const { return now_.value({Quantity::angle, index_}); }
+        Expression displacement() const { return now_.value({Quantity::displacement, index_}); }
+        Expression rate() const { return now_.value({Quantity::rate, index_}); }
 
     private:
         const Now& now_;
