@@ -16,10 +16,11 @@ namespace rbdyn {
 /// A curve and its derivatives at a parameter, in numbers of type S.
 template <class S>
 struct CurvePoint {
-    Vector3Of<S> position, first, second;  // r, r', r'' (m, and m by powers of the parameter)
-    S speed_squared;                       // |r'|^2
-    S first_dot_second;                    // r' . r''
-    Vector3Of<S> first_cross_second;       // r' x r''
+    // r, r', r'' (m, and m by powers of the parameter)
+    Vector3Of<S> position{S(0), S(0), S(0)}, first{S(0), S(0), S(0)}, second{S(0), S(0), S(0)};
+    S speed_squared = S(0);                             // |r'|^2
+    S first_dot_second = S(0);                          // r' . r''
+    Vector3Of<S> first_cross_second{S(0), S(0), S(0)};  // r' x r''
 };
 
 /// The point with these derivatives.

@@ -43,8 +43,7 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
             v[at(b.first_rate - n + k)] = is_still ? S(0.0) : r.input(b.first_rate + k);
         }
         // the spin of a body whose frame follows its axis does not change
-        if (b.rigid && b.rigid->follows_axis)
-            v[at(b.first_rate - n + b.velocities() - 1)] = r.parameter(count + i);
+        if (b.rigid && b.rigid->follows_axis) v[at(b.first_rate - n + b.velocities() - 1)] = r.parameter(count + i);
     }
     std::vector<PointState<S>> states;
     for (int i = 0; i < count; ++i) {

@@ -48,6 +48,8 @@ struct PointReport {
     double u = 0.0, w = 0.0, w_rate = 0.0, speed = 0.0;  // in flight: where it left the rail, 0, 0, |v|
     double tangential_force = 0.0;                       // Q_s = F.t (eq. 7.15)
     double rail_speed = 0.0;                             // V, of the rail's surface along itself
+    Vector3 spin_momentum = Vector3::Zero();             // K_G of a rigid body
+    double spin_energy = 0.0, spin_power = 0.0;          // T^(G), and its rate
     double effort = 0.0;  // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
 };
 
@@ -151,8 +153,7 @@ public:
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
             if (body.rigid) {
-                const Vector3 point =
-                    load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->center;
+                const Vector3 point = load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->center;
                 if (is_present(load.load)) body.loads.push_back({load.load, point});
             } else if (const Force* force = std::get_if<Force>(&load.load)) {
                 if (force->is_constant())
@@ -218,8 +219,7 @@ public:
         std::vector<PointState<double>> result;
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             const Body& b = bodies_[i];
-            result.push_back(
-                moving<double>(b, t, x.data() + b.first, x.data() + b.first_rate, slip[i] == flies));
+            result.push_back(moving<double>(b, t, x.data() + b.first, x.data() + b.first_rate, slip[i] == flies));
             // held by its rail: the rail's own speed, exactly
             if (b.rough && slip[i] == sticks)
                 result.back().set_rate(b.drive(t) / std::sqrt(result.back().curve.speed_squared));
@@ -244,6 +244,9 @@ public:
             result.reaction = r.reaction;
             result.speed = p.v.norm();
             result.effort = r.force_effort;
+            result.spin_momentum = r.spin_momentum;
+            result.spin_energy = r.spin_energy;
+            result.spin_power = r.spin_power;
             return result;
         }
         Resultant<double> f = resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
@@ -292,6 +295,14 @@ public:
     }
     RigidReport rigid_report(int index, double t, std::span<const double> x) const {
         return rigid_report(index, t, x, states(t, x, std::vector<signed char>(bodies_.size(), 1)));
+    }
+    /// Power of a load on a rigid body.
+    double power(const Scene::AppliedLoad& load, double t, std::span<const double> x) const {
+        const Body& b = bodies_[at(load.body)];
+        const RigidState<double> s = b.rigid->state(x.data() + b.first, x.data() + b.first_rate);
+        Wrench<double> w;
+        add_load(w, *b.rigid, s, {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->center}, t, b.name);
+        return w.force.dot(s.v) + w.moment.dot(s.omega);
     }
     /// Derivatives of a body's position and velocity variables.
     void slope(int index, std::span<const signed char> slip, double t, std::span<const double> x, std::span<double> dq,

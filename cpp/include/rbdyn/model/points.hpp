@@ -300,8 +300,7 @@ private:
         }
         if (law.kind == RigidLaw::Kind::free) return;
         out.push_back({r.reaction, false, 0.0, r.force_effort});
-        if (law.kind != RigidLaw::Kind::spherical)
-            out.push_back({r.reaction_torque, false, 0.0, r.torque_effort});
+        if (law.kind != RigidLaw::Kind::spherical) out.push_back({r.reaction_torque, false, 0.0, r.torque_effort});
     }
 
     /// The active force on a body, in the view, where motion slides: between those on the two sides of a surface.

@@ -31,14 +31,14 @@ public:
     Kind kind = Kind::free;
     bool follows_axis = false;  // the frame does not turn about e3
     double mass = 0.0;
-    Matrix3 frame = Matrix3::Identity();   // columns: the frame's axes in body axes (spin zero)
-    Quaternion frame_attitude;             // of the frame in the body
-    Vector3 origin = Vector3::Zero();      // o, in body axes
-    Vector3 center = Vector3::Zero();      // G from o, in the frame
-    Vector3 at = Vector3::Zero();          // where o is held, or slides from, in the world
-    Vector3 moments = Vector3::Ones();     // about o: on the principal axes; on a hinge [2] is I_33
-    Vector3 coupling = Vector3::Zero();    // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
-    Matrix3 inertia = Matrix3::Zero();     // about G, in the frame
+    Matrix3 frame = Matrix3::Identity();  // columns: the frame's axes in body axes (spin zero)
+    Quaternion frame_attitude;            // of the frame in the body
+    Vector3 origin = Vector3::Zero();     // o, in body axes
+    Vector3 center = Vector3::Zero();     // G from o, in the frame
+    Vector3 at = Vector3::Zero();         // where o is held, or slides from, in the world
+    Vector3 moments = Vector3::Ones();    // about o: on the principal axes; on a hinge [2] is I_33
+    Vector3 coupling = Vector3::Zero();   // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
+    Matrix3 inertia = Matrix3::Zero();    // about G, in the frame
 
     /// Of a body of a scene.
     RigidLaw(const Scene& scene, int index) {
@@ -67,9 +67,9 @@ public:
         if (turns_freely()) {
             choose_principal_frame(scene, index, principal_axes(about_o), rounded(to_center));
         } else {
-            frame = hinge_frame(kind == Kind::revolute ? std::get<Revolute>(b.joint).axis
-                                                       : std::get<Prismatic>(b.joint).axis,
-                                rounded(to_center));
+            frame = hinge_frame(
+                kind == Kind::revolute ? std::get<Revolute>(b.joint).axis : std::get<Prismatic>(b.joint).axis,
+                rounded(to_center));
             const Vector3Of<DoubleDouble> e3 = widened(Vector3(frame.col(2)));
             moments[2] = double(dot<DoubleDouble>(e3, product(about_o, e3)) / dot<DoubleDouble>(e3, e3));
         }
@@ -84,6 +84,18 @@ public:
         return kind == Kind::free ? 3 + attitude : kind == Kind::spherical ? attitude : 1;
     }
     int velocities() const { return kind == Kind::free ? 6 : kind == Kind::spherical ? 3 : 1; }
+
+    /// What its coordinates are, in words.
+    std::string coordinates() const {
+        switch (kind) {
+            case Kind::revolute: return "angle of its hinge";
+            case Kind::prismatic: return "displacement of its slide";
+            default: break;
+        }
+        return std::string(kind == Kind::free ? "centre of mass x, y, z; " : "") +
+               (follows_axis ? "quaternion of the frame that follows its axis, spin about it"
+                             : "quaternion of its principal axes");
+    }
 
     /// The state a scene's body starts in.
     void start(const Scene::Body& b, double* q, double* v) const {
@@ -212,8 +224,7 @@ public:
             moving = {v_rate[0], v_rate[1], v_rate[2]};
             v_rate += 3;
         }
-        if (turns_freely())
-            turning = Vector3Of<S>(v_rate[0], v_rate[1], v_rate[2]) + cross<S>(s.turning, s.omega);
+        if (turns_freely()) turning = Vector3Of<S>(v_rate[0], v_rate[1], v_rate[2]) + cross<S>(s.turning, s.omega);
         return {turning, moving};
     }
 
@@ -242,8 +253,8 @@ public:
     template <class S>
     static Vector3Of<S> acceleration(const RigidState<S>& s, const std::pair<Vector3Of<S>, Vector3Of<S>>& rates,
                                      const Vector3Of<S>& point) {
-        return rates.second + s.to_world(Vector3Of<S>(cross<S>(rates.first, point) +
-                                                      cross<S>(s.omega, cross<S>(s.omega, point))));
+        return rates.second +
+               s.to_world(Vector3Of<S>(cross<S>(rates.first, point) + cross<S>(s.omega, cross<S>(s.omega, point))));
     }
     /// The quaternion of the body's axes.
     template <class S>
@@ -338,8 +349,7 @@ private:
         if (is_ball && !to_center.isZero(0.0)) frame = hinge_frame(to_center, to_center);
         follows_axis = axis >= 0 && acts_on_axis(scene, index, frame.col(2));
         moments = rounded(m);
-        for (int i = 0; i < 3; ++i)
-            coupling[i] = double((m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i]);
+        for (int i = 0; i < 3; ++i) coupling[i] = double((m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i]);
         if (follows_axis) coupling.fill(double(m[2] / m[0]));
     }
 

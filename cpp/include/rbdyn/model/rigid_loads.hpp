@@ -69,6 +69,8 @@ struct RigidReport {
     Vector3 center_acceleration, force, reaction;    // world
     Vector3 moment, reaction_torque;                 // about o, world
     Vector3 angular_velocity, angular_acceleration;  // body axes
+    Vector3 spin_momentum;                           // K_G = I_G omega, world
+    double spin_energy = 0.0, spin_power = 0.0;      // T^(G) = I_G omega.omega/2, and its rate
     double coordinate = 0.0, rate = 0.0;             // of a joint with one
     double force_effort = 0.0, torque_effort = 0.0;  // sizes of what the reactions are differences of
 
@@ -88,6 +90,10 @@ struct RigidReport {
         acceleration = RigidLaw::acceleration<double>(s, rates, o);
         coordinate = s.coordinate;
         rate = s.rate;
+        const Vector3 momentum = law.inertia * s.omega;
+        spin_momentum = s.to_world(momentum);
+        spin_energy = 0.5 * s.omega.dot(momentum);
+        spin_power = momentum.dot(turning);
         moment = s.to_world(w.moment);
         reaction = reaction_torque = Vector3::Zero();
         if (law.kind == RigidLaw::Kind::free) return;

@@ -14,7 +14,7 @@ namespace rbdyn {
 
 template <class S>
 struct RigidState {
-    Vector3Of<S> r, v;  // of o
+    Vector3Of<S> r, v;         // of o
     QuaternionOf<S> attitude;  // of the frame of a body that turns freely
     AxesOf<S> axes;
     Vector3Of<S> omega, turning;

@@ -5,9 +5,10 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/plan/integrals.hpp"
 
 namespace rbdyn {
 
@@ -24,6 +25,8 @@ struct Plan {
     std::string engine, reason;            // the automatic choice
     std::vector<Omission> omissions;
     std::vector<std::string> integrals;        // first integrals of the scene
+    Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
+    Vector3 up = Vector3::UnitZ();             // against gravity
     Placement view;                            // the axes the equations are written in
     std::shared_ptr<const PointsModel> model;  // the equations of motion
     bool calls_back = false;                   // a force of it has values only, no series
@@ -74,15 +77,6 @@ inline Placement view_of(const Scene& scene) {
     return view;
 }
 
-/// Whether a force of the user's has a potential along the way of its body, though it may have none in space: one of
-/// position only, on a bead that stays on a smooth rail at rest (eq. 7.18).
-inline bool has_potential_along_rail(const Scene& scene, const Scene::AppliedLoad& load) {
-    const Force* force = std::get_if<Force>(&load.load);
-    const Rail* rail = scene.bodies()[static_cast<std::size_t>(load.body)].rail();
-    return force != nullptr && !force->is_constant() && !force->depends_on_time() && !force->depends_on_velocity() &&
-           rail != nullptr && !rail->friction() && !rail->motion().present() && !rail->may_release();
-}
-
 /// What the recorded equations watch for, with nothing that sticks and with all that can.
 inline std::vector<std::string> guards_of(const PointsModel& model) {
     std::vector<std::string> lines;
@@ -123,13 +117,17 @@ inline Plan make_plan(const Scene& scene) {
     Plan plan;
     plan.view = planning::view_of(scene);
     bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
-         damper = false, is_rough = false, free = false, moving = false;
+         damper = false, is_rough = false, free = false, moving = false, rotation = false, torque = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
         plan.omissions.push_back({what, why});
     };
     const bool gravity = !scene.gravity().isZero(0.0);
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
+        if (b.rigid() != nullptr) {
+            rotation = rotation || !std::holds_alternative<Prismatic>(b.joint);
+            continue;
+        }
         if (rail == nullptr) {
             free = true;
             plan.coordinates.push_back(b.name + ": x, y, z in the world");
@@ -149,13 +147,11 @@ inline Plan make_plan(const Scene& scene) {
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
     }
-    bool nonconservative = false;
     for (const auto& load : scene.loads()) {
         const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
         if (const Force* force = std::get_if<Force>(&load.load)) {
             if (!force->is_constant() || !force->constant().isZero(0.0)) user = true;
             if (force->is_constant()) continue;
-            nonconservative = nonconservative || !planning::has_potential_along_rail(scene, load);
             if (force->callback()) {
                 plan.calls_back = true;
                 plan.callbacks.push_back(force->callback());
@@ -173,6 +169,22 @@ inline Plan make_plan(const Scene& scene) {
         } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
             drag = drag || d->present();
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
+        } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
+            spring = spring || torsion->stiffness > 0.0;
+            damper = damper || torsion->damping > 0.0;
+            if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
+        } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
+            torque = torque || twist->present();
+            if (!twist->present()) leave_out("torque" + on, "it is zero");
+            if (twist->is_constant()) continue;
+            if (twist->callback()) {
+                plan.calls_back = true;
+                plan.callbacks.push_back(twist->callback());
+                plan.functions.push_back("torque \"" + twist->name() + "\"" + on +
+                                         " called back: " + twist->callback()->reason);
+            } else {
+                plan.functions.push_back("torque \"" + twist->name() + "\" traced, native," + on);
+            }
         }
     }
     for (const auto& watch : scene.watches()) {
@@ -190,49 +202,24 @@ inline Plan make_plan(const Scene& scene) {
         if (s.stiffness == 0.0 && s.damping == 0.0) leave_out("a spring", "its stiffness and damping are zero");
     }
     const std::pair<bool, const char*> effects[] = {
-        {gravity, "gravity"},        {spring, "spring"}, {damper, "damper"},      {drag, "drag"},
-        {user, "user force"},        {drive, "drive"},   {moving, "moving rail"}, {dynamic, "dynamic friction"},
-        {statics, "static friction"}};
+        {gravity, "gravity"},    {rotation, "rotation"},        {spring, "spring"},          {damper, "damper"},
+        {drag, "drag"},          {user, "user force"},          {torque, "user torque"},     {drive, "drive"},
+        {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
     plan.model = std::make_shared<const PointsModel>(scene, plan.view);
+    for (const PointLaws::Body& b : plan.model->laws().bodies())
+        if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
     plan.guards = planning::guards_of(*plan.model);
     if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
-    leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
+    if (!rotation) leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
     if (any_rail && !is_rough)
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     if (plan.guards.empty()) leave_out("events", "nothing to watch for");
-    // first integrals that the effects leave
-    const bool conservative = !drag && !damper && !nonconservative && !moving && !dynamic && !statics && !drive;
-    if (conservative) plan.integrals.push_back("energy");
-    if (!any_rail) {
-        bool isolated = true;
-        for (const auto& c : scene.connections())
-            isolated = isolated && body_of(c.a) >= 0 && body_of(c.b) >= 0;
-        Vector3 external = Vector3::Zero();
-        bool known = isolated && !drag;
-        for (const auto& load : scene.loads())
-            if (const Force* force = std::get_if<Force>(&load.load)) {
-                known = known && force->is_constant();
-                external += force->constant().cwiseAbs();
-            } else if (!std::holds_alternative<Drag>(load.load)) {
-                known = false;
-            }
-        external += scene.gravity().cwiseAbs();
-        const char* names[] = {"momentum x", "momentum y", "momentum z"};
-        for (int i = 0; i < 3; ++i)
-            if (known && external[i] == 0.0) plan.integrals.push_back(names[i]);
-        if (known && external.isZero(0.0))
-            plan.integrals.push_back("angular momentum");
-        else if (known && external[0] == 0.0 && external[1] == 0.0) {
-            // only vertical forces, on mass proportionally: gravity alone turns nothing about a vertical line
-            bool only_gravity = true;
-            for (const auto& load : scene.loads())
-                if (const Force* force = std::get_if<Force>(&load.load))
-                    only_gravity = only_gravity && force->constant().isZero(0.0);
-            if (only_gravity) plan.integrals.push_back("angular momentum z");
-        }
-    }
+    const FirstIntegrals conserved = planning::first_integrals(scene, plan.model->laws());
+    plan.integrals = conserved.names;
+    plan.pole = conserved.pole;
+    plan.up = conserved.up;
     for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
     plan.engine = plan.calls_back ? "dop853" : "taylor";
     plan.reason =

@@ -36,11 +36,13 @@ public:
     template <class F>
     requires std::is_invocable_v < F, const Expression&, const Vector3Of<Expression>
     &, const Vector3Of<Expression>& > Force(F f, Frame frame = Frame::world)
-        : Force(Function::record(7, [&](const std::vector<Expression>& x) {
-              const Vector3Of<Expression> r =
-                  f(x[0], Vector3Of<Expression>{x[1], x[2], x[3]}, Vector3Of<Expression>{x[4], x[5], x[6]});
-              return std::vector<Expression>{r[0], r[1], r[2]};
-          }), "function", frame) {}
+        : Force(Function::record(7,
+                                 [&](const std::vector<Expression>& x) {
+                                     const Vector3Of<Expression> r = f(x[0], Vector3Of<Expression>{x[1], x[2], x[3]},
+                                                                       Vector3Of<Expression>{x[4], x[5], x[6]});
+                                     return std::vector<Expression>{r[0], r[1], r[2]};
+                                 }),
+                "function", frame) {}
 
     bool is_constant() const { return !function_ && !callback_; }
     Frame frame() const { return frame_; }

@@ -21,7 +21,7 @@ class Scene {
 public:
     struct Body {
         std::variant<Particle, RigidBody> body;
-        Joint joint;
+        Joint joint = Free{};
         Vector3 position = Vector3::Zero(), velocity = Vector3::Zero();  // the start of a free body
         double parameter = 0.0, speed = 0.0;                             // of a bead; of a joint with one coordinate
         Quaternion attitude = {};                                        // of a body that turns freely
@@ -30,9 +30,7 @@ public:
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
         const RigidBody* rigid() const { return std::get_if<RigidBody>(&body); }
-        double mass() const {
-            return rigid() != nullptr ? rigid()->mass() : std::get<Particle>(body).mass;
-        }
+        double mass() const { return rigid() != nullptr ? rigid()->mass() : std::get<Particle>(body).mass; }
         bool operator==(const Body&) const = default;
     };
     struct AppliedLoad {
@@ -83,10 +81,7 @@ public:
             require(std::isfinite(start.velocity[i]), name, "component " + std::to_string(i) + " of velocity",
                     start.velocity[i], "a velocity is finite; give it in m/s");
         }
-        return add({.body = particle,
-                    .position = start.position,
-                    .velocity = start.velocity,
-                    .name = std::move(name)});
+        return add({.body = particle, .position = start.position, .velocity = start.velocity, .name = std::move(name)});
     }
     BodyHandle add(const Particle& particle, const FreeStart& start = {}, std::string name = {}) {
         return add(particle, Free{}, start, std::move(name));
@@ -152,8 +147,8 @@ public:
         const double axial = e.dot(about * e), largest = about.trace();
         require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
                 "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
-        return add({.body = body, .joint = joint, .parameter = start.angle, .speed = start.rate,
-                    .name = std::move(name)});
+        return add(
+            {.body = body, .joint = joint, .parameter = start.angle, .speed = start.rate, .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start = {},
                    std::string name = {}) {
@@ -162,7 +157,10 @@ public:
         require(std::isfinite(start.displacement), name, "displacement", start.displacement,
                 "a displacement is finite; give it in m");
         require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
-        return add({.body = body, .joint = joint, .parameter = start.displacement, .speed = start.rate,
+        return add({.body = body,
+                    .joint = joint,
+                    .parameter = start.displacement,
+                    .speed = start.rate,
                     .name = std::move(name)});
     }
 
@@ -296,7 +294,8 @@ private:
             if (at) throw InvalidInput("apply: at is given, and " + body.name + " is a particle, which has one point");
             const Force* force = std::get_if<Force>(&load);
             if (is_turning || (force != nullptr && force->frame() == Frame::body))
-                throw InvalidInput("apply: " + body.name + " is a particle, which has no axes and turns with nothing; " +
+                throw InvalidInput("apply: " + body.name +
+                                   " is a particle, which has no axes and turns with nothing; " +
                                    (is_turning ? "a Torque acts on a RigidBody" : "give the force in world axes"));
         }
         if (is_turning && at)

@@ -43,16 +43,16 @@ public:
     }
     /// [](const auto& t, const auto& rotation_matrix, const auto& angular_velocity) { return Vector3Of<...>{...}; }
     template <class F>
-    requires std::is_invocable_v<F, const Expression&, const RotationOf<Expression>&, const Vector3Of<Expression>&>
-    Torque(F f, Frame frame = Frame::body)
-        : Torque(Function::record(inputs,
-                                  [&](const std::vector<Expression>& x) {
-                                      RotationOf<Expression> r;
-                                      for (std::size_t i = 0; i < 9; ++i) r[i / 3][i % 3] = x[1 + i];
-                                      const Vector3Of<Expression> m =
-                                          f(x[0], r, Vector3Of<Expression>{x[10], x[11], x[12]});
-                                      return std::vector<Expression>{m[0], m[1], m[2]};
-                                  }),
+    requires std::is_invocable_v < F, const Expression&, const RotationOf<Expression>
+    &, const Vector3Of<Expression>& > Torque(F f, Frame frame = Frame::body)
+        : Torque(Function::record(
+                     inputs,
+                     [&](const std::vector<Expression>& x) {
+                         RotationOf<Expression> r;
+                         for (std::size_t i = 0; i < 9; ++i) r[i / 3][i % 3] = x[1 + i];
+                         const Vector3Of<Expression> m = f(x[0], r, Vector3Of<Expression>{x[10], x[11], x[12]});
+                         return std::vector<Expression>{m[0], m[1], m[2]};
+                     }),
                  "function", frame) {}
 
     bool is_constant() const { return !function_ && !callback_; }
@@ -73,7 +73,7 @@ public:
     template <class S>
     Vector3Of<S> operator()(const S& t, const RotationOf<S>& r, const Vector3Of<S>& omega) const {
         if (is_constant()) return Vector3Of<S>(S(constant_[0]), S(constant_[1]), S(constant_[2]));
-        const std::array<S, inputs> x{t,       r[0][0], r[0][1], r[0][2], r[1][0],  r[1][1], r[1][2],
+        const std::array<S, inputs> x{t,       r[0][0], r[0][1], r[0][2],  r[1][0],  r[1][1], r[1][2],
                                       r[2][0], r[2][1], r[2][2], omega[0], omega[1], omega[2]};
         if (function_) {
             const std::vector<S> m = function_(std::span<const S>(x));

@@ -100,7 +100,7 @@ public:
         Mode mode;
         mode.slip.assign(at(bodies()), 1);
         std::vector<double> x = model_.start();
-        std::fill(x.begin() + laws().freedoms(), x.end(), 0.0);
+        std::fill(x.begin() + laws().positions(), x.end(), 0.0);
         for (int i = 0; i < bodies(); ++i)
             for (int k = 0; k < (laws().body(i).curve ? 1 : 3); ++k)
                 x[at(laws().body(i).first + k)] = q[at(first(i) + k)];
@@ -283,6 +283,9 @@ inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector
     int freedoms = 0;
     for (int i = 0; i < static_cast<int>(now.bodies().size()); ++i) {
         const Scene::Body& body = now.bodies()[static_cast<std::size_t>(i)];
+        if (body.rigid() != nullptr)
+            throw InvalidInput(user + ": " + body.name +
+                               " is a rigid body; states of rest are looked for among particles and beads");
         statics::require_timeless(now, i, user);
         if (const Rail* rail = body.rail();
             rail != nullptr && !near.empty() && freedoms < static_cast<int>(near.size())) {

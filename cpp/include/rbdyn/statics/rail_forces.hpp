@@ -52,7 +52,8 @@ inline Scene alone(const Scene& scene, BodyHandle bead, const std::string& user)
     if (body.rail() == nullptr)
         throw InvalidInput(user + ": " + body.name + " is free; this is about a bead on a rail");
     Scene result(scene.gravity());
-    const BodyHandle one = result.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
+    const BodyHandle one =
+        result.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
     for (const Scene::AppliedLoad& load : scene.loads())
         if (load.body == bead.index) result.apply(load.load, one);
     for (const Scene::Connection& c : scene.connections()) {

@@ -38,7 +38,8 @@ public:
     RailWork(const Scene& scene, BodyHandle bead) {
         const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
         Scene functions;
-        const BodyHandle one = functions.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
+        const BodyHandle one =
+            functions.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
         for (const Scene::AppliedLoad& load : scene.loads())
             if (load.body == bead.index && planning::has_potential_along_rail(scene, load))
                 functions.apply(load.load, one);

@@ -14,152 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/event/record.hpp"
-#include "rbdyn/model/points.hpp"
-#include "rbdyn/plan/plan.hpp"
 #include "rbdyn/statics/rail_potential.hpp"
+#include "rbdyn/trajectory/body_motion.hpp"
 
 namespace rbdyn {
-
-/// The price of a run.
-struct Statistics {
-    double seconds = 0.0;              // the whole call, estimate of the error included
-    double integration_seconds = 0.0;  // the returned motion alone
-    std::int64_t steps = 0, rejected = 0, right_hand_sides = 0, jacobians = 0, guard_evaluations = 0, events = 0;
-    std::int64_t python_calls = 0;
-    int runs = 1;  // integrations, those for the estimate counted
-};
-
-inline std::ostream& operator<<(std::ostream& out, const Statistics& s) {
-    return out << "seconds " << s.seconds << ", integration " << s.integration_seconds << ", steps " << s.steps
-               << ", rejected " << s.rejected << ", right-hand sides " << s.right_hand_sides << ", Jacobians "
-               << s.jacobians << ", guard evaluations " << s.guard_evaluations << ", events " << s.events
-               << ", Python calls " << s.python_calls << ", runs " << s.runs;
-}
-
-/// The events of a run, in order of time.
-class Events : public std::vector<Event> {
-public:
-    using std::vector<Event>::vector;
-    explicit Events(std::vector<Event> events) : std::vector<Event>(std::move(events)) {}
-
-    /// Times of the events of a kind or name, of one body if given.
-    std::vector<double> times(const std::string& kind_or_name, std::optional<BodyHandle> subject = std::nullopt) const {
-        std::vector<double> result;
-        for (const Event& e : *this)
-            if ((name_of(e.kind) == kind_or_name || e.name == kind_or_name) &&
-                (!subject || e.subject == subject->index))
-                result.push_back(e.time);
-        return result;
-    }
-};
-
-/// What a trajectory is made of.
-struct RunData {
-    Scene scene;
-    Plan plan;
-    std::shared_ptr<const PointsModel> model;
-    Record record;
-    Events events;
-    std::string engine;
-    std::optional<double> error;  // estimated global error, relative to the motion's scales
-    double certain_until = 0.0;
-    Statistics statistics;
-};
-
-/// The state of a run at a time. Throws InvalidInput for a time it does not hold.
-struct Moment {
-    const Mode& mode;
-    std::vector<double> x;
-
-    Moment(const RunData& data, double t, Side side)
-        : mode(mode_at(data.record, t, side)), x(state_at(data.record, t, side)) {}
-
-private:
-    static const Mode& mode_at(const Record& record, double t, Side side) {
-        const auto index = entry_at(record, t, side);
-        return index ? record.mode(*index) : record.modes.front();
-    }
-};
-
-class Trajectory;
-
-/// Motion of one body of a run.
-class BodyMotion {
-public:
-    BodyMotion(std::shared_ptr<const RunData> data, int body) : data_(std::move(data)), body_(body) {}
-
-    Vector3 position(double t, Side side = Side::after) const { return report(t, side).position; }          // m
-    Vector3 velocity(double t, Side side = Side::after) const { return report(t, side).velocity; }          // m/s
-    Vector3 acceleration(double t, Side side = Side::after) const { return report(t, side).acceleration; }  // m/s^2
-    /// Resultant of the active forces [N].
-    Vector3 force(double t, Side side = Side::after) const { return report(t, side).force; }
-
-    /// The curve's parameter. On a rail.
-    double parameter(double t, Side side = Side::after) const { return railed(t, side).u; }
-    /// From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.
-    double arc_length(double t, Side side = Side::after) const {
-        const double u = railed(t, side).u;
-        return curve().length(arc_length_origin(curve()), u);
-    }
-    /// ds/dt along the curve as placed [m/s]. On a rail.
-    double speed(double t, Side side = Side::after) const { return railed(t, side).speed; }
-    /// Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.
-    double tangential_force(double t, Side side = Side::after) const { return railed(t, side).tangential_force; }
-    /// Reaction of the rail on the body [N], world axes. On a rail.
-    Vector3 reaction(double t, Side side = Side::after) const { return railed(t, side).reaction; }
-    /// The same along tangent, normal, binormal (eqs. 7.12-7.14) [N]. On a rail.
-    Vector3 reaction_frenet(double t, Side side = Side::after) const {
-        const PointReport r = railed(t, side);
-        const Frenet f = curve().frenet(r.u);
-        return {r.reaction.dot(f.tangent), r.reaction.dot(f.normal), r.reaction.dot(f.binormal)};
-    }
-
-    PointReport report(double t, Side side = Side::after) const;
-
-private:
-    PointReport railed(double t, Side side) const {
-        if (!data_->model->on_rail(body_))
-            throw InvalidInput(
-                data_->scene.bodies()[static_cast<std::size_t>(body_)].name +
-                ": it is free, and only a body on a rail has a parameter, a speed along it and a reaction");
-        return report(t, side);
-    }
-    const Curve& curve() const { return data_->scene.bodies()[static_cast<std::size_t>(body_)].rail()->curve(); }
-
-    std::shared_ptr<const RunData> data_;
-    int body_;
-};
-
-/// Length and force of a spring of a run.
-class SpringMotion {
-public:
-    SpringMotion(std::shared_ptr<const RunData> data, int index) : data_(std::move(data)), index_(index) {}
-
-    double length(double t, Side side = Side::after) const { return relative(t, side).first.norm(); }  // m
-    /// Force on the first end [N], world axes.
-    Vector3 force(double t, Side side = Side::after) const {
-        const auto [d, v] = relative(t, side);
-        return std::get<Spring>(connection().coupling)(d, v);
-    }
-
-private:
-    const Scene::Connection& connection() const { return data_->scene.connections()[static_cast<std::size_t>(index_)]; }
-    std::pair<Vector3, Vector3> relative(double t, Side side) const {
-        const auto end = [&](const End& e) -> std::pair<Vector3, Vector3> {
-            if (const BodyHandle* body = std::get_if<BodyHandle>(&e)) {
-                const PointReport r = BodyMotion(data_, body->index).report(t, side);
-                return {r.position, r.velocity};
-            }
-            return {std::get<Vector3>(e), Vector3::Zero()};
-        };
-        const auto a = end(connection().a), b = end(connection().b);
-        return {a.first - b.first, a.second - b.second};
-    }
-
-    std::shared_ptr<const RunData> data_;
-    int index_;
-};
 
 /// The result of simulate(): motion, events, error estimate, price.
 class Trajectory {
@@ -209,7 +67,8 @@ public:
 
     double kinetic_energy(double t, const Bodies& of = {}, Side side = Side::after) const {
         double sum = 0.0;
-        each(of, t, side, [&](const PointReport& r, double m) { sum += 0.5 * m * r.velocity.squaredNorm(); });
+        each(of, t, side,
+             [&](const PointReport& r, double m) { sum += 0.5 * m * r.velocity.squaredNorm() + r.spin_energy; });
         return sum;
     }
     /// V = -U of gravity, constant forces, potentials and springs [J], zero at the origin and at rest length; and of
@@ -220,10 +79,15 @@ public:
         double sum = 0.0;
         each({}, t, side, [&](const PointReport& r, double m) { sum += m * data_->scene.gravity().dot(r.position); });
         for (const auto& load : data_->scene.loads())
-            if (const Force* f = std::get_if<Force>(&load.load); f != nullptr && f->is_constant())
-                sum += f->constant().dot((*this)[BodyHandle{load.body}].position(t, side));
+            if (const Force* f = std::get_if<Force>(&load.load);
+                f != nullptr && f->is_constant() && f->frame() == Frame::world)
+                sum += f->constant().dot(place_of(load, t, side).first);
             else if (const Potential* u = std::get_if<Potential>(&load.load))
-                sum += u->value<double>((*this)[BodyHandle{load.body}].position(t, side));
+                sum += u->value<double>(place_of(load, t, side).first);
+            else if (const TorsionSpring* s = std::get_if<TorsionSpring>(&load.load)) {
+                const double turned = (*this)[BodyHandle{load.body}].angle(t, side) - s->rest_angle;
+                sum -= 0.5 * s->stiffness * turned * turned;
+            }
         for (const auto& [body, work] : *works_) sum += work((*this)[BodyHandle{body}].parameter(t, side));
         for (std::size_t i = 0; i < data_->scene.connections().size(); ++i) {
             const Spring& s = std::get<Spring>(data_->scene.connections()[i].coupling);
@@ -238,7 +102,8 @@ public:
     /// Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
     double power(double t, const Bodies& of = {}, Side side = Side::after) const {
         double sum = 0.0;
-        each(of, t, side, [&](const PointReport& r, double) { sum += (r.force + r.reaction).dot(r.velocity); });
+        each(of, t, side,
+             [&](const PointReport& r, double) { sum += (r.force + r.reaction).dot(r.velocity) + r.spin_power; });
         return sum;
     }
     /// Power of one load, of one coupling on both its ends [W].
@@ -264,7 +129,9 @@ public:
     Vector3 angular_momentum(double t, const Vector3& pole = Vector3::Zero(), const Bodies& of = {},
                              Side side = Side::after) const {
         Vector3 sum = Vector3::Zero();
-        each(of, t, side, [&](const PointReport& r, double m) { sum += (r.position - pole).cross(m * r.velocity); });
+        each(of, t, side, [&](const PointReport& r, double m) {
+            sum += (r.position - pole).cross(m * r.velocity) + r.spin_momentum;
+        });
         return sum;
     }
     Vector3 center_of_mass(double t, const Bodies& of = {}, Side side = Side::after) const {
@@ -287,21 +154,22 @@ public:
     }
 
     /// A first integral of the scene, by name, at a time.
-    double integral(const std::string& name, double t, Side side = Side::after) const {
-        if (name == "energy") return energy(t, side);
-        if (name.starts_with("momentum ")) return momentum(t, {}, side)[name.back() - 'x'];
-        if (name == "angular momentum") return angular_momentum(t, Vector3::Zero(), {}, side).norm();
-        if (name == "angular momentum z") return angular_momentum(t, Vector3::Zero(), {}, side)[2];
-        for (const auto& i : data_->scene.integrals())
-            if (i.name == name) return now(t, side, [&](const Observe& observe) { return i.function(observe); });
-        throw InvalidInput("Trajectory: no first integral is named \"" + name + "\" in this scene");
-    }
+    double integral(const std::string& name, double t, Side side = Side::after) const;
 
     /// The largest departure of every first integral of the scene from its value at the start, relative to the
     /// largest size of its terms.
     std::map<std::string, double> drift() const;
 
 private:
+    /// What a first integral is a sum of, in size.
+    double size_of_terms(const std::string& name, double time) const;
+    /// Position and velocity of the point where a load acts.
+    std::pair<Vector3, Vector3> place_of(const Scene::AppliedLoad& load, double t, Side side) const {
+        const BodyMotion motion = (*this)[BodyHandle{load.body}];
+        if (load.at) return motion.point(*load.at, t, side);
+        const PointReport r = motion.report(t, side);
+        return {r.position, r.velocity};
+    }
     /// f of what can be observed at a time.
     template <class F>
     double now(double t, Side side, F&& f) const {
@@ -333,8 +201,7 @@ private:
             for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
                 f((*this)[BodyHandle{i}].report(t, side), bodies[static_cast<std::size_t>(i)].mass());
         } else {
-            for (BodyHandle b : of)
-                f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].mass());
+            for (BodyHandle b : of) f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].mass());
         }
     }
     template <class F>
@@ -352,16 +219,15 @@ private:
     std::shared_ptr<const std::map<int, RailWork>> works_;  // of forces that have a potential along a rail, by body
 };
 
-inline PointReport BodyMotion::report(double t, Side side) const {
-    const Moment m(*data_, t, side);
-    return data_->model->report(m.mode, body_, t, m.x);
-}
-
 inline double Trajectory::power(double t, LoadHandle load, Side side) const {
     const auto& loads = data_->scene.loads();
     require(load.index >= 0 && load.index < static_cast<int>(loads.size()), "Trajectory", "load", load.index,
             "a handle comes from the scene of this run");
     const auto& applied = loads[static_cast<std::size_t>(load.index)];
+    if (scene().bodies()[static_cast<std::size_t>(applied.body)].rigid() != nullptr) {
+        const Moment m(*data_, t, side);
+        return data_->model->laws().power(applied, t, m.x);
+    }
     const PointReport r = (*this)[BodyHandle{applied.body}].report(t, side);
     if (const Drag* drag = std::get_if<Drag>(&applied.load)) {
         const double v = r.velocity.norm();
@@ -369,7 +235,8 @@ inline double Trajectory::power(double t, LoadHandle load, Side side) const {
     }
     return std::visit(
         [&](const auto& load_) -> double {
-            if constexpr (std::is_same_v<std::decay_t<decltype(load_)>, Drag>)
+            using L = std::decay_t<decltype(load_)>;
+            if constexpr (std::is_same_v<L, Drag> || std::is_same_v<L, Torque> || std::is_same_v<L, TorsionSpring>)
                 return 0.0;
             else
                 return load_.template operator()<double>(t, r.position, r.velocity).dot(r.velocity);
@@ -378,48 +245,57 @@ inline double Trajectory::power(double t, LoadHandle load, Side side) const {
 }
 
 inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
-    const Vector3 force = (*this)[coupling].force(t, side);
-    const auto& c = data_->scene.connections()[static_cast<std::size_t>(coupling.index)];
-    const auto velocity = [&](const End& e) -> Vector3 {
-        if (const BodyHandle* body = std::get_if<BodyHandle>(&e)) return (*this)[*body].velocity(t, side);
-        return Vector3::Zero();
-    };
-    return force.dot(velocity(c.a) - velocity(c.b));
+    const SpringMotion spring = (*this)[coupling];
+    return spring.force(t, side).dot(spring.relative(t, side).second);
+}
+
+inline double Trajectory::integral(const std::string& name, double t, Side side) const {
+    if (name == "energy") return energy(t, side);
+    if (name.starts_with("momentum ")) return momentum(t, {}, side)[name.back() - 'x'];
+    const Plan& p = data_->plan;
+    if (name == "angular momentum") return angular_momentum(t, p.pole, {}, side).norm();
+    if (name == "angular momentum z") return angular_momentum(t, p.pole, {}, side)[2];
+    if (name == "vertical angular momentum") return angular_momentum(t, p.pole, {}, side).dot(p.up);
+    if (name == "spin" || name == "Kovalevskaya") {
+        const RigidLaw& law = *data_->model->laws().body(0).rigid;
+        const Moment m(*data_, t, side);
+        const RigidState<double> s = law.state(m.x.data(), m.x.data() + law.positions());
+        if (name == "spin") return s.omega[2];
+        return planning::kovalevskaya(law, data_->scene.gravity().norm(), s.omega, s.to_frame(p.up));
+    }
+    for (const auto& i : data_->scene.integrals())
+        if (i.name == name) return now(t, side, [&](const Observe& observe) { return i.function(observe); });
+    throw InvalidInput("Trajectory: no first integral is named \"" + name + "\" in this scene");
 }
 
 inline std::map<std::string, double> Trajectory::drift() const {
     std::map<std::string, double> result;
+    const std::vector<double> times = t();
     for (const std::string& name : data_->plan.integrals) {
+        const bool is_vector = name == "angular momentum";
+        const Vector3 vector = is_vector ? angular_momentum(start(), data_->plan.pole) : Vector3::Zero().eval();
+        const double first = is_vector ? 0.0 : integral(name, start());
         double largest = 0.0, scale = 0.0;
-        if (name == "angular momentum") {
-            const Vector3 first = angular_momentum(start());
-            for (double time : t()) {
-                largest = std::max(largest, (angular_momentum(time) - first).norm());
-                double terms = 0.0;
-                each({}, time, Side::after,
-                     [&](const PointReport& r, double m) { terms += m * r.position.norm() * r.velocity.norm(); });
-                scale = std::max(scale, terms);
-            }
-        } else {
-            const double first = integral(name, start());
-            for (double time : t()) {
-                largest = std::max(largest, std::abs(integral(name, time) - first));
-                double terms = 0.0;
-                const bool is_users = !name.starts_with("momentum") && !name.starts_with("angular") && name != "energy";
-                if (is_users)
-                    terms = std::abs(integral(name, time));
-                else if (name == "energy")
-                    terms = kinetic_energy(time) + std::abs(potential(time));
-                else
-                    each({}, time, Side::after, [&](const PointReport& r, double m) {
-                        terms += m * r.velocity.norm() * (name.starts_with("momentum") ? 1.0 : r.position.norm());
-                    });
-                scale = std::max(scale, terms);
-            }
+        for (const double time : times) {
+            largest = std::max(largest, is_vector ? (angular_momentum(time, data_->plan.pole) - vector).norm()
+                                                  : std::abs(integral(name, time) - first));
+            scale = std::max(scale, size_of_terms(name, time));
         }
         result[name] = scale > 0.0 ? largest / scale : 0.0;
     }
     return result;
+}
+
+inline double Trajectory::size_of_terms(const std::string& name, double time) const {
+    if (name == "energy") return kinetic_energy(time) + std::abs(potential(time));
+    const bool is_momentum = name.starts_with("momentum "), is_angular = name.find("angular") != std::string::npos;
+    if (!is_momentum && !is_angular) return std::abs(integral(name, time));
+    double terms = 0.0;
+    each({}, time, Side::after, [&](const PointReport& r, double m) {
+        terms += is_momentum ? m * r.velocity.norm()
+                             : m * (r.position - data_->plan.pole).norm() * r.velocity.norm() + r.spin_momentum.norm();
+    });
+    return terms;
 }
 
 inline std::ostream& operator<<(std::ostream& out, const Trajectory& run) {

@@ -1,0 +1,118 @@
+// The first integrals that a scene's effects leave (7.40-7.43, 7.46): their names, and what they are about.
+//
+// Rigid bodies with a point fixed (7.58): energy; the angular momentum about that point along the vertical; the spin of
+// a symmetric body loaded on its axis (Lagrange); Kovalevskaya's, of a body with A = B = 2C whose centre of mass lies
+// in the plane of its equal moments: |z^2 - (M g/C) c zeta|^2, where z = w1 + i w2, zeta = u1 + i u2 of the upward
+// vertical u, c = x1 + i x2 of G (Kovalevskaya, "Sur le probleme de la rotation d'un corps solide autour d'un point
+// fixe", 1889; checked by differentiation with Euler's equations).
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "rbdyn/model/points.hpp"
+
+namespace rbdyn {
+
+/// Names of first integrals, the point about which those of angular momentum are taken, and the vertical.
+struct FirstIntegrals {
+    std::vector<std::string> names;
+    Vector3 pole = Vector3::Zero();
+    Vector3 up = Vector3::UnitZ();
+};
+
+namespace planning {
+
+/// Whether a force of the user's has a potential along the way of its body, though it may have none in space: one of
+/// position only, on a bead that stays on a smooth rail at rest (eq. 7.18).
+inline bool has_potential_along_rail(const Scene& scene, const Scene::AppliedLoad& load) {
+    const Force* force = std::get_if<Force>(&load.load);
+    const Rail* rail = scene.bodies()[static_cast<std::size_t>(load.body)].rail();
+    return force != nullptr && !force->is_constant() && !force->depends_on_time() && !force->depends_on_velocity() &&
+           rail != nullptr && !rail->friction() && !rail->motion().present() && !rail->may_release();
+}
+
+/// Whether a body with its centre of mass off the axis of its equal moments A = B has C = A/2 and G in their plane.
+inline bool is_kovalevskaya(const RigidLaw& law) {
+    const double near = 1e-12;
+    return law.kind == RigidLaw::Kind::spherical && std::abs(law.moments[0] - law.moments[1]) <= near * law.moments[0] &&
+           std::abs(law.moments[0] - 2.0 * law.moments[2]) <= near * law.moments[0] &&
+           std::abs(law.center[2]) <= near * law.center.norm() && !law.center.isZero(0.0);
+}
+
+/// |z^2 - (M g/C) c zeta|^2 [1/s^4], all in the frame of the law.
+inline double kovalevskaya(const RigidLaw& law, double gravity, const Vector3& omega, const Vector3& up) {
+    using C = std::complex<double>;
+    const C z(omega[0], omega[1]), zeta(up[0], up[1]), c(law.center[0], law.center[1]);
+    return std::norm(z * z - law.mass * gravity / law.moments[2] * c * zeta);
+}
+
+/// What a load leaves of energy, and of forces that come from within.
+struct Remaining {
+    bool energy = true, known = true;
+    Vector3 external = Vector3::Zero();
+};
+
+inline Remaining remaining_of(const Scene& scene) {
+    Remaining left;
+    for (const auto& load : scene.loads()) {
+        if (!is_present(load.load)) continue;
+        const Force* force = std::get_if<Force>(&load.load);
+        if (force != nullptr && force->is_constant() && force->frame() == Frame::world) {
+            left.external += force->constant().cwiseAbs();
+            continue;
+        }
+        left.known = false;
+        if (force != nullptr)
+            left.energy = left.energy && force->frame() == Frame::world && has_potential_along_rail(scene, load);
+        else if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load))
+            left.energy = left.energy && spring->damping == 0.0;
+        else if (!std::holds_alternative<Potential>(load.load) && !std::holds_alternative<Lorentz>(load.load))
+            left.energy = false;
+    }
+    for (const Scene::Body& b : scene.bodies()) {
+        const Rail* rail = b.rail();
+        if (rail == nullptr) continue;
+        left.known = false;
+        left.energy = left.energy && !rail->friction() && !rail->motion().present() && rail->side() == RailSide::both;
+    }
+    for (const auto& c : scene.connections()) {
+        left.energy = left.energy && std::get<Spring>(c.coupling).damping == 0.0;
+        left.known = left.known && body_of(c.a) >= 0 && body_of(c.b) >= 0;
+    }
+    return left;
+}
+
+inline FirstIntegrals first_integrals(const Scene& scene, const PointLaws& laws) {
+    FirstIntegrals result;
+    const Remaining left = remaining_of(scene);
+    if (left.energy) result.names.push_back("energy");
+    const Vector3& g = scene.gravity();
+    const bool has_gravity = !g.isZero(0.0), only_gravity = left.known && left.external.isZero(0.0);
+    if (has_gravity) result.up = -g.normalized();
+    bool all_free = true;
+    for (const Scene::Body& b : scene.bodies()) all_free = all_free && std::holds_alternative<Free>(b.joint);
+    if (all_free) {
+        const char* names[] = {"momentum x", "momentum y", "momentum z"};
+        const Vector3 external = left.external + g.cwiseAbs();
+        for (int i = 0; i < 3; ++i)
+            if (left.known && external[i] == 0.0) result.names.push_back(names[i]);
+        if (only_gravity && !has_gravity) result.names.push_back("angular momentum");
+        if (only_gravity && has_gravity && g[0] == 0.0 && g[1] == 0.0) result.names.push_back("angular momentum z");
+    }
+    if (scene.bodies().size() != 1 || !laws.body(0).rigid) return result;
+    const RigidLaw& law = *laws.body(0).rigid;
+    if (law.kind == RigidLaw::Kind::spherical && only_gravity) {
+        result.pole = law.at;
+        const bool is_heavy = has_gravity && !law.center.isZero(0.0);
+        result.names.push_back(is_heavy ? "vertical angular momentum" : "angular momentum");
+        if (is_heavy && is_kovalevskaya(law)) result.names.push_back("Kovalevskaya");
+    }
+    if (law.follows_axis) result.names.push_back("spin");
+    return result;
+}
+
+}  // namespace planning
+
+}  // namespace rbdyn

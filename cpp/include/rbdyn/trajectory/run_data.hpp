@@ -1,0 +1,79 @@
+// What a run is made of, and what it cost.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/trajectory/euler_track.hpp"
+
+namespace rbdyn {
+
+/// The price of a run.
+struct Statistics {
+    double seconds = 0.0;              // the whole call, estimate of the error included
+    double integration_seconds = 0.0;  // the returned motion alone
+    std::int64_t steps = 0, rejected = 0, right_hand_sides = 0, jacobians = 0, guard_evaluations = 0, events = 0;
+    std::int64_t python_calls = 0;
+    int runs = 1;  // integrations, those for the estimate counted
+};
+
+inline std::ostream& operator<<(std::ostream& out, const Statistics& s) {
+    return out << "seconds " << s.seconds << ", integration " << s.integration_seconds << ", steps " << s.steps
+               << ", rejected " << s.rejected << ", right-hand sides " << s.right_hand_sides << ", Jacobians "
+               << s.jacobians << ", guard evaluations " << s.guard_evaluations << ", events " << s.events
+               << ", Python calls " << s.python_calls << ", runs " << s.runs;
+}
+
+/// The events of a run, in order of time.
+class Events : public std::vector<Event> {
+public:
+    using std::vector<Event>::vector;
+    explicit Events(std::vector<Event> events) : std::vector<Event>(std::move(events)) {}
+
+    /// Times of the events of a kind or name, of one body if given.
+    std::vector<double> times(const std::string& kind_or_name, std::optional<BodyHandle> subject = std::nullopt) const {
+        std::vector<double> result;
+        for (const Event& e : *this)
+            if ((name_of(e.kind) == kind_or_name || e.name == kind_or_name) &&
+                (!subject || e.subject == subject->index))
+                result.push_back(e.time);
+        return result;
+    }
+};
+
+/// What a trajectory is made of.
+struct RunData {
+    Scene scene;
+    Plan plan;
+    std::shared_ptr<const PointsModel> model;
+    Record record;
+    Events events;
+    std::string engine;
+    std::optional<double> error;  // estimated global error, relative to the motion's scales
+    double certain_until = 0.0;
+    Statistics statistics;
+    std::shared_ptr<EulerTrack> angles = std::make_shared<EulerTrack>();
+};
+
+/// The state of a run at a time. Throws InvalidInput for a time it does not hold.
+struct Moment {
+    const Mode& mode;
+    std::vector<double> x;
+
+    Moment(const RunData& data, double t, Side side)
+        : mode(mode_at(data.record, t, side)), x(state_at(data.record, t, side)) {}
+
+private:
+    static const Mode& mode_at(const Record& record, double t, Side side) {
+        const auto index = entry_at(record, t, side);
+        return index ? record.mode(*index) : record.modes.front();
+    }
+};
+
+}  // namespace rbdyn
