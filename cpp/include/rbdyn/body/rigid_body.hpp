@@ -1,0 +1,163 @@
+// A rigid body: mass, centre of mass and inertia, in axes that are fixed in it.
+//
+//   I_Q, off the diagonal -Int rho x_i x_j                                                    (eq. 7.33 and its proof)
+//   gyroscope: two equal principal moments about G                                            (Def. 7.4)
+//
+// What the user gave is kept as it was given; sums, shifts, turns and other points are computed in 32 digits from it,
+// so that a body welded of pieces has the digits of the whole. Invariant: the moments about the centre of mass are
+// those of some distribution of mass (validation.hpp).
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "rbdyn/body/mass_properties.hpp"
+#include "rbdyn/body/principal_axes.hpp"
+#include "rbdyn/body/validation.hpp"
+#include "rbdyn/rotation/attitude.hpp"
+
+namespace rbdyn {
+
+/// What an inertia is about: the centre of mass, or the origin of the body's axes.
+enum class InertiaAbout { com, origin };
+
+/// Three principal moments along the body's axes, or the whole tensor [kg m^2].
+struct Inertia {
+    Matrix3 tensor;
+
+    Inertia(double i1, double i2, double i3) : Inertia(Vector3(i1, i2, i3)) {}
+    /// From a vector of three or a matrix, or an expression of Eigen's that makes one.
+    template <class Derived>
+    Inertia(const Eigen::MatrixBase<Derived>& given) {
+        if constexpr (Derived::IsVectorAtCompileTime) {
+            tensor = Vector3(given).asDiagonal();
+        } else {
+            tensor = given;
+        }
+    }
+};
+
+struct RigidBodyOptions {
+    Vector3 com = Vector3::Zero();  // centre of mass, from the body's origin [m]
+    InertiaAbout inertia_about = InertiaAbout::com;
+};
+
+class RigidBody {
+public:
+    /// RigidBody(1.0, {0.5, 0.5, 0.25}, {.com = {0, 0, 0.5}, .inertia_about = InertiaAbout::origin})
+    /// Throws InvalidInput if no distribution of mass has these properties.
+    RigidBody(double mass, const Inertia& inertia, const RigidBodyOptions& options = {})
+        : RigidBody(checked(mass, inertia, options), options.inertia_about) {}
+    /// From numbers of 32 digits. Throws InvalidInput as above; `body` names it then.
+    explicit RigidBody(MassProperties given, InertiaAbout about = InertiaAbout::com, const std::string& body = name)
+        : given_(std::move(given)), about_(about), central_(given_) {
+        std::string derived;
+        if (about_ == InertiaAbout::origin) {
+            central_.inertia -= point_inertia(given_.mass, given_.com);
+            derived = " (what was given about the origin less m d^2)";
+        }
+        bodies::require_moments(body, principal().moments, given_size(), derived);
+    }
+
+    /// [kg]
+    double mass() const { return static_cast<double>(given_.mass); }
+    /// Centre of mass, from the body's origin, body axes [m].
+    Vector3 com() const { return rounded(given_.com); }
+    /// What the inertia was given about, and what was given [kg m^2].
+    InertiaAbout inertia_about() const { return about_; }
+    Matrix3 given_inertia() const { return rounded(given_.inertia); }
+
+    /// I_G, I about the origin, or about any point of the body [m]; body axes [kg m^2].
+    Matrix3 inertia(InertiaAbout about = InertiaAbout::com) const {
+        if (about == about_) return given_inertia();
+        return about == InertiaAbout::com ? rounded(central_.inertia) : inertia(Vector3(0, 0, 0));
+    }
+    Matrix3 inertia(const Vector3& point) const { return rounded(inertia_exact(point)); }
+    /// The same in 32 digits.
+    const Matrix3Of<DoubleDouble>& inertia_exact() const { return central_.inertia; }
+    Matrix3Of<DoubleDouble> inertia_exact(const Vector3& point) const {
+        return rbdyn::inertia_about(central_, widened(point));
+    }
+    /// Mass, centre of mass and I_G in 32 digits.
+    const MassProperties& exact() const { return central_; }
+
+    /// Principal moments and axes about the centre of mass, or about any point of the body [m]: in the order in which
+    /// they lie nearest to the body's axes, right-handed.
+    PrincipalAxes principal() const { return rounded(principal_exact()); }
+    PrincipalAxes principal(const Vector3& point) const { return rounded(principal_exact(point)); }
+    PrincipalAxesOf<DoubleDouble> principal_exact() const { return principal_axes(central_.inertia); }
+    PrincipalAxesOf<DoubleDouble> principal_exact(const Vector3& point) const {
+        return principal_axes(inertia_exact(point));
+    }
+
+    /// Whether two principal moments about the centre of mass differ by at most rtol of the larger (Def. 7.4).
+    bool is_gyroscope(double rtol = 1e-9) const { return gyroscope_axis(rtol).has_value(); }
+    /// The unit vector e3 of Def. 7.4, body axes; of a body with three equal moments the body's third axis or what is
+    /// principal nearest to it; nothing if no two are equal.
+    std::optional<Vector3> gyroscope_axis(double rtol = 1e-9) const {
+        require(rtol >= 0.0, name, "rtol", rtol, "a relative tolerance is zero or positive");
+        const PrincipalAxes p = principal();
+        std::optional<Vector3> axis;
+        double closest = rtol;
+        for (const int k : {2, 0, 1}) {
+            const double a = p.moments[(k + 1) % 3], b = p.moments[(k + 2) % 3];
+            const double difference = a == b ? 0.0 : std::abs(a - b) / std::max(std::abs(a), std::abs(b));
+            if (difference > closest || (axis && difference == closest)) continue;
+            closest = difference;
+            axis = p.axes.col(k);
+        }
+        return axis;
+    }
+
+    /// Whether a principal moment about the centre of mass is zero to the rounding of what was given: all mass lies on
+    /// a line, and nothing resists a spin about it.
+    bool is_rod() const { return rod_axis().has_value(); }
+    /// Whether all three are: all mass lies in a point.
+    bool is_point() const { return principal().moments.maxCoeff() <= bodies::no_moment * given_size(); }
+    /// The line's direction, body axes; of a point any.
+    std::optional<Vector3> rod_axis() const {
+        const PrincipalAxes p = principal();
+        Eigen::Index smallest = 0;
+        if (p.moments.minCoeff(&smallest) > bodies::no_moment * given_size()) return std::nullopt;
+        return p.axes.col(smallest);
+    }
+
+    /// Moved by r in its own axes [m]: what was at the origin is at r.
+    RigidBody shifted(const Vector3& r) const {
+        return RigidBody(MassProperties{central_.mass, central_.com + widened(r), central_.inertia});
+    }
+    /// Turned about the origin of its axes: what lay along v lies along R v.
+    RigidBody rotated(const Attitude& attitude) const { return RigidBody(turned(central_, attitude.quaternion())); }
+    /// Two bodies in the same axes, welded.
+    friend RigidBody operator+(const RigidBody& a, const RigidBody& b) {
+        return RigidBody(welded(a.central_, b.central_));
+    }
+
+    /// Whether the same was given, in all digits.
+    bool operator==(const RigidBody& other) const { return given_ == other.given_ && about_ == other.about_; }
+
+private:
+    static constexpr const char* name = "RigidBody";
+
+    /// The numbers of one body, each by itself.
+    static MassProperties checked(double mass, const Inertia& inertia, const RigidBodyOptions& options) {
+        bodies::require_mass(name, mass);
+        for (int i = 0; i < 3; ++i)
+            require(std::isfinite(options.com[i]), name, "com[" + std::to_string(i) + "]", options.com[i],
+                    "the centre of mass is a point; give it in m");
+        const Matrix3& given = inertia.tensor;
+        bodies::require_symmetric(name, given);
+        Matrix3Of<DoubleDouble> tensor = widened(given);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < i; ++j) tensor(i, j) = tensor(j, i) = exact_sum(0.5 * given(i, j), 0.5 * given(j, i));
+        return {mass, widened(options.com), tensor};
+    }
+
+    double given_size() const { return rounded(given_.inertia).cwiseAbs().maxCoeff(); }
+
+    MassProperties given_;
+    InertiaAbout about_ = InertiaAbout::com;
+    MassProperties central_;
+};
+
+}  // namespace rbdyn
