@@ -34,8 +34,9 @@ namespace rbdyn {
 class Dop853Engine : public Engine {
 public:
     /// Local error per step relative to the motion's scales. `fits_guards`: through values even where series are known.
-    explicit Dop853Engine(double tolerance, bool fits_guards = false)
-        : tolerance_(tolerance), fits_guards_(fits_guards) {}
+    /// `stride`: how much of the steps that the tolerance allows, and of a mode in its first one, is taken.
+    explicit Dop853Engine(double tolerance, bool fits_guards = false, double stride = 1.0)
+        : tolerance_(tolerance), fits_guards_(fits_guards), stride_(stride) {}
 
     std::string name() const override { return "dop853"; }
 
@@ -73,7 +74,7 @@ public:
         Instant end;
         for (;; rejected = true) {
             // a step that ends so that t + h is exact
-            h = wanted;
+            h = stride_ * (is_first_ ? std::min(wanted, span) : wanted);
             capped = h >= span;
             if (!capped) {
                 const double next = t_.hi + h;
@@ -251,9 +252,13 @@ private:
                 largest = std::max(largest, std::abs(slope[at(i)]));
             return largest;
         };
-        std::vector<double> before;
+        // a slope that is rounding of its terms is none: a block breaks away from rest under forces in balance
+        std::vector<double> before, first(x_.size());
+        (void)evaluate(t_, x_, first.data());
+        for (int i = 0; i < n(); ++i)
+            if (std::abs(first[at(i)]) <= 64.0 * epsilon * workshop_->evaluator.magnitude(i)) first[at(i)] = 0.0;
         const auto runs_away = [&](double h) {
-            defect_ = slope_;
+            defect_ = first;
             before.assign(equations_->groups.size(), 0.0);
             for (int pass = 0; pass < 3; ++pass) {
                 for (std::size_t g = 0; g < before.size(); ++g) {
@@ -441,6 +446,7 @@ private:
 
     double tolerance_;
     bool fits_guards_;
+    double stride_;
     const Equations* equations_ = nullptr;
     Workshop* workshop_ = nullptr;
     int n_ = 0;  // variables
