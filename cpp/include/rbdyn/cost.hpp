@@ -67,14 +67,16 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     base.monitor = options.monitor;
     validate(base);
     const auto began = Clock::now();
-    const Plan plan = make_plan(scene.frozen());
+    const Scene plan_scene = scene.frozen();
+    const Plan plan = make_plan(plan_scene);
     const PointsModel& model = *plan.model;
     const std::vector<double> x = model.start(options.start);
     const auto checked = [](Timed&& timed) {
         if (timed.record.thrown) std::rethrow_exception(timed.record.thrown);
         return std::move(timed);
     };
-    const Timed reference = checked(integrate(model, x, base, plan.engine, 0.1 * least_tolerance(plan.engine), {}));
+    const Timed reference =
+        checked(integrate(model, x, base, plan.integrator, 0.1 * least_tolerance(plan.integrator), {}));
     std::vector<std::string> engines;
     for (const std::string& engine : options.engines.empty() ? simulating::engines() : options.engines)
         if (!options.engines.empty() || !(plan.calls_back && engine == "taylor"))
@@ -82,7 +84,19 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     std::vector<double> errors = options.errors;
     std::sort(errors.rbegin(), errors.rend());
     Price price;
-    const double share = options.budget / static_cast<double>(engines.size() * std::max<std::size_t>(errors.size(), 1));
+    const double share = options.budget / static_cast<double>(std::max<std::size_t>(engines.size(), 1) *
+                                                              std::max<std::size_t>(errors.size(), 1));
+    if (plan.closed && (options.engines.empty() || std::erase(engines, "closed form") > 0)) {
+        const auto first = Clock::now();
+        const auto form = planning::closed_motion(plan_scene, model.laws()).first;
+        std::vector<double> end(x.size());
+        form->state({options.until - options.start, 0.0}, end);
+        const double spent = seconds_since(first);
+        price.rows.push_back({.engine = "closed form",
+                              .tolerance = 0.0,
+                              .error = form->error(options.until - options.start),
+                              .seconds = spent});
+    }
     for (const std::string& engine : engines) {
         double tolerance = errors.empty() ? 1e-9 : errors.front(), reached = std::numeric_limits<double>::infinity();
         for (double wanted : errors) {

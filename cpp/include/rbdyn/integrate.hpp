@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/engine/closed_form.hpp"
 #include "rbdyn/engine/dop853.hpp"
 #include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/event/driver.hpp"
@@ -30,7 +31,7 @@ struct SimulateOptions {
     double start = 0.0;                         // s
     double error = 1e-9;                        // global, relative to the motion's own scales
     std::optional<double> rtol = std::nullopt;  // local tolerance only, no estimate: the cheap way
-    std::string engine = "auto";                // "taylor", "dop853", "cvode-adams", "cvode-bdf"
+    std::string engine = "auto";                // "closed form", "taylor", "dop853", "cvode-adams", "cvode-bdf"
     Keep keep = {};
     std::int64_t max_steps = 100'000'000;
     Driver::Monitor monitor = {};  // called now and then with the time reached; false stops the run
@@ -266,6 +267,66 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
     if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);
     if (is_cut_short(run)) return result;
     take(std::move(run));
+    return result;
+}
+
+/// A motion known in closed form. Nothing is integrated unless there is something to watch for: then Taylor series from
+/// exact states find the events, twice, and the two are compared.
+inline Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
+                             const std::shared_ptr<const ClosedForm>& form) {
+    using Outcome = Solution::Outcome;
+    const auto before = std::chrono::steady_clock::now();
+    Solution result;
+    result.runs = 1;
+    const auto run = [&](double tolerance, int order) {
+        ClosedFormEngine engine(form, {options.start, 0.0}, tolerance, order);
+        return Driver(model, engine, options.max_steps, {}, options.monitor).run(options.start, x, options.until);
+    };
+    double error = 0.0;
+    std::vector<double> first = x;
+    const Mode mode = model.begin(options.start, first);
+    if (mode.equations->guards.empty()) {
+        Record& record = result.record;
+        record.start = options.start;
+        record.end = {options.until, 0.0};
+        record.variables = model.variables();
+        record.modes = {mode};
+        record.first_state = std::move(first);
+    } else {
+        result.record = run(least_tolerance("taylor"), 0);
+        if (!options.rtol) {
+            const Record better = run(0.1 * least_tolerance("taylor"), other_order);
+            ++result.runs;
+            if (!better.thrown && !result.record.thrown)
+                error = AccuracyCheck(model, options.error, {}, options.monitor)(result.record, better).error;
+        }
+    }
+    Record& record = result.record;
+    record.closed = form;
+    result.integration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    result.certain_until = record.end.hi;
+    if (record.thrown) {
+        result.outcome = Outcome::thrown;
+        result.thrown = record.thrown;
+        result.certain_until = record.start;
+        return result;
+    }
+    if (options.rtol) return result;
+    const auto error_at = [&](double t) { return std::max(error, form->error(t - options.start)); };
+    result.error = error_at(record.end.hi);
+    if (*result.error <= options.error) return result;
+    // errors of a closed form grow with time
+    double good = options.start, bad = record.end.hi;
+    for (int i = 0; i < 60 && error_at(good) <= options.error; ++i) {
+        const double middle = 0.5 * (good + bad);
+        (error_at(middle) <= options.error ? good : bad) = middle;
+    }
+    result.certain_until = good;
+    result.outcome = Outcome::inaccurate;
+    record.status = Status::accuracy_not_reached;
+    result.message = "simulate: error " + text(options.error) + " was asked for and the closed form reaches " +
+                     text(*result.error) + " with numbers in double precision; it is certain up to t = " + text(good) +
+                     " s. " + std::string(advice(Status::accuracy_not_reached));
     return result;
 }
 

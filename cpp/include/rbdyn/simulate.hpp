@@ -39,6 +39,14 @@ namespace simulating {
 /// The engine for a scene. Throws InvalidInput if the one asked for cannot do it.
 inline std::string engine_for(const Plan& plan, const std::string& wanted) {
     const std::string engine = wanted == "auto" ? plan.engine : wanted;
+    if (engine == "closed form") {
+        if (plan.closed) return engine;
+        std::string why = "there are only particles in it";
+        for (const Plan::Omission& o : plan.omissions)
+            if (o.what == "closed form") why = o.why;
+        throw InvalidInput("simulate: engine is \"closed form\", and this scene has none: " + why +
+                           "; use \"auto\" or \"" + plan.integrator + "\"");
+    }
     (void)make_engine(engine, 1e-6);
     if (engine == "taylor" && plan.calls_back)
         throw InvalidInput(
@@ -60,7 +68,10 @@ inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
     data.engine = engine_for(data.plan, options.engine);
     data.model = data.plan.model;
     const std::int64_t calls = data.plan.python_calls();
-    Solution solution = solve(*data.model, data.model->start(options.start), options, data.engine, data.plan.engine);
+    const std::vector<double> x = data.model->start(options.start);
+    Solution solution = data.engine == "closed form"
+                            ? solve_closed(*data.model, x, options, data.plan.closed)
+                            : solve(*data.model, x, options, data.engine, data.plan.integrator);
     Statistics& s = data.statistics;
     const Work& w = solution.record.work;
     s.integration_seconds = solution.integration_seconds;

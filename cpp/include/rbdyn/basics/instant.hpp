@@ -25,6 +25,11 @@ inline Instant operator+(Instant t, double h) {
     return r;
 }
 
+/// The time from b to a, with all its digits.
+inline Instant exact_difference(Instant a, Instant b) {
+    const Instant s = exact_sum(a.hi, -b.hi);
+    return exact_sum(s.hi, s.lo + (a.lo - b.lo));
+}
 /// The time from b to a.
 inline double operator-(Instant a, Instant b) { return (a.hi - b.hi) + (a.lo - b.lo); }
 inline double operator-(double a, Instant b) { return (a - b.hi) - b.lo; }

@@ -107,6 +107,14 @@ public:
     int guard_order() const override { return order_; }
     double natural_length() const override { return std::isfinite(natural_) ? natural_ : piece_.length; }
 
+protected:
+    /// The state to go on from, for one who knows it better.
+    std::span<double> replace_state() {
+        std::fill(low_.begin(), low_.end(), 0.0);
+        return x_;
+    }
+    Instant t_;
+
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
@@ -182,7 +190,6 @@ private:
     const Equations* equations_ = nullptr;
     SeriesEvaluator* series_ = nullptr;
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
-    Instant t_;
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, parameters_;
     MotionScales scales_;

@@ -6,10 +6,12 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/model/hybrid.hpp"
@@ -38,7 +40,8 @@ public:
     Work work;
     int variables = 0;
     std::vector<double> first_state;
-    std::exception_ptr thrown;  // by a function of the user's
+    std::exception_ptr thrown;                 // by a function of the user's
+    std::shared_ptr<const ClosedForm> closed;  // which then says what the state is
 
     const std::vector<Entry>& entries() const { return entries_; }
     bool empty() const { return entries_.empty(); }
@@ -103,7 +106,7 @@ inline std::optional<std::size_t> entry_at(const Record& record, double t, Side 
         throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) + " to " +
                            text(record.end.hi) + " s");
     if (record.modes.empty()) throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
-    if (record.empty()) return std::nullopt;
+    if (record.empty() || (record.closed && record.modes.size() == 1)) return std::nullopt;
     const std::size_t index = record.find(t, side);
     const Piece piece = record.piece(index);
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
@@ -116,9 +119,13 @@ inline std::optional<std::size_t> entry_at(const Record& record, double t, Side 
 /// The state at a time.
 inline std::vector<double> state_at(const Record& record, double t, Side side) {
     const auto index = entry_at(record, t, side);
+    std::vector<double> x(static_cast<std::size_t>(record.variables));
+    if (record.closed) {
+        record.closed->state(exact_difference({t, 0.0}, {record.start, 0.0}), x);
+        return x;
+    }
     if (!index) return record.first_state;
     const Piece piece = record.piece(*index);
-    std::vector<double> x(static_cast<std::size_t>(record.variables));
     piece.state(Record::tau(piece, t), x);
     return x;
 }

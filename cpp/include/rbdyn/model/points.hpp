@@ -153,6 +153,7 @@ public:
     bool slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope) const override {
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
+            if (b.rigid) return false;
             laws_.slope(i, mode.slip, t, x, slope.subspan(at(b.first)), slope.subspan(at(b.first_rate)));
         }
         for (double s : slope)

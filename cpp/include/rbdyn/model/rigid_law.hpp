@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -117,6 +118,28 @@ public:
         for (const double c : {p.w, p.x, p.y, p.z}) *q++ = c;
         if (follows_axis) *q = 0.0;
         for (int i = 0; i < 3; ++i) v[i] = omega[i];
+    }
+
+    /// The coordinates of an attitude and an angular velocity, both of the body's axes, a time after the start.
+    void set_attitude(const Quaternion& attitude, const Vector3& omega, Instant since, double* q, double* v) const {
+        Quaternion p = attitude * frame_attitude;
+        Vector3 w = frame.transpose() * omega;
+        if (follows_axis) {
+            // spin = w3 t, to all its digits where it is turned back
+            const DoubleDouble spin = DoubleDouble(w[2]) * DoubleDouble(since);
+            const double turns = std::round(spin.hi / (4.0 * std::numbers::pi));
+            const double half = 0.5 * double(spin - DoubleDouble(4.0 * turns) * double_double::pi);
+            const double c = std::cos(half), s = std::sin(half);
+            p = p * Quaternion{c, 0.0, 0.0, -s};
+            w = Vector3((2.0 * c * c - 1.0) * w[0] - 2.0 * s * c * w[1],
+                        2.0 * s * c * w[0] + (2.0 * c * c - 1.0) * w[1], w[2]);
+            q[4] = double(spin);
+        }
+        q[0] = p.w;
+        q[1] = p.x;
+        q[2] = p.y;
+        q[3] = p.z;
+        for (int i = 0; i < 3; ++i) v[i] = w[i];
     }
 
     template <class S>

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
 
 namespace rbdyn {
@@ -23,13 +24,15 @@ struct Plan {
     std::vector<std::string> guards;       // what is watched for
     std::vector<std::string> functions;    // the user's own: recorded, or called back and why
     std::string engine, reason;            // the automatic choice
+    std::string integrator;                // the automatic choice among those that integrate
     std::vector<Omission> omissions;
-    std::vector<std::string> integrals;        // first integrals of the scene
-    Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
-    Vector3 up = Vector3::UnitZ();             // against gravity
-    Placement view;                            // the axes the equations are written in
-    std::shared_ptr<const PointsModel> model;  // the equations of motion
-    bool calls_back = false;                   // a force of it has values only, no series
+    std::vector<std::string> integrals;          // first integrals of the scene
+    Vector3 pole = Vector3::Zero();              // what those of angular momentum are about
+    Vector3 up = Vector3::UnitZ();               // against gravity
+    Placement view;                              // the axes the equations are written in
+    std::shared_ptr<const PointsModel> model;    // the equations of motion
+    std::shared_ptr<const ClosedMotion> closed;  // the motion in closed form, if there is one
+    bool calls_back = false;                     // a force of it has values only, no series
     std::vector<std::shared_ptr<const Callback>> callbacks;
 
     /// Calls of functions in Python so far.
@@ -221,11 +224,19 @@ inline Plan make_plan(const Scene& scene) {
     plan.pole = conserved.pole;
     plan.up = conserved.up;
     for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
-    plan.engine = plan.calls_back ? "dop853" : "taylor";
+    plan.engine = plan.integrator = plan.calls_back ? "dop853" : "taylor";
     plan.reason =
         plan.calls_back
             ? "a force that is called back has no Taylor series; events are located but not certain"
             : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
+    const auto [closed, why_not] = planning::closed_motion(scene, plan.model->laws());
+    if (closed) {
+        plan.closed = closed;
+        plan.engine = "closed form";
+        plan.reason = closed->name() + ": exact at every time, whatever the time";
+    } else if (!why_not.empty()) {
+        leave_out("closed form", why_not);
+    }
     return plan;
 }
 

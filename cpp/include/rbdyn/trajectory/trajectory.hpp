@@ -48,6 +48,7 @@ public:
         std::vector<double> times;
         for (const auto& e : data_->record.entries()) times.push_back(e.start.hi);
         times.push_back(end());
+        if (data_->record.empty()) times.insert(times.begin(), start());
         return times;
     }
 
@@ -161,6 +162,8 @@ public:
     std::map<std::string, double> drift() const;
 
 private:
+    static constexpr int closed_times = 128;
+
     /// What a first integral is a sum of, in size.
     double size_of_terms(const std::string& name, double time) const;
     /// Position and velocity of the point where a load acts.
@@ -185,13 +188,18 @@ private:
         static constexpr double weight[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820,
                                              0.1494513491505806, 0.0666713443086881};
         double sum = 0.0;
-        for (const auto& e : data_->record.entries()) {
-            const double lo = std::max(t0, e.start.hi), hi = std::min(t1, (e.start + e.length * e.unit).hi);
-            if (!(hi > lo)) continue;
+        const auto add = [&](double begin, double finish) {
+            const double lo = std::max(t0, begin), hi = std::min(t1, finish);
+            if (!(hi > lo)) return;
             const double centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
             for (int i = 0; i < 5; ++i)
                 sum += half * weight[i] * (f(centre - half * place[i]) + f(centre + half * place[i]));
-        }
+        };
+        for (const auto& e : data_->record.entries()) add(e.start.hi, (e.start + e.length * e.unit).hi);
+        // a closed form has no pieces
+        if (data_->record.empty())
+            for (int i = 0; i < closed_times; ++i)
+                add(t0 + (t1 - t0) * i / closed_times, t0 + (t1 - t0) * (i + 1) / closed_times);
         return sum;
     }
     template <class F>
@@ -270,7 +278,10 @@ inline double Trajectory::integral(const std::string& name, double t, Side side)
 
 inline std::map<std::string, double> Trajectory::drift() const {
     std::map<std::string, double> result;
-    const std::vector<double> times = t();
+    std::vector<double> times = t();
+    // a closed form has no pieces to look between
+    if (data_->record.closed && times.size() < closed_times)
+        for (int i = 0; i <= closed_times; ++i) times.push_back(start() + (end() - start()) * i / closed_times);
     for (const std::string& name : data_->plan.integrals) {
         const bool is_vector = name == "angular momentum";
         const Vector3 vector = is_vector ? angular_momentum(start(), data_->plan.pole) : Vector3::Zero().eval();

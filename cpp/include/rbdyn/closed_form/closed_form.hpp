@@ -1,0 +1,21 @@
+// Motion known in closed form: the state of a whole scene at any time, at the same cost.
+#pragma once
+
+#include <span>
+
+#include "rbdyn/basics/instant.hpp"
+
+namespace rbdyn {
+
+class ClosedForm {
+public:
+    virtual ~ClosedForm() = default;
+
+    /// The state, in the coordinates of the scene's model, at a time since the start [s].
+    virtual void state(Instant since, std::span<double> x) const = 0;
+
+    /// Estimate of the error at a time since the start, relative to the motion's scales.
+    virtual double error(double since) const = 0;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,193 @@
+// Scenes whose motion is known in closed form: every body by itself, under nothing but constant forces, and
+//
+//   free, or on a ball joint with no moment about it: the free rotation (closed_form/free_rotation.hpp);
+//   on a ball joint, symmetric, heavy: Lagrange's top (closed_form/lagrange_top.hpp);
+//   on a hinge: uniformly accelerated, a compound pendulum or a torsion pendulum (7.60);
+//   on a slide, and the centre of mass of a free body: uniformly accelerated.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/closed_form/free_rotation.hpp"
+#include "rbdyn/model/points.hpp"
+
+namespace rbdyn {
+
+/// The coordinates of one body at a time since the start, in the order of its law.
+class BodyForm {
+public:
+    virtual ~BodyForm() = default;
+    virtual void state(Instant since, double* q, double* v) const = 0;
+    virtual double error(double since) const = 0;
+    virtual std::string name() const = 0;
+};
+
+namespace closed_forms {
+
+/// x0 + v0 t + a t^2 / 2, in numbers of 32 digits.
+class Accelerated {
+public:
+    Accelerated(const Vector3Of<DoubleDouble>& x, const Vector3Of<DoubleDouble>& v, const Vector3Of<DoubleDouble>& a)
+        : x_(x), v_(v), a_(a) {}
+    void state(Instant since, double* x, double* v, int count = 3) const {
+        const DoubleDouble t(since);
+        for (int i = 0; i < count; ++i) {
+            x[i] = double(x_[i] + t * (v_[i] + t * a_[i] * DoubleDouble(0.5)));
+            v[i] = double(v_[i] + t * a_[i]);
+        }
+    }
+
+private:
+    Vector3Of<DoubleDouble> x_, v_, a_;
+};
+
+/// A body that turns freely about its centre of mass, or about the point a ball joint holds.
+class FreeForm : public BodyForm {
+public:
+    FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
+        : law_(law), rotation_(about(b, law), b.attitude, b.angular_velocity) {
+        if (law.kind != RigidLaw::Kind::free) return;
+        const Matrix3Of<DoubleDouble> r = exact_rotation(b.attitude);
+        const Vector3Of<DoubleDouble> com = b.rigid()->exact().com, omega = widened(b.angular_velocity);
+        center_.emplace(widened(b.position) + product(r, com),
+                        widened(b.velocity) + product(r, Vector3Of<DoubleDouble>(omega.cross(com))), acceleration);
+    }
+    void state(Instant since, double* q, double* v) const override {
+        if (center_) {
+            center_->state(since, q, v);
+            q += 3;
+            v += 3;
+        }
+        const FreeRotation::State s = rotation_.at(since);
+        law_.set_attitude(s.attitude, s.angular_velocity, since, q, v);
+    }
+    double error(double since) const override { return rotation_.error(since); }
+    std::string name() const override { return "free rotation"; }
+
+private:
+    static PrincipalAxesOf<DoubleDouble> about(const Scene::Body& b, const RigidLaw& law) {
+        return law.kind == RigidLaw::Kind::free ? b.rigid()->principal_exact() : b.rigid()->principal_exact(law.origin);
+    }
+    const RigidLaw law_;
+    std::optional<Accelerated> center_;
+    FreeRotation rotation_;
+};
+
+/// A particle, or a body on a slide.
+class SlidingForm : public BodyForm {
+public:
+    SlidingForm(Accelerated motion, int count) : motion_(std::move(motion)), count_(count) {}
+    void state(Instant since, double* q, double* v) const override { motion_.state(since, q, v, count_); }
+    double error(double) const override { return 2.0 * std::numeric_limits<double>::epsilon(); }
+    std::string name() const override { return "uniform acceleration"; }
+
+private:
+    Accelerated motion_;
+    int count_;
+};
+
+}  // namespace closed_forms
+
+/// All bodies of a scene.
+class ClosedMotion : public ClosedForm {
+public:
+    struct Part {
+        int first, first_rate;
+        std::shared_ptr<const BodyForm> form;
+    };
+    explicit ClosedMotion(std::vector<Part> parts) : parts_(std::move(parts)) {}
+
+    void state(Instant since, std::span<double> x) const override {
+        for (const Part& p : parts_) p.form->state(since, x.data() + p.first, x.data() + p.first_rate);
+    }
+    double error(double since) const override {
+        double worst = 0.0;
+        for (const Part& p : parts_) worst = std::max(worst, p.form->error(since));
+        return worst;
+    }
+    std::string name() const {
+        std::string names;
+        for (const Part& p : parts_)
+            if (names.find(p.form->name()) == std::string::npos) names += (names.empty() ? "" : ", ") + p.form->name();
+        return names;
+    }
+
+private:
+    std::vector<Part> parts_;
+};
+
+namespace planning {
+
+/// The constant force on a body beside gravity, if nothing else acts on it and it acts at the centre of mass.
+inline std::optional<Vector3> only_constant_force(const Scene& scene, int index) {
+    Vector3 sum = Vector3::Zero();
+    for (const Scene::AppliedLoad& load : scene.loads()) {
+        if (load.body != index || !is_present(load.load)) continue;
+        const Force* force = std::get_if<Force>(&load.load);
+        const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
+        const bool at_center = !load.at || b.rigid() == nullptr || *load.at == b.rigid()->com();
+        if (force == nullptr || !force->is_constant() || force->frame() != Frame::world || !at_center)
+            return std::nullopt;
+        sum += force->constant();
+    }
+    return sum;
+}
+
+/// The closed form of one body; none if it has none here.
+inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const PointLaws& laws, int index) {
+    using closed_forms::Accelerated;
+    const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
+    const std::optional<Vector3> force = only_constant_force(scene, index);
+    if (b.rail() != nullptr || !force) return nullptr;
+    Vector3Of<DoubleDouble> a;
+    for (int i = 0; i < 3; ++i) a[i] = DoubleDouble(scene.gravity()[i]) + DoubleDouble((*force)[i]) / b.mass();
+    if (b.rigid() == nullptr)
+        return std::make_shared<closed_forms::SlidingForm>(Accelerated(widened(b.position), widened(b.velocity), a), 3);
+    const RigidLaw& law = *laws.body(index).rigid;
+    const bool is_weightless = a[0].hi == 0.0 && a[1].hi == 0.0 && a[2].hi == 0.0;
+    switch (law.kind) {
+        case RigidLaw::Kind::free: return std::make_shared<closed_forms::FreeForm>(b, law, a);
+        case RigidLaw::Kind::spherical:
+            if (is_weightless || law.center.isZero(0.0)) return std::make_shared<closed_forms::FreeForm>(b, law, a);
+            return nullptr;
+        case RigidLaw::Kind::prismatic: {
+            const Vector3Of<DoubleDouble> zero = widened(Vector3::Zero().eval());
+            const Vector3Of<DoubleDouble> e = widened(std::get<Prismatic>(b.joint).axis);
+            Vector3Of<DoubleDouble> x = zero, v = zero, along = zero;
+            x[0] = b.parameter;
+            v[0] = b.speed;
+            along[0] = dot<DoubleDouble>(e, a) / sqrt(dot<DoubleDouble>(e, e));
+            return std::make_shared<closed_forms::SlidingForm>(Accelerated(x, v, along), 1);
+        }
+        default: return nullptr;
+    }
+}
+
+/// The closed form of a scene with rigid bodies, and why there is none otherwise.
+inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion(const Scene& scene,
+                                                                                 const PointLaws& laws) {
+    bool any_rigid = false;
+    for (const Scene::Body& b : scene.bodies()) any_rigid = any_rigid || b.rigid() != nullptr;
+    if (!any_rigid) return {nullptr, ""};
+    if (!scene.connections().empty()) return {nullptr, "bodies joined by springs have none here"};
+    for (const Scene::Watch& w : scene.watches())
+        if (w.options.action.kind == WatchAction::Kind::change)
+            return {nullptr, "\"" + w.name + "\" changes the state on the way"};
+    std::vector<ClosedMotion::Part> parts;
+    for (int i = 0; i < static_cast<int>(scene.bodies().size()); ++i) {
+        const PointLaws::Body& b = laws.body(i);
+        auto form = closed_form_of(scene, laws, i);
+        if (!form) return {nullptr, "the motion of " + b.name + " has none here"};
+        parts.push_back({b.first, b.first_rate, std::move(form)});
+    }
+    return {std::make_shared<const ClosedMotion>(std::move(parts)), ""};
+}
+
+}  // namespace planning
+
+}  // namespace rbdyn
