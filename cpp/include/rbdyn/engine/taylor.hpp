@@ -4,7 +4,8 @@
 // coefficients. Here the local error is measured against the scales of the motion itself (extent of positions,
 // largest velocities), not against the numbers that happen to describe it.
 // Sums are compensated and step lengths exact, so that rounding does not grow with the number of steps more than it
-// must (Hairer, McLachlan, Razakarivony, "Achieving Brouwer's law with implicit Runge-Kutta methods", BIT 48, 2008).
+// must; what the motion conserves is held after every step, if the equations say how (Hairer, McLachlan, Razakarivony,
+// "Achieving Brouwer's law with implicit Runge-Kutta methods", BIT 48, 2008).
 #pragma once
 
 #include <algorithm>
@@ -46,6 +47,7 @@ public:
         x_.assign(x.begin(), x.end());
         low_.assign(x.size(), 0.0);
         scales_.widen(x_);
+        projection_ = equations.projection ? equations.projection(x) : nullptr;
     }
 
     StepStatus step(double limit) override {
@@ -92,6 +94,7 @@ public:
             x_[index] = sum.hi;
             low_[index] = sum.lo;
         }
+        if (projection_) projection_->apply(x_, low_);
         t_ = end;
         scales_.widen(x_);
         if (drop_start_flags(*equations_, parameters_)) series_->set_parameters(parameters_);
@@ -193,6 +196,7 @@ private:
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, parameters_;
     MotionScales scales_;
+    std::unique_ptr<const Projection> projection_;
 };
 
 }  // namespace rbdyn

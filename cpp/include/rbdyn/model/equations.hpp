@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,6 +69,14 @@ struct VariableGroup {
     bool is_position;  // measured by the extent of its motion; else by its largest magnitude
 };
 
+/// Holds what a motion conserves against the errors of its integration.
+class Projection {
+public:
+    virtual ~Projection() = default;
+    /// Moves the state x + low, low its compensation, to where its first integrals are what they were.
+    virtual void apply(std::span<double> x, std::span<double> low) const = 0;
+};
+
 /// x' = f(t, x; p) with its guards, as one program: outputs 0 .. n-1 are x', the rest guards.
 struct Equations {
     Program program;
@@ -76,6 +86,9 @@ struct Equations {
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
     int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
+
+    /// The projection for motion from a state; empty if nothing is held.
+    std::function<std::unique_ptr<const Projection>(std::span<const double>)> projection = {};
 
     int variables() const { return program.inputs(); }
     /// The switch whose argument a guard is; none for guards of other kinds.

@@ -15,6 +15,7 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_observables.hpp"
+#include "rbdyn/model/projection.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 
 namespace rbdyn {
@@ -185,7 +186,20 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
                 }
         return groups;
     });
-    if (result) result->equations.forces = first;
+    if (!result) return result;
+    result->equations.forces = first;
+    std::vector<int> held;
+    for (int i = 0; i < count; ++i)
+        if (laws.is_conservative(i)) held.push_back(i);
+    if (!held.empty())
+        result->equations.projection = [&laws, held](std::span<const double> x) {
+            std::vector<RigidProjection> parts;
+            for (const int i : held) {
+                const PointLaws::Body& b = laws.body(i);
+                parts.emplace_back(*b.rigid, b.first, b.first_rate, b.force, x);
+            }
+            return std::make_unique<const Projections>(std::move(parts));
+        };
     return result;
 }
 
