@@ -1,8 +1,12 @@
-// Vectors and matrices: Eigen's, under the names used throughout.
+// Vectors and matrices: Eigen's for the machine's numbers, under the names used throughout; in number types of our own
+// three components with the operations that models need, each done component by component as it is written.
 #pragma once
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
+#include <concepts>
+#include <type_traits>
 
 #if defined(__FAST_MATH__)
 #error "rbdyn: -ffast-math breaks compensated sums, event location and the accuracy estimate; compile without it"
@@ -13,18 +17,98 @@ namespace rbdyn {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-/// A vector whose components are of any number type a model may be evaluated with.
+// In doubles, one operation at a time: results are vectors, not expressions, of which there would be hundreds of types
+// to compile. Chosen before Eigen's own where both operands are vectors themselves, and only there.
+template <std::same_as<Vector3> V>
+V operator+(const V& a, const V& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+template <std::same_as<Vector3> V>
+V operator-(const V& a, const V& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <std::same_as<Vector3> V>
+V operator-(const V& v) {
+    return {-v[0], -v[1], -v[2]};
+}
+template <std::same_as<Vector3> V, class T>
+requires std::is_arithmetic_v<T> V operator*(const V& v, const T& s) { return {v[0] * s, v[1] * s, v[2] * s}; }
+template <std::same_as<Vector3> V, class T>
+requires std::is_arithmetic_v<T> V operator*(const T& s, const V& v) { return {s * v[0], s * v[1], s * v[2]}; }
+template <std::same_as<Vector3> V, class T>
+requires std::is_arithmetic_v<T> V operator/(const V& v, const T& s) { return {v[0] / s, v[1] / s, v[2] / s}; }
+template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
+V operator*(const M& m, const V& v) {
+    return m.lazyProduct(v);
+}
+template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
+V operator*(const Eigen::Transpose<const M>& back, const V& v) {
+    const M& m = back.nestedExpression();
+    const auto along = [&](int i) { return m(0, i) * v[0] + m(1, i) * v[1] + m(2, i) * v[2]; };
+    return {along(0), along(1), along(2)};
+}
+
+/// Three components in numbers of type S.
 template <class S>
-using Vector3Of = Eigen::Matrix<S, 3, 1>;
+class Triple {
+public:
+    Triple() = default;
+    Triple(const S& x, const S& y, const S& z) : c_{x, y, z} {}
+    Triple(const Vector3& v) : c_{S(v[0]), S(v[1]), S(v[2])} {}  // implicit: constants mix freely with other numbers
+
+    const S& operator[](Eigen::Index i) const { return c_[i]; }
+    S& operator[](Eigen::Index i) { return c_[i]; }
+    const S& x() const { return c_[0]; }
+    const S& y() const { return c_[1]; }
+    const S& z() const { return c_[2]; }
+    S* begin() { return c_; }
+    S* end() { return c_ + 3; }
+    const S* begin() const { return c_; }
+    const S* end() const { return c_ + 3; }
+    const S* data() const { return c_; }
+
+    Triple& operator+=(const Triple& v) { return *this = *this + v; }
+    Triple& operator-=(const Triple& v) { return *this = *this - v; }
+    Triple& operator*=(const S& s) { return *this = *this * s; }
+    Triple& operator/=(const S& s) { return *this = *this / s; }
+    friend Triple operator+(const Triple& a, const Triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+    friend Triple operator-(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+    friend Triple operator-(const Triple& v) { return {-v[0], -v[1], -v[2]}; }
+    friend Triple operator*(const Triple& v, const S& s) { return {v[0] * s, v[1] * s, v[2] * s}; }
+    friend Triple operator*(const S& s, const Triple& v) { return {s * v[0], s * v[1], s * v[2]}; }
+    friend Triple operator/(const Triple& v, const S& s) { return {v[0] / s, v[1] / s, v[2] / s}; }
+
+    S dot(const Triple& b) const { return c_[0] * b[0] + c_[1] * b[1] + c_[2] * b[2]; }
+    S squaredNorm() const { return dot(*this); }
+    S norm() const {
+        using std::sqrt;
+        return sqrt(squaredNorm());
+    }
+    Triple cross(const Triple& b) const {
+        const Triple& a = *this;
+        return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    }
+
+private:
+    S c_[3]{};
+};
+
+/// A vector whose components are of any number type a model may be evaluated with: Eigen's for the machine's numbers.
+template <class S>
+using Vector3Of = std::conditional_t<std::is_floating_point_v<S>, Eigen::Matrix<S, 3, 1>, Triple<S>>;
 
 /// Scalar and vector product, term by term, so that zero components leave nothing behind.
-template <class S>
-S dot(const Vector3Of<S>& a, const Vector3Of<S>& b) {
+template <std::floating_point S>
+S dot(const Eigen::Matrix<S, 3, 1>& a, const Eigen::Matrix<S, 3, 1>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-template <class S>
-Vector3Of<S> cross(const Vector3Of<S>& a, const Vector3Of<S>& b) {
+template <std::floating_point S>
+Eigen::Matrix<S, 3, 1> cross(const Eigen::Matrix<S, 3, 1>& a, const Eigen::Matrix<S, 3, 1>& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+template <class S>
+requires(!std::floating_point<S>) S dot(const Triple<S>& a, const Triple<S>& b) { return a.dot(b); }
+template <class S>
+requires(!std::floating_point<S>) Triple<S> cross(const Triple<S>& a, const Triple<S>& b) { return a.cross(b); }
 
 }  // namespace rbdyn

@@ -25,7 +25,7 @@ inline void require_positive(const std::string& curve, const std::string& what, 
 
 inline void require_direction(const std::string& curve, const std::string& what, const Vector3& v) {
     require_finite(curve, what, v);
-    require(v.cwiseAbs().maxCoeff() > 0.0, curve, "length of " + what, 0.0,
+    require(largest(v) > 0.0, curve, "length of " + what, 0.0,
             "a direction must not be zero: give a vector of any other length");
 }
 

@@ -219,7 +219,7 @@ private:
     /// A power of two by which the curve goes about as far as a path does.
     double first_length(double u, double distance) const {
         const CurvePoint<double> p = curve_.own(u);
-        const double speed = p.first.cwiseAbs().maxCoeff(), bend = p.second.cwiseAbs().maxCoeff();
+        const double speed = largest(p.first), bend = largest(p.second);
         double length = std::numeric_limits<double>::infinity();
         if (speed > 0.0) length = distance / speed;
         if (bend > 0.0) length = std::min(length, std::sqrt(2.0 * distance / bend));

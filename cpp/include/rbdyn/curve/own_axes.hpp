@@ -21,8 +21,9 @@ struct OwnAxes {
 
     /// A vector that lies in the line or plane, in own axes: what is outside, or rounding, is zero.
     Vector3 of(const Vector3& v) const {
-        Vector3 own = (axes.cast<long double>().transpose() * v.cast<long double>()).cast<double>();
+        Vector3 own;
         for (int i = 0; i < 3; ++i) {
+            own[i] = static_cast<double>(product(LongVector(axes(0, i), axes(1, i), axes(2, i)), LongVector(v)));
             const bool rounding = dimension < 3 && std::abs(own[i]) <= snap * norm(v);
             if (i >= dimension || rounding) own[i] = 0.0;
         }
@@ -48,7 +49,7 @@ inline OwnAxes own_axes(const std::vector<Vector3>& vectors, double slack) {
     const Vector3* farthest = nullptr;
     long double distance = 0.0L;
     for (const Vector3& v : vectors) {
-        const long double away = across(along, v.cast<long double>()).norm();
+        const long double away = norm(across(along, LongVector(v)));
         if (away <= distance || away <= static_cast<long double>(tolerated(v))) continue;
         distance = away;
         farthest = &v;

@@ -31,7 +31,7 @@ struct Polynomial {
         double largest = 0.0;
         for (std::size_t k = 0; k < coefficients.size(); ++k) {
             curves::require_finite("polynomial", "coefficient " + std::to_string(k), coefficients[k]);
-            if (k > 0) largest = std::max(largest, coefficients[k].cwiseAbs().maxCoeff());
+            if (k > 0) largest = std::max(largest, curves::largest(coefficients[k]));
         }
         require(largest > 0.0, "polynomial", "the largest coefficient after the first", largest,
                 "one must not be zero: a curve is not a single point");

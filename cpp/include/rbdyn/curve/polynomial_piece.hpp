@@ -56,7 +56,9 @@ public:
     /// Whether r' is not zero, beyond rounding.
     bool regular_at(double u) const {
         const Term a = taylor(1, u);
-        return (a.value.cwiseAbs().array() > noise() * a.size.array()).any();
+        for (int i = 0; i < 3; ++i)
+            if (std::abs(a.value[i]) > noise() * a.size[i]) return true;
+        return false;
     }
 
     /// Whether the curvature at u is not zero, beyond rounding.

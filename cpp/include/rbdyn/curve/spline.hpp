@@ -122,7 +122,7 @@ public:
         double largest = 0.0;
         std::vector<Vector3> from_first;
         for (const Vector3& p : points) {
-            largest = std::max(largest, p.cwiseAbs().maxCoeff());
+            largest = std::max(largest, curves::largest(p));
             if (p != points[0]) from_first.emplace_back(p - points[0]);
         }
         // the farthest point gives the best known direction

@@ -74,7 +74,9 @@ inline Expression length(const Vector3Of<Expression>& v, const std::string& name
     return std::sqrt(v[0].value() * v[0].value() + v[1].value() * v[1].value() + v[2].value() * v[2].value());
 }
 inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
-inline long double length(const Vector3Of<long double>& v, const std::string& = {}, int = -1) { return v.norm(); }
+inline long double length(const Vector3Of<long double>& v, const std::string& = {}, int = -1) {
+    return std::sqrt(dot(v, v));
+}
 
 /// Two sides of a case with the weight of the first.
 template <class B, class C>

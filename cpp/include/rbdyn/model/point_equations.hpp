@@ -94,7 +94,7 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
         }
         if (b.side != RailSide::both)
             write.guard({.kind = EventKind::detach, .subject = i},
-                        dot<S>(b.binormal.cast<S>(), PointLaws::friction_vector<S>(b, c, p.w, g)));
+                        dot<S>(b.binormal, PointLaws::friction_vector<S>(b, c, p.w, g)));
         write.rate(b.first) = p.w;
         write.rate(n + b.first) = rate;
         present.push_back({p, f, rate, true});

@@ -281,9 +281,9 @@ public:
                            Length&& length_of_w) const {
         const Body& b = bodies_[at(i)];
         const PointState<S>& p = states[at(i)];
-        Resultant<S> f{b.force.template cast<S>(), S(0.0)};
+        Resultant<S> f{Vector3Of<S>(b.force), S(0.0)};
         for (const auto& function : b.functions) {
-            const Vector3Of<S> r = in_world(p.r), v = turned<S>(view_.axes, p.v);
+            const Vector3Of<S> r = in_world<S>(p.r), v = turned<S>(view_.axes, p.v);
             f.force += turned<S>(view_.axes.transpose(),
                                  std::visit([&](const auto& g) -> Vector3Of<S> { return g(t, r, v); }, function));
         }
@@ -319,7 +319,7 @@ public:
     /// A place of the view in the world.
     template <class S>
     Vector3Of<S> in_world(const Vector3Of<S>& r) const {
-        return turned<S>(view_.axes, r) + view_.origin.template cast<S>();
+        return turned<S>(view_.axes, r) + Vector3Of<S>(view_.origin);
     }
     /// What drives and presses a bead on its rail, in the rail's axes: F - m A.
     template <class S>
@@ -344,7 +344,7 @@ public:
     static std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const SpringEnd& e,
                                                            const std::vector<PointState<S>>& states) {
         if (e.body >= 0) return {states[at(e.body)].r, states[at(e.body)].v};
-        return {e.point.cast<S>(), Vector3::Zero().cast<S>()};
+        return {Vector3Of<S>(e.point), Vector3Of<S>(S(0.0), S(0.0), S(0.0))};
     }
 
     /// c = m w^2 r' x r'' - r' x F, |r'| times what the rail must exert across itself.

@@ -78,7 +78,7 @@ private:
         const PointLaws::ConnectedSpring& c = laws_.springs()[at(coupling)];
         const auto end = [&](const PointLaws::SpringEnd& e) -> std::pair<Vector3Of<S>, Vector3Of<S>> {
             if (e.body >= 0) return {bodies_[at(e.body)].state.r, bodies_[at(e.body)].state.v};
-            return {e.point.cast<S>(), Vector3::Zero().cast<S>()};
+            return {Vector3Of<S>(e.point), {}};
         };
         const auto a = end(c.a), b = end(c.b);
         return {a.first - b.first, a.second - b.second};

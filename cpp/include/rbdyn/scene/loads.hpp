@@ -59,7 +59,7 @@ public:
 
     template <class S>
     Vector3Of<S> operator()(const S& t, const Vector3Of<S>& r, const Vector3Of<S>& v) const {
-        if (is_constant()) return constant_.template cast<S>();
+        if (is_constant()) return Vector3Of<S>(constant_);
         const S x[7] = {t, r[0], r[1], r[2], v[0], v[1], v[2]};
         if (function_) {
             const std::vector<S> f = function_(std::span<const S>(x, 7));
@@ -158,7 +158,7 @@ struct Lorentz {
     bool present() const { return strength != 0.0 && !field.isZero(0.0); }
     template <class S>
     Vector3Of<S> operator()(const S& /*t*/, const Vector3Of<S>& /*r*/, const Vector3Of<S>& v) const {
-        return cross<S>(v, (strength * field).template cast<S>());
+        return cross<S>(v, Vector3(strength * field));
     }
     bool operator==(const Lorentz&) const = default;
 };

@@ -154,7 +154,7 @@ public:
         if (rough() || one_sided())
             outputs.push_back(S(body().mu_static * body().mu_static) * dot<S>(across, across) -
                               outputs[0] * outputs[0]);
-        if (one_sided()) outputs.push_back(-dot<S>(body().binormal.cast<S>(), across));
+        if (one_sided()) outputs.push_back(-dot<S>(body().binormal, across));
         result.outputs = static_cast<int>(outputs.size());
         for (const Branch& b : r.branches()) {
             const S argument(&r, b.argument);
