@@ -7,7 +7,6 @@
 // symmetric. On rough rails that is one of the states of rest, and the others about it are not given.
 #pragma once
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "rbdyn/basics/dense.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/rail_equilibria.hpp"
 
@@ -48,24 +48,32 @@ public:
 
     /// What a state says: Q, its Jacobian, the metric, and the sizes of the terms of Q.
     struct State {
-        Eigen::VectorXd force, metric, effort;
-        Eigen::MatrixXd jacobian;
+        std::vector<double> force, metric, effort;
+        SquareMatrix jacobian;
         bool pushed = true;  // rails that only push do so
-        bool is_finite() const { return force.allFinite() && jacobian.allFinite(); }
+        bool is_finite() const {
+            const auto all_finite = [](const std::vector<double>& v) {
+                return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+            };
+            return all_finite(force) && all_finite(jacobian.entries());
+        }
         /// Q^T M^-1 Q
-        double misfit() const { return force.cwiseAbs2().cwiseQuotient(metric).sum(); }
+        double misfit() const {
+            double sum = 0.0;
+            for (std::size_t i = 0; i < force.size(); ++i) sum += force[i] * force[i] / metric[i];
+            return sum;
+        }
     };
     State at_rest(const std::vector<double>& q) {
         choose(q);
         State s;
-        const Eigen::Index n = freedoms_;
-        s.force.resize(n);
-        s.metric.resize(n);
-        s.effort.resize(n);
-        s.jacobian.resize(n, n);
+        s.force.resize(at(freedoms_));
+        s.metric.resize(at(freedoms_));
+        s.effort.resize(at(freedoms_));
+        s.jacobian = SquareMatrix(freedoms_);
         values_->differentiate(0.0, q);
         for (int i = 0; i < freedoms_; ++i) {
-            s.force[i] = values_->output(i);
+            s.force[at(i)] = values_->output(i);
             for (int j = 0; j < freedoms_; ++j) s.jacobian(i, j) = values_->derivative(i, j);
         }
         std::vector<PointState<double>> states;
@@ -77,13 +85,13 @@ public:
             const double size = effort(laws(), i, states);
             const CurvePoint<double>& c = states[at(i)].curve;
             for (int k = first(i); k < first(i) + (b.curve ? 1 : 3); ++k) {
-                s.metric[k] = b.curve ? b.mass * c.speed_squared : b.mass;
-                s.effort[k] = b.curve ? std::sqrt(c.speed_squared) * size : size;
+                s.metric[at(k)] = b.curve ? b.mass * c.speed_squared : b.mass;
+                s.effort[at(k)] = b.curve ? std::sqrt(c.speed_squared) * size : size;
             }
             if (b.side == RailSide::both) continue;
             const auto f = laws().resultant<double>(i, 0.0, states, false, [](double w) { return w; });
             s.pushed = s.pushed && -b.binormal.dot(c.first.cross(f.force)) >=
-                                       -16.0 * std::numeric_limits<double>::epsilon() * s.effort[first(i)];
+                                       -16.0 * std::numeric_limits<double>::epsilon() * s.effort[at(first(i))];
         }
         return s;
     }
@@ -147,15 +155,15 @@ private:
 /// The zero of the forces near q, in place; whether there is one.
 inline bool relax(Forces& forces, std::vector<double>& q) {
     constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    const Eigen::Index n = forces.freedoms();
-    const auto at = [](Eigen::Index i) { return static_cast<std::size_t>(i); };
-    // stays on its rails
-    const auto moved = [&](const std::vector<double>& from, const Eigen::VectorXd& step) {
+    const int n = forces.freedoms();
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    // q - step, on the rails
+    const auto moved = [&](const std::vector<double>& from, const std::vector<double>& step) {
         std::vector<double> to = from;
-        for (Eigen::Index i = 0; i < n; ++i) to[at(i)] += step[i];
+        for (int i = 0; i < n; ++i) to[at(i)] -= step[at(i)];
         for (int i = 0; i < forces.bodies(); ++i)
             if (const auto& curve = forces.laws().body(i).curve) {
-                double& u = to[static_cast<std::size_t>(forces.first(i))];
+                double& u = to[at(forces.first(i))];
                 u = std::clamp(u, curve->domain().begin, curve->domain().end);
             }
         return to;
@@ -165,12 +173,12 @@ inline bool relax(Forces& forces, std::vector<double>& q) {
     if (!now.is_finite())
         throw InvalidInput("equilibria: where the search begins, " + forces.not_finite(q) +
                            " is not finite; begin elsewhere (near)");
-    Eigen::VectorXd most = now.effort;
+    std::vector<double> most = now.effort;
     const auto is_zero = [&](const Forces::State& s, const std::vector<double>& x, double slack) {
-        for (Eigen::Index i = 0; i < n; ++i) {
-            double rounding = 16.0 * s.effort[i];
-            for (Eigen::Index j = 0; j < n; ++j) rounding += 4.0 * std::abs(s.jacobian(i, j) * x[at(j)]);
-            if (std::abs(s.force[i]) > slack * epsilon * rounding) return false;
+        for (int i = 0; i < n; ++i) {
+            double rounding = 16.0 * s.effort[at(i)];
+            for (int j = 0; j < n; ++j) rounding += 4.0 * std::abs(s.jacobian(i, j) * x[at(j)]);
+            if (std::abs(s.force[at(i)]) > slack * epsilon * rounding) return false;
         }
         return true;
     };
@@ -182,17 +190,23 @@ inline bool relax(Forces& forces, std::vector<double>& q) {
             found = true;
             break;
         }
-        const Eigen::VectorXd weight = now.metric.cwiseInverse();
-        const Eigen::MatrixXd normal = now.jacobian.transpose() * weight.asDiagonal() * now.jacobian;
-        const double scale = normal.diagonal().cwiseQuotient(now.metric).maxCoeff();
-        const Eigen::MatrixXd damped = normal + damping * scale * Eigen::MatrixXd(now.metric.asDiagonal());
-        const Eigen::VectorXd step =
-            -damped.ldlt().solve(now.jacobian.transpose() * weight.cwiseProduct(now.force)).eval();
-        bool is_better = false;
-        std::vector<double> next = q;
+        // (J^T M^-1 J + damping M) step = J^T M^-1 Q
+        SquareMatrix normal(n);
+        std::vector<double> downhill(at(n));
+        double scale = 0.0;
+        for (int i = 0; i < n; ++i) {
+            for (int k = 0; k < n; ++k) {
+                const double weighted = now.jacobian(k, i) / now.metric[at(k)];
+                downhill[at(i)] += weighted * now.force[at(k)];
+                for (int j = 0; j < n; ++j) normal(i, j) += weighted * now.jacobian(k, j);
+            }
+            scale = std::max(scale, normal(i, i) / now.metric[at(i)]);
+        }
+        for (int i = 0; i < n; ++i) normal(i, i) += damping * scale * now.metric[at(i)];
+        const std::vector<double> next = moved(q, solve(normal, downhill).x);
         Forces::State there;
-        if (step.allFinite()) {
-            next = moved(q, step);
+        bool is_better = false;
+        if (std::all_of(next.begin(), next.end(), [](double x) { return std::isfinite(x); })) {
             there = forces.at_rest(next);
             is_better = there.is_finite() && there.misfit() < now.misfit();
         }
@@ -203,22 +217,24 @@ inline bool relax(Forces& forces, std::vector<double>& q) {
             continue;
         }
         double gone = 0.0, taken = 0.0;
-        for (Eigen::Index i = 0; i < n; ++i) {
-            gone = std::max(gone, now.metric[i] * std::pow(next[at(i)] - start[at(i)], 2));
-            taken = std::max(taken, now.metric[i] * std::pow(next[at(i)] - q[at(i)], 2));
+        bool faded = true;
+        for (int i = 0; i < n; ++i) {
+            gone = std::max(gone, now.metric[at(i)] * std::pow(next[at(i)] - start[at(i)], 2));
+            taken = std::max(taken, now.metric[at(i)] * std::pow(next[at(i)] - q[at(i)], 2));
+            most[at(i)] = std::max(most[at(i)], there.effort[at(i)]);
+            faded = faded && std::abs(there.force[at(i)]) <= 1e-13 * most[at(i)];
         }
         q = next;
         now = there;
-        most = most.cwiseMax(now.effort);
         damping = damping > 1e-9 ? 0.125 * damping : 0.0;
         // the forces die away to a zero of higher order, the steps with them
-        found = damping == 0.0 && taken < 1e-20 * gone && (now.force.cwiseAbs().array() <= 1e-13 * most.array()).all();
+        found = damping == 0.0 && taken < 1e-20 * gone && faded;
     }
     if (!found) return false;
     for (int iteration = 0; iteration < 4; ++iteration) {
-        const auto solver = now.jacobian.fullPivLu();
-        if (!solver.isInvertible()) break;
-        const std::vector<double> next = moved(q, -solver.solve(now.force));
+        const LinearSolution step = solve(now.jacobian, now.force);
+        if (!(step.pivots > n * epsilon)) break;
+        const std::vector<double> next = moved(q, step.x);
         const Forces::State there = forces.at_rest(next);
         if (!there.is_finite() || !(there.misfit() < now.misfit())) break;
         q = next;
@@ -230,16 +246,22 @@ inline bool relax(Forces& forces, std::vector<double>& q) {
 /// What a scene does about a zero of its forces.
 inline Equilibrium judged(Forces& forces, const std::vector<double>& q) {
     const Forces::State s = forces.at_rest(q);
-    const Eigen::VectorXd root = s.metric.cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd stiffness = -(root.asDiagonal() * s.jacobian * root.asDiagonal());
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (stiffness + stiffness.transpose()),
-                                                               Eigen::EigenvaluesOnly);
-    const Eigen::VectorXd& squares = modes.eigenvalues();
-    const double size = stiffness.cwiseAbs().maxCoeff();
-    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * static_cast<double>(q.size()) * size;
-    Equilibrium e{q, squares.minCoeff() > rounding};
+    const int n = forces.freedoms();
+    const auto root = [&](int i) { return std::sqrt(s.metric[static_cast<std::size_t>(i)]); };
+    SquareMatrix stiffness(n), symmetric(n);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) stiffness(i, j) = -s.jacobian(i, j) / (root(i) * root(j));
+    double twist = 0.0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            symmetric(i, j) = 0.5 * (stiffness(i, j) + stiffness(j, i));
+            twist = std::max(twist, std::abs(stiffness(i, j) - stiffness(j, i)));
+        }
+    const std::vector<double> squares = symmetric_eigenvalues(symmetric);
+    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * n * stiffness.largest();
+    Equilibrium e{q, squares.front() > rounding};
     // without a potential the modes are not those of the symmetric part
-    if ((stiffness - stiffness.transpose()).cwiseAbs().maxCoeff() <= rounding)
+    if (twist <= rounding)
         for (const double square : squares)
             if (square > rounding) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(square));
     return e;

@@ -1,0 +1,120 @@
+// Square matrices of any size: linear equations and eigenvalues, for what is asked once and not in every step.
+//
+// Eigen would do as well, at the price of a third of what the library takes to compile.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace rbdyn {
+
+/// A matrix of n rows and n columns, zero to begin with.
+class SquareMatrix {
+public:
+    explicit SquareMatrix(int size = 0) : n_(at(size)), a_(n_ * n_) {}
+    int size() const { return static_cast<int>(n_); }
+    double& operator()(int i, int j) { return a_[at(i) * n_ + at(j)]; }
+    double operator()(int i, int j) const { return a_[at(i) * n_ + at(j)]; }
+    /// All entries, row by row.
+    const std::vector<double>& entries() const { return a_; }
+    /// The largest size of an entry.
+    double largest() const {
+        double size = 0.0;
+        for (const double x : a_) size = std::max(size, std::abs(x));
+        return size;
+    }
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    std::size_t n_;
+    std::vector<double> a_;
+};
+
+/// The solution of linear equations; unknowns that no equation determines are zero.
+struct LinearSolution {
+    std::vector<double> x;
+    double pivots = 1.0;  // the least pivot over the largest: 0 if the matrix is singular, about rounding if nearly so
+};
+
+/// x of a x = b, by Gaussian elimination with complete pivoting (Golub and Van Loan, "Matrix Computations", 4th ed.,
+/// sec. 3.4.8).
+inline LinearSolution solve(SquareMatrix a, std::vector<double> b) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    const int n = a.size();
+    std::vector<int> unknown(at(n));
+    std::iota(unknown.begin(), unknown.end(), 0);
+    double largest = 0.0;
+    LinearSolution result{std::vector<double>(at(n))};
+    int rank = 0;
+    for (; rank < n; ++rank) {
+        const int k = rank;
+        int row = k, column = k;
+        for (int i = k; i < n; ++i)
+            for (int j = k; j < n; ++j)
+                if (std::abs(a(i, j)) > std::abs(a(row, column))) {
+                    row = i;
+                    column = j;
+                }
+        const double pivot = std::abs(a(row, column));
+        largest = std::max(largest, pivot);
+        result.pivots = pivot == 0.0 ? 0.0 : pivot / largest;
+        if (pivot == 0.0) break;
+        for (int j = 0; j < n; ++j) std::swap(a(k, j), a(row, j));
+        for (int i = 0; i < n; ++i) std::swap(a(i, k), a(i, column));
+        std::swap(b[at(k)], b[at(row)]);
+        std::swap(unknown[at(k)], unknown[at(column)]);
+        for (int i = k + 1; i < n; ++i) {
+            const double factor = a(i, k) / a(k, k);
+            for (int j = k + 1; j < n; ++j) a(i, j) -= factor * a(k, j);
+            b[at(i)] -= factor * b[at(k)];
+        }
+    }
+    for (int k = rank - 1; k >= 0; --k) {
+        for (int j = k + 1; j < rank; ++j) b[at(k)] -= a(k, j) * b[at(j)];
+        b[at(k)] /= a(k, k);
+        result.x[at(unknown[at(k)])] = b[at(k)];
+    }
+    return result;
+}
+
+/// The eigenvalues of a symmetric matrix in ascending order, by Jacobi's rotations (Golub and Van Loan, sec. 8.5):
+/// within rounding of the largest entry.
+inline std::vector<double> symmetric_eigenvalues(SquareMatrix a) {
+    const int n = a.size();
+    // convergence is quadratic: ten sweeps are more than large matrices take
+    constexpr int most_sweeps = 30;
+    const double rounding = 0x1p-4 * std::numeric_limits<double>::epsilon() * a.largest();
+    bool diagonal = false;
+    for (int sweep = 0; sweep < most_sweeps && !diagonal; ++sweep) {
+        diagonal = true;
+        for (int p = 0; p < n; ++p)
+            for (int q = p + 1; q < n; ++q) {
+                if (!(std::abs(a(p, q)) > rounding)) continue;
+                diagonal = false;
+                const double ratio = 0.5 * (a(q, q) - a(p, p)) / a(p, q);
+                const double t = std::copysign(1.0, ratio) / (std::abs(ratio) + std::hypot(ratio, 1.0));
+                const double c = 1.0 / std::hypot(t, 1.0), s = t * c, change = t * a(p, q);
+                for (int i = 0; i < n; ++i) {
+                    if (i == p || i == q) continue;
+                    const double x = a(i, p), y = a(i, q);
+                    a(i, p) = a(p, i) = c * x - s * y;
+                    a(i, q) = a(q, i) = s * x + c * y;
+                }
+                a(p, p) -= change;
+                a(q, q) += change;
+                a(p, q) = a(q, p) = 0.0;
+            }
+    }
+    std::vector<double> values;
+    for (int i = 0; i < n; ++i) values.push_back(a(i, i));
+    std::sort(values.begin(), values.end());
+    return values;
+}
+
+}  // namespace rbdyn
