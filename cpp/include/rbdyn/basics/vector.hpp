@@ -39,13 +39,14 @@ template <std::same_as<Vector3> V, class T>
 requires std::is_arithmetic_v<T> V operator/(const V& v, const T& s) { return {v[0] / s, v[1] / s, v[2] / s}; }
 template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
 V operator*(const M& m, const V& v) {
-    return m.lazyProduct(v);
+    const auto row = [&](int i) { return m(i, 0) * v[0] + (m(i, 1) * v[1] + m(i, 2) * v[2]); };
+    return {row(0), row(1), row(2)};
 }
 template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
 V operator*(const Eigen::Transpose<const M>& back, const V& v) {
     const M& m = back.nestedExpression();
-    const auto along = [&](int i) { return m(0, i) * v[0] + m(1, i) * v[1] + m(2, i) * v[2]; };
-    return {along(0), along(1), along(2)};
+    const auto column = [&](int j) { return m(0, j) * v[0] + (m(1, j) * v[1] + m(2, j) * v[2]); };
+    return {column(0), column(1), column(2)};
 }
 
 /// Three components in numbers of type S.

@@ -70,9 +70,9 @@ class Curve {
     template <std::size_t i = 0, class F>
     auto asked(const F& f) const {
         if constexpr (i + 1 < std::variant_size_v<CurveKinds::Form>) {
-            if (form_.index() != i) return asked<i + 1>(f);
+            if (form_->index() != i) return asked<i + 1>(f);
         }
-        return f(*std::get_if<i>(&form_));
+        return f(*std::get_if<i>(form_.get()));
     }
 
     /// What a search along the curve needs, whatever its kind.
@@ -91,7 +91,8 @@ public:
     /// Throws InvalidInput if the numbers make no curve.
     template <class Kind>
     requires(CurveKinds::has<Kind>) Curve(const Kind& kind)
-        : kind_(std::make_shared<const CurveKinds::Kind>(kind)), form_(curves::prepared(kind)) {
+        : kind_(std::make_shared<const CurveKinds::Kind>(kind)),
+          form_(std::make_shared<const CurveKinds::Form>(curves::prepared(kind))) {
         placement_ = asked([](const auto& form) { return form.placement(); });
     }
 
@@ -212,7 +213,7 @@ public:
                     ", and no tangent: choose a parameter where r' is not zero");
     }
 
-    bool operator==(const Curve& other) const { return form_ == other.form_ && placement_ == other.placement_; }
+    bool operator==(const Curve& other) const { return *form_ == *other.form_ && placement_ == other.placement_; }
 
 private:
     Vector3 third(double u) const {
@@ -227,7 +228,7 @@ private:
     Vector3 in_world(const Vector3& own_vector) const { return curves::turned<double>(placement_.axes, own_vector); }
 
     std::shared_ptr<const CurveKinds::Kind> kind_;
-    CurveKinds::Form form_;
+    std::shared_ptr<const CurveKinds::Form> form_;
     Placement placement_;
 };
 
