@@ -367,14 +367,7 @@ inline double Trajectory::power(double t, LoadHandle load, Side side) const {
         const double v = r.velocity.norm();
         return -(drag->linear + drag->quadratic * v) * v * v;
     }
-    return std::visit(
-        [&](const auto& load_) -> double {
-            if constexpr (std::is_same_v<std::decay_t<decltype(load_)>, Drag>)
-                return 0.0;
-            else
-                return load_.template operator()<double>(t, r.position, r.velocity).dot(r.velocity);
-        },
-        applied.load);
+    return force_of<double>(applied.load, t, r.position, r.velocity).dot(r.velocity);
 }
 
 inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
