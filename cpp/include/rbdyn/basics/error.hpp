@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace rbdyn {
 
@@ -19,7 +20,7 @@ struct InvalidInput : Error {
 };
 
 /// A double as text that reads back as the same double, short where that is possible.
-inline std::string text(double value) {
+[[gnu::noinline]] inline std::string text(double value) {
     if (std::isnan(value)) return "nan";
     for (int digits = 6; digits <= 17; ++digits) {
         std::ostringstream out;
@@ -30,10 +31,18 @@ inline std::string text(double value) {
     return {};
 }
 
-/// Throws InvalidInput("<object>: <what> is <value>; <rule>") unless the condition holds.
-inline void require(bool condition, const std::string& object, const std::string& what, double value,
-                    const std::string& rule) {
-    if (!condition) throw InvalidInput(object + ": " + what + " is " + text(value) + "; " + rule);
+/// Throws InvalidInput("<object>: <what> is <value>; <rule>").
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse(std::string_view object, std::string_view what, double value,
+                                                          std::string_view rule) {
+    std::string message(object);
+    message.append(": ").append(what).append(" is ").append(text(value)).append("; ").append(rule);
+    throw InvalidInput(message);
+}
+
+/// The same unless the condition holds.
+inline void require(bool condition, std::string_view object, std::string_view what, double value,
+                    std::string_view rule) {
+    if (!condition) refuse(object, what, value, rule);
 }
 
 }  // namespace rbdyn

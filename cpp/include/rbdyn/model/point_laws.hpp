@@ -73,7 +73,7 @@ public:
         int first = 0, first_rate = 0;    // its first position variable, its first velocity variable
         Vector3 force = Vector3::Zero();  // constant forces together
         double linear_drag = 0.0, quadratic_drag = 0.0;
-        std::vector<std::variant<Force, Potential, Lorentz>> functions;
+        std::vector<Load> functions;
         RigidMotion motion;
         RailSide side = RailSide::both;
         RailEnds ends = RailEnds::stop;
@@ -159,15 +159,13 @@ public:
                 if (force->is_constant())
                     body.force += seen(force->constant());
                 else
-                    body.functions.push_back(*force);
+                    body.functions.push_back(load.load);
             } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
                 body.linear_drag += drag->linear;
                 body.quadratic_drag += drag->quadratic;
-            } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
-                body.functions.push_back(*potential);
             } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load);
-                       lorentz != nullptr && lorentz->present()) {
-                body.functions.push_back(*lorentz);
+                       lorentz == nullptr || lorentz->present()) {
+                body.functions.push_back(load.load);
             }
         }
         for (Body& body : bodies_) body.force = snapped(body.force, body.force.norm());
@@ -366,8 +364,7 @@ public:
         Resultant<S> f{Vector3Of<S>(b.force), S(0.0)};
         for (const auto& function : b.functions) {
             const Vector3Of<S> r = in_world<S>(p.r), v = turned<S>(view_.axes, p.v);
-            f.force += turned<S>(view_.axes.transpose(),
-                                 std::visit([&](const auto& g) -> Vector3Of<S> { return g(t, r, v); }, function));
+            f.force += turned<S>(view_.axes.transpose(), force_of<S>(function, t, r, v));
         }
         if (b.linear_drag != 0.0 || b.quadratic_drag != 0.0) {
             S factor = S(b.linear_drag);

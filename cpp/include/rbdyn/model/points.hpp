@@ -191,7 +191,7 @@ public:
             if (!p.r.allFinite() || !p.v.allFinite()) return "the curve or the motion of the rail of " + b.name;
             const Vector3 r = laws_.in_world<double>(p.r), v = laws_.view().axes * p.v;
             for (const auto& load : b.functions) {
-                const Vector3 f = std::visit([&](const auto& g) -> Vector3 { return g(t, r, v); }, load);
+                const Vector3 f = force_of<double>(load, t, r, v);
                 if (f.allFinite()) continue;
                 std::string name = "the force";
                 if (const Force* force = std::get_if<Force>(&load)) name = "force \"" + force->name() + "\"";

@@ -51,15 +51,10 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
         w.add(s, Vector3Of<S>(-(velocity * factor)), point);
         return;
     }
-    if (const Force* force = std::get_if<Force>(&load.load)) {
-        Vector3Of<S> f = (*force)(t, place, velocity);
-        if (force->frame() == Frame::body) f = s.to_world(turned(law.frame.transpose(), f));
-        w.add(s, f, point);
-    } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
-        w.add(s, (*potential)(t, place, velocity), point);
-    } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
-        w.add(s, (*lorentz)(t, place, velocity), point);
-    }
+    Vector3Of<S> f = force_of<S>(load.load, t, place, velocity);
+    if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->frame() == Frame::body)
+        f = s.to_world(turned(law.frame.transpose(), f));
+    w.add(s, f, point);
 }
 
 /// Motion and reactions of a rigid body at a time.

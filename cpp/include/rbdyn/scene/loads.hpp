@@ -214,4 +214,14 @@ inline bool is_present(const Load& load) {
     return true;
 }
 
+/// The force of a load on a particle at r that moves with v; zero for a drag, whose law depends on how the particle
+/// moves (model/point_laws.hpp).
+template <class S>
+Vector3Of<S> force_of(const Load& load, const S& t, const Vector3Of<S>& r, const Vector3Of<S>& v) {
+    if (const Force* force = std::get_if<Force>(&load)) return (*force)(t, r, v);
+    if (const Potential* potential = std::get_if<Potential>(&load)) return (*potential)(t, r, v);
+    if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) return (*lorentz)(t, r, v);
+    return {S(0.0), S(0.0), S(0.0)};
+}
+
 }  // namespace rbdyn

@@ -102,8 +102,7 @@ inline double effort(const PointLaws& laws, int body, const std::vector<PointSta
     const PointState<double>& p = states[static_cast<std::size_t>(body)];
     const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
     double sum = b.force.norm();
-    for (const auto& function : b.functions)
-        sum += std::visit([&](const auto& g) -> Vector3 { return g(0.0, r, zero); }, function).norm();
+    for (const auto& function : b.functions) sum += force_of<double>(function, 0.0, r, zero).norm();
     for (const auto& c : laws.springs()) {
         if (c.a.body != body && c.b.body != body) continue;
         const PointLaws::SpringEnd& other = c.a.body == body ? c.b : c.a;

@@ -241,15 +241,7 @@ inline double Trajectory::power(double t, LoadHandle load, Side side) const {
         const double v = r.velocity.norm();
         return -(drag->linear + drag->quadratic * v) * v * v;
     }
-    return std::visit(
-        [&](const auto& load_) -> double {
-            using L = std::decay_t<decltype(load_)>;
-            if constexpr (std::is_same_v<L, Drag> || std::is_same_v<L, Torque> || std::is_same_v<L, TorsionSpring>)
-                return 0.0;
-            else
-                return load_.template operator()<double>(t, r.position, r.velocity).dot(r.velocity);
-        },
-        applied.load);
+    return force_of<double>(applied.load, t, r.position, r.velocity).dot(r.velocity);
 }
 
 inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
