@@ -3,16 +3,12 @@
 // Euler's equations I omega' = (I omega) x omega with the Poisson equation q' = 1/2 q (0, omega) (7.47, 7.48, 7.54):
 // spheres, bodies of revolution (7.56), three different moments, on the separatrix and however near to it.
 //
-// Notation, in principal axes so ordered that K circles axis 3, the intermediate moment is I2, and omega_3 > 0 > or =
-// by the choice of directions; s = sign(I3 - I2); E and K the energy and the angular momentum:
-//   omega = (alpha cn u, s beta sn u, gamma dn u),  u = mu t + u0,  parameter m,
-//   m/(1-m) and the amplitudes from sums without cancellation; only D = I1 (I1-I2) w1^2 + I3 (I3-I2) w3^2 (up to its
-//   sign I2 (2E) - K^2), whose zero is the separatrix, has one, and 1 - m follows from D, never from m.
-// Attitude from principal axes to axes whose third is K:
-//   the smallest turn that takes K to the third axis (never by more than 90 degrees), then the turn by psi,
+// Angular velocity in principal axes: polhode.hpp, whose notation holds here. Attitude from those to axes whose third
+// is K: the smallest turn that takes K to the third axis, by less than 180 degrees since K circles axis 3, then the
+// turn by psi,
 //   psi' = (2E + |K| omega_3)/(|K| + I3 omega_3),  psi = Lambda t - 2 s arg f(u),
-//   f a theta function of complex argument (theta_series.hpp), Lambda from psi' at u = 0.
-// All constants and the phases are numbers of 32 digits, the series at a time are doubles.
+// f a theta function of complex argument (theta_series.hpp), Lambda from psi' at u = 0, where omega_3 = gamma.
+// All constants and the phases are numbers of 32 digits; the series at a time are doubles.
 //
 // Source: Jacobi, "Sur la rotation d'un corps", 1849; Whittaker, Analytical Dynamics, 69; R. van Zon and J. Schofield,
 // "Numerical implementation of the exact dynamics of free rigid bodies", J. Comput. Phys. 225 (2007).
@@ -29,8 +25,8 @@
 #include <utility>
 
 #include "rbdyn/body/principal_axes.hpp"
-#include "rbdyn/closed_form/carlson.hpp"
 #include "rbdyn/closed_form/phase.hpp"
+#include "rbdyn/closed_form/polhode.hpp"
 #include "rbdyn/closed_form/theta_series.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
@@ -62,19 +58,14 @@ public:
         speed_ = angular_velocity.norm();
         const Vector3Of<DoubleDouble> omega = product(transposed(principal.axes), widened(angular_velocity));
         const Vector3Of<DoubleDouble>& moments = principal.moments;
-        conditioning_ = rounded(principal.axes).cwiseAbs().maxCoeff() == 1.0 &&
-                                rounded(principal.axes).cwiseAbs().sum() == 3.0
-                            ? 0.0
-                            : rounded(moments).maxCoeff() / rounded(moments).minCoeff();
-        bool constant = true;
-        for (int i = 0; i < 3; ++i) {
-            const int j = (i + 1) % 3, k = (i + 2) % 3;
-            if (omega[j].hi != 0.0 && omega[k].hi != 0.0 && moments[j] != moments[k]) constant = false;
-        }
-        if (constant)
+        if (Polhode::constant(moments, omega)) {
             set_constant(omega, principal.axes, start);
-        else
-            set_varying(moments, omega, principal.axes, start);
+            return;
+        }
+        const Polhode polhode(moments, omega);
+        set_varying(polhode, principal.axes, start);
+        if (principal.axes != widened(Matrix3(rounded(principal.axes).array().round()))) set_conditioning(moments);
+        set_defect(polhode, omega);
     }
     FreeRotation(const Matrix3Of<DoubleDouble>& inertia, const Quaternion& attitude, const Vector3& angular_velocity)
         : FreeRotation(principal_axes(inertia), attitude, angular_velocity) {}
@@ -83,7 +74,7 @@ public:
     State at(Instant t) const {
         if (t.hi == 0.0 && t.lo == 0.0) return start_;
         if (form_ == Form::constant) {
-            const SineCosine<double> half = sine_cosine_in<double>(turn_.at(t).rest);
+            const SineCosineOf<double> half = sine_cosine_in<double>(turn_.at(t).rest);
             const Vector3 v = half.sine * axis_;
             return {frame_.times({half.cosine, v[0], v[1], v[2]}), start_.angular_velocity};
         }
@@ -94,12 +85,11 @@ public:
 
     /// Estimate of the error at t: of omega over its size, and of the attitude [rad].
     double error(double t) const {
-        // what rounding leaves at any time; then numbers of 32 digits: a few roundings of each rate
-        constexpr double floor = 5e-16, digits = 0x1p-101;
-        const double turns = std::abs(t) * (std::abs(turn_.rate().hi) + std::abs(argument_.rate().hi));
-        double error = floor + digits * (1.0 + conditioning_) * (turns + speed_ * std::abs(t));
-        // near the separatrix, 1 - m is a difference of what is known to 32 digits, and sets the time of each flip
-        if (form_ == Form::hyperbolic && defect_ > 0.0) error += defect_ * (1.0 + std::abs(argument_.at({t, 0.0}).steps));
+        // what rounding leaves at any time, a few roundings of each rate to 32 digits, and those of 1 - m at each flip
+        constexpr double floor = 5e-16, digits = 0x1p-103;
+        const double rates = std::abs(turn_.rate().hi) + std::abs(argument_.rate().hi) + speed_;
+        const double flips = defect_ > 0.0 ? 1.0 + std::abs(argument_.at({t, 0.0}).steps) : 0.0;
+        const double error = floor + digits * (1.0 + conditioning_) * rates * std::abs(t) + defect_ * flips;
         return std::min(error, std::numbers::pi);
     }
 
@@ -128,8 +118,8 @@ private:
     /// What a time needs beside the phases.
     template <class S>
     struct Constants {
-        elliptic::CircularSeries<S> circular;
-        elliptic::HyperbolicSeries<S> hyperbolic;
+        CircularSeries<S> circular;
+        HyperbolicSeries<S> hyperbolic;
         Vector3Of<S> omega, momentum;  // amplitudes, those of I omega over |K|
     };
 
@@ -189,122 +179,86 @@ private:
         precession_ = size.hi;
     }
 
-    void set_varying(const Vector3Of<DoubleDouble>& moments, const Vector3Of<DoubleDouble>& omega,
-                     const Matrix3Of<DoubleDouble>& principal, const QuaternionOf<DoubleDouble>& start) {
-        // from the least moment to the largest
-        std::array<int, 3> order{0, 1, 2};
-        std::sort(order.begin(), order.end(), [&](int i, int j) { return moments[i] < moments[j]; });
-        const auto [a, b, c] = order;
-        const auto square = [](const DoubleDouble& x) { return x * x; };
-        const DoubleDouble by_a = moments[a] * (moments[b] - moments[a]) * square(omega[a]);
-        const DoubleDouble by_c = moments[c] * (moments[c] - moments[b]) * square(omega[c]);
-        const DoubleDouble difference = by_a - by_c;
-        const bool about_least = difference.hi > 0.0;
-        const int other = about_least ? c : a, circled = about_least ? a : c;
-
-        // axes 1, 2, 3, so directed that omega_1 >= 0 and omega_3 > 0
-        Matrix3Of<DoubleDouble> axes;
-        Vector3Of<DoubleDouble> w;
-        const bool back = omega[other].hi < 0.0, down = omega[circled].hi < 0.0;
-        const bool odd = (b - other + 3) % 3 != 1;  // whether (other, b, circled) is left-handed
-        const bool flip = (back != down) != odd;
-        for (const auto& [to, from, minus] : {std::tuple(0, other, back), {1, b, flip}, {2, circled, down}}) {
-            axes.col(to) = principal.col(from);
-            w[to] = omega[from];
-            if (!minus) continue;
-            axes.col(to) = -axes.col(to);
-            w[to] = -w[to];
-        }
-        const DoubleDouble &i1 = moments[other], &i2 = moments[b], &i3 = moments[circled];
-        const DoubleDouble d32 = i3 - i2, d31 = i3 - i1, d21 = i2 - i1;
-        const double sign = d32.hi > 0.0 ? 1.0 : -1.0;
-
-        // amplitudes, from K^2 - 2E I3 and K^2 - 2E I1
-        const DoubleDouble alpha2 = square(w[0]) + i2 * d32 / (i1 * d31) * square(w[1]);
-        const DoubleDouble gamma2 = square(w[2]) + i2 * d21 / (i3 * d31) * square(w[1]);
-        const DoubleDouble beta2 = alpha2 * (i1 * d31) / (i2 * d32);
-        const DoubleDouble alpha = sqrt(alpha2), beta = sqrt(beta2), gamma = sqrt(gamma2);
-        const DoubleDouble whole = gamma2 * i3 * d32;
-        const DoubleDouble m = alpha2 * i1 * d21 / whole, m1 = abs(difference) / abs(whole);
-        const DoubleDouble mu = gamma * sqrt(d31 * d32 / (i1 * i2));
-        const DoubleDouble quarter = elliptic::carlson_f(0.0, m1, 1.0), quarter1 = elliptic::carlson_f(0.0, m, 1.0);
-        const DoubleDouble cn = w[0] / alpha, dn = w[2] / gamma;
-        const DoubleDouble u0 = sign * w[1] / beta * elliptic::carlson_f(cn * cn, dn * dn, 1.0);
-
-        const DoubleDouble k1 = i1 * alpha, k3 = i3 * gamma, k = sqrt(k1 * k1 + k3 * k3);
-        const DoubleDouble sine = k1 / k, cosine = k3 / k;  // of the least angle between axis 3 and K
-        const DoubleDouble energy2 = i1 * square(w[0]) + i2 * square(w[1]) + i3 * square(w[2]);
-        const DoubleDouble half_rate = 0.5 * (energy2 + k * gamma) / (k + k3);  // of psi at u = 0
-
+    void set_varying(const Polhode& p, const Matrix3Of<DoubleDouble>& principal,
+                     const QuaternionOf<DoubleDouble>& start) {
+        sign_ = p.sign;
+        const DoubleDouble sine = p.momentum1 / p.momentum, cosine = p.momentum3 / p.momentum;  // of the least tilt
         Constants<DoubleDouble> exact;
-        exact.omega = {alpha, sign * beta, gamma};
-        exact.momentum = {sine, sign * i2 * beta / k, cosine};
-        const DoubleDouble two_pi = 2.0 * double_double::pi;
-        DoubleDouble half_mean;  // of psi over a period
-        if (m.hi <= 0.5) {
-            form_ = Form::circular;
-            const DoubleDouble q = m.hi == 0.0 ? DoubleDouble(0.0) : exp(-double_double::pi * quarter1 / quarter);
-            // K' - b = F at the sine cos(theta)
-            const DoubleDouble rest = cosine * elliptic::carlson_f(sine * sine, sine * sine + cosine * cosine * m, 1.0);
-            const DoubleDouble p = exp(-double_double::pi * rest / quarter);
-            exact.circular = {q, p};
-            now_.circular = {q, p};
-            const DoubleDouble scale = double_double::half_pi / quarter;
-            argument_ = Phase(mu * scale, u0 * scale, two_pi);
-            half_mean = half_rate + sign * exact.circular.phase_slope() * argument_.rate();
-            turn_ = Phase(half_mean, 0.0, two_pi);
-        } else {
-            form_ = Form::hyperbolic;
-            const DoubleDouble scale = double_double::half_pi / quarter1;
-            const DoubleDouble rest = sine * elliptic::carlson_f(cosine * cosine * m, m, sine * sine + cosine * cosine * m);
-            const DoubleDouble eta = rest * scale, half_step = quarter * scale;
-            const DoubleDouble root_nome = m1.hi == 0.0 ? DoubleDouble(0.0) : exp(-half_step);
-            exact.hyperbolic = {root_nome, eta};
-            now_.hyperbolic = {root_nome, eta};
-            argument_ = Phase(mu * scale, u0 * scale, 2.0 * half_step);
-            const DoubleDouble rate = half_rate + sign * exact.hyperbolic.phase_slope() * argument_.rate();
-            turn_ = Phase(rate, 0.0, two_pi);
-            jump_ = -sign * eta;
-            half_mean = rate - 0.5 * sign * eta * mu / quarter;
-            // roundings of D: of its products, and of what turning to principal axes left of each factor
-            const double by_turning = conditioning_ == 0.0 ? 0.0 : 1.0, largest = moments[c].hi;
-            const auto doubt = [&](const DoubleDouble& term, const DoubleDouble& gap, const DoubleDouble& component) {
-                if (term.hi == 0.0) return 0.0;
-                return term.hi * (1.0 + by_turning * (2.0 * speed_ / std::abs(component.hi) + largest / gap.hi));
-            };
-            if (m1.hi > 0.0)
-                defect_ = 0x1p-102 / std::abs(difference.hi) *
-                          (doubt(by_a, moments[b] - moments[a], omega[a]) +
-                           doubt(by_c, moments[c] - moments[b], omega[c]));
-        }
-        sign_ = sign;
-        set_queries(mu.hi / quarter.hi, half_mean.hi, std::atan2(k1.hi, k3.hi),
-                    std::atan2(i2.hi * beta.hi, k3.hi * std::sqrt(m1.hi)));
-        if (d21.hi == 0.0) regime_ = Regime::symmetric;
-        if (m1.hi == 0.0) regime_ = Regime::separatrix;
+        exact.omega = {p.alpha, sign_ * p.beta, p.gamma};
+        exact.momentum = {sine, sign_ * p.i2 * p.beta / p.momentum, cosine};
         now_.omega = rounded(exact.omega);
         now_.momentum = rounded(exact.momentum);
 
-        const QuaternionOf<DoubleDouble> to_principal = conjugate(attitude_of(axes));
-        from_body_ = rounded(to_principal);
+        // K' - b and b are inverses of Jacobi's functions: sn(K' - b, 1-m) = cosine, cn = sine
+        const DoubleDouble pi = double_double::pi, sine2 = sine * sine, mixed = sine2 + cosine * cosine * p.m;
+        const DoubleDouble half_rate = 0.5 * (p.energy2 + p.momentum * p.gamma) / (p.momentum + p.momentum3);
+        DoubleDouble half_mean;  // of psi' over a period
+        if (p.m.hi <= 0.5) {
+            form_ = Form::circular;
+            const DoubleDouble scale = 0.5 * pi / p.quarter;
+            const DoubleDouble nome = p.m.hi > 0.0 ? exp(-2.0 * scale * p.quarter1) : DoubleDouble(0.0);
+            const DoubleDouble outer_nome = exp(-2.0 * scale * cosine * carlson_rf(sine2, mixed, 1.0));
+            exact.circular = circular_series(nome, outer_nome);
+            now_.circular = rbdyn::rounded(exact.circular);
+            argument_ = Phase(p.mu * scale, p.u0 * scale, 2.0 * pi);
+            half_mean = half_rate + sign_ * exact.circular.phase_slope() * argument_.rate();
+            turn_ = Phase(half_mean, 0.0, 2.0 * pi);
+        } else {
+            form_ = Form::hyperbolic;
+            const DoubleDouble scale = 0.5 * pi / p.quarter1;
+            const DoubleDouble eta = scale * sine * carlson_rf(cosine * cosine * p.m, p.m, mixed);
+            const bool returns = p.m1.hi > 0.0;
+            const DoubleDouble step = returns ? 2.0 * scale * p.quarter : std::numeric_limits<double>::infinity();
+            exact.hyperbolic = hyperbolic_series(returns ? exp(-0.5 * step) : DoubleDouble(0.0), eta);
+            now_.hyperbolic = rbdyn::rounded(exact.hyperbolic);
+            argument_ = Phase(p.mu * scale, p.u0 * scale, step);
+            const DoubleDouble rate = half_rate + sign_ * exact.hyperbolic.phase_slope() * argument_.rate();
+            turn_ = Phase(rate, 0.0, 2.0 * pi);
+            jump_ = -sign_ * eta;
+            half_mean = rate + 0.5 * jump_ * p.mu / p.quarter;
+        }
+
+        Matrix3Of<DoubleDouble> axes;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vector3Of<DoubleDouble> e = principal.col(p.axis[i]);
+            axes.col(static_cast<int>(i)) = p.reversed[i] ? Vector3Of<DoubleDouble>(-e) : e;
+        }
         axes_ = rounded(axes);
-        const QuaternionOf<DoubleDouble> first = core(exact, {}).attitude;
-        frame_ = frame(unit(start * conjugate(first * to_principal)));
+        const QuaternionOf<DoubleDouble> from_body = conjugate(attitude_of(axes));
+        from_body_ = rounded(from_body);
+        frame_ = frame(unit(start * conjugate(core(exact, {}).attitude * from_body)));
+
+        regime_ = p.m1.hi == 0.0 ? Regime::separatrix : p.m.hi == 0.0 ? Regime::symmetric : Regime::generic;
+        const double quarters = p.mu.hi / p.quarter.hi;
+        period_ = 4.0 / quarters;
+        // K goes once round axis 3 in a period, backwards where that has the largest moment
+        proper_ = -sign_ * 0.5 * std::numbers::pi * quarters;
+        precession_ = 2.0 * half_mean.hi - proper_;
+        tilt_ = {std::atan2(sine.hi, cosine.hi),
+                 std::atan2(std::abs(exact.momentum[1].hi), cosine.hi * std::sqrt(p.m1.hi))};
     }
 
-    /// From quarter periods a second, and half the mean rate of psi = precession + proper rotation.
-    void set_queries(double quarters, double half_mean, double least_tilt, double largest_tilt) {
-        period_ = 4.0 / quarters;
-        // K goes once round the axis in a period, backwards where the axis has the largest moment
-        proper_ = -sign_ * 0.5 * std::numbers::pi * quarters;
-        precession_ = 2.0 * half_mean - proper_;
-        tilt_ = {least_tilt, largest_tilt};
+    /// Turning to principal axes leaves roundings of the largest moment in the least, and of omega in its components.
+    void set_conditioning(const Vector3Of<DoubleDouble>& moments) {
+        conditioning_ = rounded(moments).maxCoeff() / rounded(moments).minCoeff();
+    }
+    /// Near the separatrix 1 - m, a difference known to 32 digits of its terms, sets the time of each flip.
+    void set_defect(const Polhode& p, const Vector3Of<DoubleDouble>& omega) {
+        if (form_ != Form::hyperbolic || p.difference == 0.0) return;
+        const double largest = std::max(p.i1.hi, p.i3.hi);
+        double sum = 0.0;
+        for (const auto& [moment, axis] : {std::pair(p.i1.hi, p.axis[0]), {p.i3.hi, p.axis[2]}}) {
+            const double gap = std::abs(moment - p.i2.hi), w = std::abs(omega[axis].hi);
+            sum += moment * gap * w * w;
+            if (conditioning_ > 0.0) sum += moment * w * (2.0 * gap * speed_ + largest * w);
+        }
+        defect_ = 0x1p-105 * sum / p.difference;
     }
 
     template <class S>
     Core<S> core(const Constants<S>& constants, Instant t) const {
         const Phase::Reduced u = argument_.at(t);
-        elliptic::JacobiValues<S> f;
+        JacobiValues<S> f;
         DoubleDouble psi;
         if (form_ == Form::circular) {
             f = constants.circular.at(sine_cosine_in<S>(u.rest));
@@ -328,7 +282,7 @@ private:
         // the smallest turn of K to the third axis, then that by psi
         const S x = constants.momentum[1] * f.sn, y = -(constants.momentum[0] * f.cn);
         const S w = constants.momentum[2] * f.dn + 1.0;
-        const SineCosine<S> half = sine_cosine_in<S>(psi);
+        const SineCosineOf<S> half = sine_cosine_in<S>(psi);
         const S im = -(f.im * sign_);
         const S size = 1.0 / sqrt((f.re * f.re + f.im * f.im) * (w * w + x * x + y * y));
         const S c = (half.cosine * f.re - half.sine * im) * size, s = (half.sine * f.re + half.cosine * im) * size;

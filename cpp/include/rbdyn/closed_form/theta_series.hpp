@@ -1,32 +1,31 @@
 // Jacobi's functions sn, cn, dn at a real argument u of parameter m, and the phase of the theta function
 //   f(u) = theta_4(pi (u + i b) / 2K; q^2),  0 < b < K',
-// whose argument turns the attitude of a free body (see free_rotation.hpp). Two forms, so that the nome in use is never
-// above exp(-pi) = 0.043 and a handful of terms gives every digit:
+// which turns the attitude of a free body (free_rotation.hpp). Two forms, so that the nome in use is never above
+// exp(-pi) = 0.043 and a handful of terms gives every digit:
 //   circular, m <= 1/2: in z = pi u / 2K with the nome q = exp(-pi K'/K);
 //   hyperbolic, m > 1/2: in y = pi u / 2K' with the complementary nome q' = exp(-pi K/K'), by Jacobi's imaginary
-//   transformation. At m = 1 it is the hyperbolic functions of the separatrix.
+//   transformation, which splits f = exp(-i eta u / 2K) f~, eta = pi b / 2K', up to a positive factor. At m = 1 these
+//   are the hyperbolic functions of the separatrix.
+// Both are made of numbers of 32 digits, and rounded for use.
 //
-// Source: DLMF 20.2, 20.7.30-33, 22.2. Conventions: phase = (re f, im f) up to a positive factor.
+// Source: DLMF 20.2, 20.7.30-33, 22.2.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
-#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/closed_form/phase.hpp"
 
-namespace rbdyn::elliptic {
+namespace rbdyn {
 
 template <class S>
 struct JacobiValues {
     S sn, cn, dn;
-    S re, im;  // of f, up to a common positive factor
+    S re, im;  // of f or f~, up to a common positive factor
 };
 
-/// What no longer shows beside one in a number type.
-template <class S>
-inline constexpr double negligible = 0x1p-57;
-template <>
-inline constexpr double negligible<DoubleDouble> = 0x1p-110;
+namespace theta_series {
 
 /// base^exponent for whole exponents from 0.
 inline DoubleDouble power(const DoubleDouble& base, int exponent) {
@@ -35,165 +34,201 @@ inline DoubleDouble power(const DoubleDouble& base, int exponent) {
     return result;
 }
 
-/// The largest n with base^(n^2) not negligible.
-template <class S>
-int terms_of(const DoubleDouble& base, int most) {
+/// The largest n with base^(n^2) > negligible.
+inline int terms(const DoubleDouble& base, double negligible) {
     int n = 0;
-    while (n < most && power(base, (n + 1) * (n + 1)).hi > negligible<S>) ++n;
+    while (power(base, (n + 1) * (n + 1)).hi > negligible) ++n;
     return n;
 }
 
-/// Cosine and sine of the sum of two angles.
+/// What no longer shows beside one.
+inline constexpr double negligible = 0x1p-57, negligible_of_32_digits = 0x1p-110;
+
+/// Sine and cosine of the sum of two angles.
 template <class S>
-SineCosine<S> turned(const SineCosine<S>& a, const SineCosine<S>& by) {
+SineCosineOf<S> turned(const SineCosineOf<S>& a, const SineCosineOf<S>& by) {
     return {a.sine * by.cosine + a.cosine * by.sine, a.cosine * by.cosine - a.sine * by.sine};
 }
 
+template <std::size_t size>
+std::array<double, size> rounded(const std::array<DoubleDouble, size>& a) {
+    std::array<double, size> result;
+    for (std::size_t i = 0; i < size; ++i) result[i] = static_cast<double>(a[i]);
+    return result;
+}
+
+}  // namespace theta_series
+
 template <class S>
-class CircularSeries {
-public:
-    CircularSeries() = default;
-    /// From the nome q and p = exp(-pi (K' - b)/K), q <= p <= 1.
-    CircularSeries(const DoubleDouble& q, const DoubleDouble& p) {
-        const DoubleDouble r = q / p;
-        terms_ = terms_of<S>(q, most);
-        DoubleDouble two = 1.0, three = 1.0, four = 1.0;  // theta_2/2 q^(1/4), theta_3, theta_4 at z = 0
-        for (int n = 1; n <= most; ++n) {
-            const auto i = static_cast<std::size_t>(n - 1);
-            const double sign = n % 2 == 0 ? 1.0 : -1.0;
-            const DoubleDouble odd = power(q, n * (n + 1)), even = 2.0 * power(q, n * n);
-            const DoubleDouble outer = power(q, 2 * n * n - n) * power(p, n), inner = power(q, 2 * n * n) * power(r, n);
-            two += odd;
-            three += even;
-            four += sign * even;
-            odd_[i] = static_cast<S>(odd);
-            even_[i] = static_cast<S>(even);
-            re_[i] = static_cast<S>(sign * (outer + inner));
-            im_[i] = static_cast<S>(sign * (inner - outer));
-        }
-        sn_ = static_cast<S>(three / two);
-        cn_ = static_cast<S>(four / two);
-        dn_ = static_cast<S>(four / three);
-    }
+struct CircularSeries {
+    static constexpr std::size_t size = 6;  // exp(-pi)^36 = 7e-50
+
+    S nome = 0.0;
+    std::size_t terms = 0;
+    // n-th term: odd sin or cos((2n+1) z), even and re cos(2nz), im sin(2nz)
+    std::array<S, size> odd{}, even{}, re{}, im{};
+    S sn = 0.0, cn = 0.0, dn = 0.0;
 
     /// At z, given by its sine and cosine.
-    JacobiValues<S> at(const SineCosine<S>& z) const {
-        const SineCosine<S> twice = turned(z, z);
-        SineCosine<S> odd = z, even{0.0, 1.0};
-        S one = z.sine, two = z.cosine, three = 1.0, four = 1.0, re = 1.0, im = 0.0;
-        for (int n = 1; n <= terms_; ++n) {
-            const auto i = static_cast<std::size_t>(n - 1);
-            odd = turned(odd, twice);
-            even = turned(even, twice);
-            const S a = odd_[i] * odd.sine, b = even_[i] * even.cosine;
+    JacobiValues<S> at(const SineCosineOf<S>& z) const {
+        const SineCosineOf<S> twice = theta_series::turned(z, z);
+        SineCosineOf<S> odd_angle = z, even_angle{0.0, 1.0};
+        S one = z.sine, two = z.cosine, three = 1.0, four = 1.0, real = 1.0, imaginary = 0.0;
+        for (std::size_t n = 1; n <= terms; ++n) {
+            odd_angle = theta_series::turned(odd_angle, twice);
+            even_angle = theta_series::turned(even_angle, twice);
+            const S a = odd[n] * odd_angle.sine, b = even[n] * even_angle.cosine;
             one = n % 2 == 0 ? one + a : one - a;
-            two += odd_[i] * odd.cosine;
+            two += odd[n] * odd_angle.cosine;
             three += b;
             four = n % 2 == 0 ? four + b : four - b;
-            re += re_[i] * even.cosine;
-            im += im_[i] * even.sine;
+            real += re[n] * even_angle.cosine;
+            imaginary += im[n] * even_angle.sine;
         }
-        return {sn_ * one / four, cn_ * two / four, dn_ * three / four, re, im};
+        return {sn * one / four, cn * two / four, dn * three / four, real, imaginary};
     }
 
     /// d arg f / dz at z = 0.
     S phase_slope() const {
-        S slope = 0.0, re = 1.0;
-        for (int n = 1; n <= terms_; ++n) {
-            const auto i = static_cast<std::size_t>(n - 1);
-            slope += im_[i] * static_cast<double>(2 * n);
-            re += re_[i];
+        S slope = 0.0, real = 1.0;
+        for (std::size_t n = 1; n <= terms; ++n) {
+            slope += im[n] * (2.0 * static_cast<double>(n));
+            real += re[n];
         }
-        return slope / re;
+        return slope / real;
     }
-
-private:
-    static constexpr int most = 5;  // exp(-pi)^36 = 7e-50
-    int terms_ = 0;
-    // sums of odd_ sin or cos((2n+1) z), even_ and re_ cos(2nz), im_ sin(2nz)
-    std::array<S, most> odd_{}, even_{}, re_{}, im_{};
-    S sn_ = 0.0, cn_ = 0.0, dn_ = 0.0;
 };
+
+/// From the nome q and p = exp(-pi (K' - b)/K), q <= p <= 1.
+inline CircularSeries<DoubleDouble> circular_series(const DoubleDouble& q, const DoubleDouble& p) {
+    using theta_series::power;
+    CircularSeries<DoubleDouble> s;
+    s.nome = q;
+    const int terms = theta_series::terms(q, theta_series::negligible_of_32_digits);
+    s.terms = static_cast<std::size_t>(terms);
+    DoubleDouble two = 1.0, three = 1.0, four = 1.0;  // theta_2/2 q^(1/4), theta_3, theta_4 at z = 0
+    for (int n = 1; n <= terms; ++n) {
+        const auto i = static_cast<std::size_t>(n);
+        const double sign = n % 2 == 0 ? 1.0 : -1.0;
+        s.odd[i] = power(q, n * (n + 1));
+        s.even[i] = 2.0 * power(q, n * n);
+        two += s.odd[i];
+        three += s.even[i];
+        four += sign * s.even[i];
+        // q^(2 n^2) exp(+-2n beta), exp(2 beta) = p/q
+        const DoubleDouble outer = power(q, 2 * n * n - n) * power(p, n);
+        const DoubleDouble inner = power(q, 2 * n * n) * power(q / p, n);
+        s.re[i] = sign * (inner + outer);
+        s.im[i] = sign * (inner - outer);
+    }
+    s.sn = three / two;
+    s.cn = four / two;
+    s.dn = four / three;
+    return s;
+}
+
+inline CircularSeries<double> rounded(const CircularSeries<DoubleDouble>& s) {
+    using theta_series::rounded;
+    return {s.nome.hi,      static_cast<std::size_t>(theta_series::terms(s.nome, theta_series::negligible)),
+            rounded(s.odd), rounded(s.even),
+            rounded(s.re),  rounded(s.im),
+            s.sn.hi,        s.cn.hi,
+            s.dn.hi};
+}
 
 template <class S>
-class HyperbolicSeries {
-public:
-    HyperbolicSeries() = default;
-    /// From the root of the complementary nome, sqrt(q') = exp(-pi K/2K'), and eta = pi b / 2K', 0 < eta < pi/2.
-    HyperbolicSeries(const DoubleDouble& root_nome, const DoubleDouble& eta) : root_nome_(static_cast<S>(root_nome)) {
-        const SineCosine<DoubleDouble> half = sine_cosine(0.5 * eta), whole = turned(half, half);
-        SineCosine<DoubleDouble> angle = half;
-        const DoubleDouble nome = root_nome * root_nome;
-        terms_ = terms_of<S>(root_nome, most);
-        for (int n = 0; n <= most + 1; ++n) {
-            const auto i = static_cast<std::size_t>(n);
-            square_[i] = static_cast<S>(power(nome, n * n));
-            oblong_[i] = static_cast<S>(power(nome, n * (n + 1)));
-            const DoubleDouble outer = power(root_nome, n * n), inner = power(root_nome, n * (n + 1));
-            re_outer_[i] = static_cast<S>(outer * angle.cosine);
-            re_inner_[i] = static_cast<S>(inner * angle.cosine);
-            im_outer_[i] = static_cast<S>(outer * angle.sine);
-            im_inner_[i] = static_cast<S>(inner * angle.sine);
-            angle = turned(angle, whole);
-        }
-        // theta_2/q'^(1/4), theta_3, theta_4 at zero
-        DoubleDouble two = 2.0, three = 1.0, four = 1.0;
-        for (int n = 1; n <= most; ++n) {
-            const DoubleDouble even = 2.0 * power(nome, n * n);
-            two += 2.0 * power(nome, n * (n + 1));
-            three += even;
-            four += n % 2 == 0 ? even : -even;
-        }
-        sn_ = static_cast<S>(three / four);
-        cn_ = static_cast<S>(two / four);
-        dn_ = static_cast<S>(two / three);
-    }
+struct HyperbolicSeries {
+    static constexpr std::size_t size = 9;  // exp(-pi/2)^64 = 2e-44
 
-    /// At y >= 0, given by e = exp(-y), y <= pi K / 2K'.
+    S root_nome = 0.0;
+    std::size_t terms = 0;
+    // nome^(n^2) and nome^(n (n+1)); the same of its root times cos and sin((n + 1/2) eta)
+    std::array<S, size> square{}, oblong{}, re_outer{}, re_inner{}, im_outer{}, im_inner{};
+    S sn = 0.0, cn = 0.0, dn = 0.0;
+
+    /// At y >= 0, given by e = exp(-y), y <= pi K / 2K'; odd functions change sign with y.
     JacobiValues<S> at(const S& e) const {
-        // near one end e is small, near the other g; their powers go with the nome's
-        const S g = root_nome_ == S(0.0) ? S(0.0) : root_nome_ / e;
+        // at one end e is small, at the other g; their powers go with the nome's
+        const S g = root_nome == S(0.0) ? S(0.0) : root_nome / e;
         const S ee = e * e, gg = g * g;
-        S en = e, gn = 1.0, een = ee, ggn = 1.0;  // e^(n+1), g^n, and their squares
-        S one = 0.0, two = 0.0, three = 1.0, four = 1.0, re = 0.0, im = 0.0;
-        for (int n = 0; n <= terms_; ++n) {
-            const auto i = static_cast<std::size_t>(n);
-            const S outer = square_[i] * ggn, inner = oblong_[i] * een;
-            const S difference = outer - inner;
+        S e_power = e, g_power = 1.0, ee_power = ee, gg_power = 1.0;  // e^(n+1), g^n, and their squares
+        S one = 0.0, two = 0.0, three = 1.0, four = 1.0, real = 0.0, imaginary = 0.0;
+        for (std::size_t n = 0; n <= terms; ++n) {
+            const S outer = square[n] * gg_power, inner = oblong[n] * ee_power;
+            // the functions even in y are one term ahead
+            gg_power *= gg;
+            const S difference = outer - inner, ahead = oblong[n] * gg_power + square[n + 1] * ee_power;
             one = n % 2 == 0 ? one + difference : one - difference;
             two += outer + inner;
-            re += re_outer_[i] * gn + re_inner_[i] * en;
-            im += im_outer_[i] * gn - im_inner_[i] * en;
-            // the next term of the even functions
-            const S even = oblong_[i] * (ggn * gg) + square_[i + 1] * een;
-            three += even;
-            four = n % 2 == 0 ? four - even : four + even;
-            en *= e;
-            gn *= g;
-            een *= ee;
-            ggn *= gg;
+            three += ahead;
+            four = n % 2 == 0 ? four - ahead : four + ahead;
+            real += re_outer[n] * g_power + re_inner[n] * e_power;
+            imaginary += im_outer[n] * g_power - im_inner[n] * e_power;
+            ee_power *= ee;
+            e_power *= e;
+            g_power *= g;
         }
         const S scale = e / two;
-        return {sn_ * one / two, cn_ * four * scale, dn_ * three * scale, re, im};
+        return {sn * one / two, cn * four * scale, dn * three * scale, real, imaginary};
     }
 
-    /// d arg f~ / dy at y = 0, f~ the part of f whose argument does not grow with u.
+    /// d arg f~ / dy at y = 0.
     S phase_slope() const {
-        S slope = 0.0, re = 0.0;
-        for (int n = 0; n <= terms_; ++n) {
-            const auto i = static_cast<std::size_t>(n);
-            slope += im_inner_[i] * (n + 0.5);
-            re += re_inner_[i];
+        S slope = 0.0, real = 0.0;
+        for (std::size_t n = 0; n <= terms; ++n) {
+            slope += im_inner[n] * (static_cast<double>(n) + 0.5);
+            real += re_inner[n];
         }
-        return slope / re;
+        return slope / real;
     }
-
-private:
-    static constexpr int most = 7;  // exp(-pi/2)^64 = 2e-44
-    int terms_ = 0;
-    S root_nome_ = 0.0;
-    std::array<S, most + 2> square_{}, oblong_{}, re_outer_{}, re_inner_{}, im_outer_{}, im_inner_{};
-    S sn_ = 0.0, cn_ = 0.0, dn_ = 0.0;
 };
 
-}  // namespace rbdyn::elliptic
+/// From sqrt(q') = exp(-pi K / 2K'), and eta = pi b / 2K', 0 < eta < pi/2.
+inline HyperbolicSeries<DoubleDouble> hyperbolic_series(const DoubleDouble& root_nome, const DoubleDouble& eta) {
+    using theta_series::power;
+    HyperbolicSeries<DoubleDouble> s;
+    s.root_nome = root_nome;
+    const int terms = theta_series::terms(root_nome, theta_series::negligible_of_32_digits);
+    s.terms = static_cast<std::size_t>(terms);
+    const DoubleDouble nome = root_nome * root_nome;
+    const auto half = sine_cosine_in<DoubleDouble>(0.5 * eta), whole = theta_series::turned(half, half);
+    SineCosineOf<DoubleDouble> angle = half;
+    DoubleDouble two = 0.0, three = 1.0, four = 1.0;  // theta_2/q'^(1/4), theta_3, theta_4 at y = 0
+    for (int n = 0; n <= terms + 1; ++n) {
+        const auto i = static_cast<std::size_t>(n);
+        s.square[i] = power(nome, n * n);
+        s.oblong[i] = power(nome, n * (n + 1));
+        two += 2.0 * s.oblong[i];
+        if (n > 0) {
+            three += 2.0 * s.square[i];
+            four += (n % 2 == 0 ? 2.0 : -2.0) * s.square[i];
+        }
+        const DoubleDouble outer = power(root_nome, n * n), inner = power(root_nome, n * (n + 1));
+        s.re_outer[i] = outer * angle.cosine;
+        s.im_outer[i] = outer * angle.sine;
+        s.re_inner[i] = inner * angle.cosine;
+        s.im_inner[i] = inner * angle.sine;
+        angle = theta_series::turned(angle, whole);
+    }
+    s.sn = three / four;
+    s.cn = two / four;
+    s.dn = two / three;
+    return s;
+}
+
+inline HyperbolicSeries<double> rounded(const HyperbolicSeries<DoubleDouble>& s) {
+    using theta_series::rounded;
+    return {s.root_nome.hi,
+            static_cast<std::size_t>(theta_series::terms(s.root_nome, theta_series::negligible)),
+            rounded(s.square),
+            rounded(s.oblong),
+            rounded(s.re_outer),
+            rounded(s.re_inner),
+            rounded(s.im_outer),
+            rounded(s.im_inner),
+            s.sn.hi,
+            s.cn.hi,
+            s.dn.hi};
+}
+
+}  // namespace rbdyn

@@ -1,0 +1,88 @@
+// The angular velocity of a free body in principal axes: constants of its motion, with all 32 digits.
+//
+// The axes are ordered and directed so that K circles axis 3, the intermediate moment is I2, omega_1 >= 0, omega_3 > 0
+// and the three are right-handed. With s = sign(I3 - I2), E the energy and K the angular momentum (7.48, M = 0):
+//   omega = (alpha cn u, s beta sn u, gamma dn u),  u = mu t + u0,
+//   alpha^2 = w1^2 + I2 (I3-I2) / (I1 (I3-I1)) w2^2,  gamma^2 = w3^2 + I2 (I2-I1) / (I3 (I3-I1)) w2^2,
+//   m = I1 (I2-I1) alpha^2 / (I3 (I3-I2) gamma^2),     1-m = |D| / (I3 |I3-I2| gamma^2).
+// These are sums of positive terms but for D = A (B-A) wA^2 - C (C-B) wC^2 = 2E B - K^2, A < B < C the moments, whose
+// sign tells which axis K circles and whose zero is the separatrix, m = 1.
+//
+// Source: Landau and Lifshitz, Mechanics, 37; Whittaker, Analytical Dynamics, 69.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/closed_form/elliptic.hpp"
+
+namespace rbdyn {
+
+struct Polhode {
+    std::array<int, 3> axis;       // which of the given axes are 1, 2, 3
+    std::array<bool, 3> reversed;  // and whether they point the other way
+    DoubleDouble i1, i2, i3;       // moments
+    double sign;                   // of I3 - I2
+    DoubleDouble alpha, beta, gamma, mu, u0;
+    DoubleDouble m, m1;                // the parameter, and 1 - m
+    DoubleDouble quarter, quarter1;    // K(m), K(1-m)
+    DoubleDouble momentum, momentum1;  // |K|, I1 alpha
+    DoubleDouble momentum3;            // I3 gamma
+    DoubleDouble energy2;              // 2E
+    double difference;                 // |D|
+
+    /// Whether omega stays as it is: parallel to a principal axis (7.55, Def. 7.3).
+    static bool constant(const Vector3Of<DoubleDouble>& moments, const Vector3Of<DoubleDouble>& omega) {
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            if (omega[j].hi != 0.0 && omega[k].hi != 0.0 && moments[j] != moments[k]) return false;
+        }
+        return true;
+    }
+
+    /// Of an angular velocity that is not constant, in principal axes.
+    Polhode(const Vector3Of<DoubleDouble>& moments, const Vector3Of<DoubleDouble>& omega) {
+        const auto square = [](const DoubleDouble& x) { return x * x; };
+        std::array<int, 3> order{0, 1, 2};
+        std::sort(order.begin(), order.end(), [&](int i, int j) { return moments[i] < moments[j]; });
+        const auto [a, b, c] = order;
+        const DoubleDouble by_a = moments[a] * (moments[b] - moments[a]) * square(omega[a]);
+        const DoubleDouble by_c = moments[c] * (moments[c] - moments[b]) * square(omega[c]);
+        const DoubleDouble d = by_a - by_c;
+        difference = std::abs(d.hi);
+
+        axis = d.hi > 0.0 ? std::array{c, b, a} : std::array{a, b, c};
+        const bool back = omega[axis[0]].hi < 0.0, down = omega[axis[2]].hi < 0.0;
+        const bool left_handed = (axis[1] - axis[0] + 3) % 3 != 1;
+        reversed = {back, (back != down) != left_handed, down};
+        const auto component = [&](std::size_t i) { return reversed[i] ? -omega[axis[i]] : omega[axis[i]]; };
+        const DoubleDouble w1 = component(0), w2 = component(1), w3 = component(2);
+        i1 = moments[axis[0]];
+        i2 = moments[b];
+        i3 = moments[axis[2]];
+        const DoubleDouble d32 = i3 - i2, d31 = i3 - i1, d21 = i2 - i1;
+        sign = d32.hi > 0.0 ? 1.0 : -1.0;
+
+        const DoubleDouble alpha2 = square(w1) + i2 * d32 / (i1 * d31) * square(w2);
+        const DoubleDouble gamma2 = square(w3) + i2 * d21 / (i3 * d31) * square(w2);
+        alpha = sqrt(alpha2);
+        beta = sqrt(alpha2 * (i1 * d31) / (i2 * d32));
+        gamma = sqrt(gamma2);
+        const DoubleDouble whole = i3 * d32 * gamma2;
+        m = i1 * d21 * alpha2 / whole;
+        m1 = abs(d) / abs(whole);
+        mu = gamma * sqrt(d31 * d32 / (i1 * i2));
+        quarter = complete_elliptic_integral(sqrt(m1));
+        quarter1 = complete_elliptic_integral(sqrt(m));
+        u0 = sign * w2 / beta * carlson_rf(square(w1) / alpha2, square(w3) / gamma2, 1.0);
+
+        momentum1 = i1 * alpha;
+        momentum3 = i3 * gamma;
+        momentum = sqrt(square(momentum1) + square(momentum3));
+        energy2 = i1 * square(w1) + i2 * square(w2) + i3 * square(w3);
+    }
+};
+
+}  // namespace rbdyn
