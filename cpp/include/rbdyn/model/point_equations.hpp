@@ -208,10 +208,13 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
         if (laws.is_conservative(i)) held.push_back(i);
     if (!held.empty())
         result->equations.projection = [&laws, held](std::span<const double> x) {
-            std::vector<RigidProjection> parts;
+            std::vector<std::unique_ptr<const Projection>> parts;
             for (const int i : held) {
                 const PointLaws::Body& b = laws.body(i);
-                parts.emplace_back(*b.rigid, b.first, b.first_rate, b.force, x);
+                if (b.rigid->turns_freely())
+                    parts.push_back(std::make_unique<RigidProjection>(*b.rigid, b.first, b.first_rate, b.force, x));
+                else
+                    parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, b.force, x));
             }
             return std::make_unique<const Projections>(std::move(parts));
         };

@@ -294,11 +294,11 @@ public:
     RigidReport rigid_report(int index, double t, std::span<const double> x) const {
         return rigid_report(index, t, x, states(t, x, std::vector<signed char>(bodies_.size(), 1)));
     }
-    /// Whether nothing acts on a rigid body but its weight, and it turns freely.
+    /// Whether nothing acts on a rigid body that turns but its weight.
     bool is_conservative(int index) const {
         const Body& b = bodies_[at(index)];
         const auto touches = [&](const ConnectedSpring& c) { return c.a.body == index || c.b.body == index; };
-        return b.rigid && b.rigid->turns_freely() && b.loads.empty() &&
+        return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
                std::none_of(springs_.begin(), springs_.end(), touches);
     }
     /// Power of a load on a rigid body.

@@ -15,12 +15,27 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "rbdyn/model/rigid_law.hpp"
 
 namespace rbdyn {
+
+namespace projecting {
+
+/// x + low changed, the sum compensated.
+inline void add(std::span<double> x, std::span<double> low, int index, long double change) {
+    const auto i = static_cast<std::size_t>(index);
+    const long double value = static_cast<long double>(x[i]) + change;
+    const auto high = static_cast<double>(value);
+    const Instant sum = exact_sum(high, low[i] + static_cast<double>(value - static_cast<long double>(high)));
+    x[i] = sum.hi;
+    low[i] = sum.lo;
+}
+
+}  // namespace projecting
 
 class RigidProjection : public Projection {
 public:
@@ -38,9 +53,12 @@ public:
         is_heavy_ = !is_free && !force.isZero(0.0) && !law.center.isZero(0.0);
         const std::vector<double> none(x.size(), 0.0);
         const Now now = look(x, none);
+        if (is_heavy_) {
+            force_size_ = norm(force_);
+            side_ = to_frame(now, force_)[2] < 0.0L ? -1.0L : 1.0L;
+        }
         energy_ = energy(now);
         if (is_heavy_) {
-            force_size_ = std::sqrt(dot(force_, force_));
             vertical_ = vertical(now);
             speed_ = std::sqrt(std::abs(dot(now.omega, now.omega)) + force_size_ * norm(arm_) / least());
         } else {
@@ -63,8 +81,13 @@ public:
         const Real h[3] = {0.5L * turn[0], 0.5L * turn[1], 0.5L * turn[2]};
         const Real dq[4] = {w * shrink - a * h[0] - b * h[1] - c * h[2], a * shrink + w * h[0] + b * h[2] - c * h[1],
                             b * shrink + w * h[1] + c * h[0] - a * h[2], c * shrink + w * h[2] + a * h[1] - b * h[0]};
-        for (int i = 0; i < 4; ++i) add(x, low, attitude_ + i, dq[i]);
-        for (int i = 0; i < (follows_axis_ ? 2 : 3); ++i) add(x, low, omega_ + i, change[at(i)]);
+        for (int i = 0; i < 4; ++i) projecting::add(x, low, attitude_ + i, dq[i]);
+        for (int i = 0; i < (follows_axis_ ? 2 : 3); ++i) projecting::add(x, low, omega_ + i, change[at(i)]);
+        // a spin within two turns keeps its digits
+        if (follows_axis_ && std::abs(x[at(attitude_ + 4)]) > 8.0)
+            projecting::add(
+                x, low, attitude_ + 4,
+                -std::copysign(4.0L * std::numbers::pi_v<long double>, static_cast<Real>(x[at(attitude_ + 4)])));
     }
 
 private:
@@ -82,11 +105,6 @@ private:
     static Real norm(const Vector& a) { return std::sqrt(dot(a, a)); }
     static Vector cross(const Vector& a, const Vector& b) {
         return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    }
-    static void add(std::span<double> x, std::span<double> low, int i, Real change) {
-        const Instant sum = exact_sum(x[at(i)], low[at(i)] + static_cast<double>(change));
-        x[at(i)] = sum.hi;
-        low[at(i)] = sum.lo;
     }
     Real least() const { return std::min({moment_[0], moment_[1], moment_[2]}); }
 
@@ -119,7 +137,17 @@ private:
     }
     Real energy(const Now& now) const {
         const Real kinetic = 0.5L * dot(momentum(now), now.omega);
-        return is_heavy_ ? kinetic - dot(to_frame(now, force_), arm_) : kinetic;
+        if (!is_heavy_) return kinetic;
+        const Vector f = to_frame(now, force_);
+        if (!follows_axis_) return kinetic - dot(f, arm_);
+        // short of constants: nothing is left of them for a top that all but sleeps
+        const Real across = 0.5L * moment_[0] * (now.omega[0] * now.omega[0] + now.omega[1] * now.omega[1]);
+        return across + arm_[2] * side_ * away(f);
+    }
+    /// |f| - side f3, without cancellation.
+    Real away(const Vector& f) const {
+        const Real along = side_ * f[2];
+        return along > 0.0L ? (f[0] * f[0] + f[1] * f[1]) / (force_size_ + along) : force_size_ - along;
     }
     Real defect(const Now& now, int i) const {
         Real sum = 0.0L;
@@ -128,7 +156,10 @@ private:
         return sum;
     }
     /// K along the force, times its size.
-    Real vertical(const Now& now) const { return dot(momentum(now), to_frame(now, force_)); }
+    Real vertical(const Now& now) const {
+        const Vector f = to_frame(now, force_), k = momentum(now);
+        return follows_axis_ ? k[0] * f[0] + k[1] * f[1] - k[2] * side_ * away(f) : dot(k, f);
+    }
 
     void hold_free(const Now& now, Vector& change, Vector& turn) const {
         int axis = 0;
@@ -182,19 +213,65 @@ private:
     bool follows_axis_, is_heavy_ = false;
     int attitude_, omega_;
     Vector moment_{}, arm_{}, force_{}, momentum_{}, defect_{};
-    Real energy_ = 0.0L, vertical_ = 0.0L, force_size_ = 0.0L, speed_ = 1.0L, square_ = 0.0L;
+    Real energy_ = 0.0L, vertical_ = 0.0L, force_size_ = 0.0L, side_ = 1.0L, speed_ = 1.0L, square_ = 0.0L;
+};
+
+/// The energy of a heavy body on a hinge (text after 7.60), I psi'^2/2 - F.c, taken from the lowest point on the lower
+/// half of the circle and from the highest on the upper, where it is small near rest and near the separatrix.
+class HingeProjection : public Projection {
+public:
+    HingeProjection(const RigidLaw& law, int q, int v, const Vector3& force, std::span<const double> x)
+        : angle_(q), rate_(v), moment_(law.moments[2]) {
+        const Real along = force.dot(law.frame.col(0)), across = force.dot(law.frame.col(1));
+        depth_ = static_cast<Real>(law.center[0]) * std::hypot(along, across);
+        lowest_ = std::atan2(across, along);
+        if (depth_ < 0.0L) {
+            depth_ = -depth_;
+            lowest_ += std::numbers::pi_v<long double>;
+        }
+        const std::vector<double> none(x.size(), 0.0);
+        for (const bool from_lowest : {false, true}) energy_[from_lowest] = energy(x, none, from_lowest);
+    }
+
+    void apply(std::span<double> x, std::span<double> low) const override {
+        const Real turn = value(x, low, angle_) - lowest_, rate = value(x, low, rate_);
+        const bool from_lowest = std::cos(turn) > 0.0L;
+        const Real off = energy_[from_lowest] - energy(x, low, from_lowest);
+        // the smallest change of angle and rate over the rate of small oscillations
+        const Real square = depth_ > 0.0L ? depth_ / moment_ : rate * rate;
+        const Real by_angle = depth_ * std::sin(turn), by_rate = moment_ * rate,
+                   slope = by_angle * by_angle + by_rate * by_rate * square;
+        if (!(slope > 0.0L)) return;
+        projecting::add(x, low, angle_, off * by_angle / slope);
+        projecting::add(x, low, rate_, off * by_rate * square / slope);
+    }
+
+private:
+    using Real = long double;
+
+    static Real value(std::span<const double> x, std::span<const double> low, int i) {
+        return static_cast<Real>(x[static_cast<std::size_t>(i)]) + static_cast<Real>(low[static_cast<std::size_t>(i)]);
+    }
+    Real energy(std::span<const double> x, std::span<const double> low, bool from_lowest) const {
+        const Real half = 0.5L * (value(x, low, angle_) - lowest_), rate = value(x, low, rate_);
+        const Real part = from_lowest ? std::sin(half) : std::cos(half);
+        return 0.5L * moment_ * rate * rate + (from_lowest ? 2.0L : -2.0L) * depth_ * part * part;
+    }
+
+    int angle_, rate_;
+    Real moment_, depth_ = 0.0L, lowest_ = 0.0L, energy_[2];
 };
 
 /// All that is held in a scene.
 class Projections : public Projection {
 public:
-    explicit Projections(std::vector<RigidProjection> parts) : parts_(std::move(parts)) {}
+    explicit Projections(std::vector<std::unique_ptr<const Projection>> parts) : parts_(std::move(parts)) {}
     void apply(std::span<double> x, std::span<double> low) const override {
-        for (const RigidProjection& p : parts_) p.apply(x, low);
+        for (const auto& p : parts_) p->apply(x, low);
     }
 
 private:
-    std::vector<RigidProjection> parts_;
+    std::vector<std::unique_ptr<const Projection>> parts_;
 };
 
 }  // namespace rbdyn

@@ -125,7 +125,7 @@ public:
         Quaternion p = attitude * frame_attitude;
         Vector3 w = frame.transpose() * omega;
         if (follows_axis) {
-            // spin = w3 t, to all its digits where it is turned back
+            // spin = w3 t, within two turns, where it keeps its digits
             const DoubleDouble spin = DoubleDouble(w[2]) * DoubleDouble(since);
             const double turns = std::round(spin.hi / (4.0 * std::numbers::pi));
             const double half = 0.5 * double(spin - DoubleDouble(4.0 * turns) * double_double::pi);
@@ -133,7 +133,7 @@ public:
             p = p * Quaternion{c, 0.0, 0.0, -s};
             w = Vector3((2.0 * c * c - 1.0) * w[0] - 2.0 * s * c * w[1],
                         2.0 * s * c * w[0] + (2.0 * c * c - 1.0) * w[1], w[2]);
-            q[4] = double(spin);
+            q[4] = 2.0 * half;
         }
         q[0] = p.w;
         q[1] = p.x;
