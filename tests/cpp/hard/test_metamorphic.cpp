@@ -196,7 +196,7 @@ TEST(Metamorphic, a_run_taken_up_again_at_an_event_neither_repeats_nor_loses_one
             const PointReport state = whole[BodyHandle{0}].report(e.time);
             Scene again(scene.gravity());
             const Scene::Body& body = scene.bodies()[0];
-            again.add(body.particle, *body.rail(), {.parameter = state.u, .speed = state.speed});
+            again.add(std::get<Particle>(body.body), *body.rail(), {.parameter = state.u, .speed = state.speed});
             for (const auto& load : scene.loads()) again.apply(load.load, {0});
             for (const auto& c : scene.connections()) again.connect(c.coupling, c.a, c.b);
             const Trajectory rest = simulate(again, {.until = motion.until, .start = e.time, .error = 1e-10});
