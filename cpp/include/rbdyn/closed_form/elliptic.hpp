@@ -37,8 +37,7 @@ inline DoubleDouble carlson_rf(DoubleDouble x, DoubleDouble y, DoubleDouble z) {
     DoubleDouble mean;
     for (;;) {
         mean = (x + y + z) / 3.0;
-        const double spread =
-            std::max({std::abs(mean.hi - x.hi), std::abs(mean.hi - y.hi), std::abs(mean.hi - z.hi)});
+        const double spread = std::max({std::abs(mean.hi - x.hi), std::abs(mean.hi - y.hi), std::abs(mean.hi - z.hi)});
         if (!(spread > close * mean.hi)) break;
         const DoubleDouble a = sqrt(x), b = sqrt(y), c = sqrt(z), shift = a * b + c * (a + b);
         x = (x + shift) * 0.25;

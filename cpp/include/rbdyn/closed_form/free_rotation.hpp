@@ -64,8 +64,8 @@ public:
         }
         const Polhode polhode(moments, omega);
         set_varying(polhode, principal.axes, start);
-        if (principal.axes != widened(Matrix3(rounded(principal.axes).array().round()))) set_conditioning(moments);
-        set_defect(polhode, omega);
+        const Matrix3 nearest = rounded(principal.axes).array().round();
+        set_doubt(polhode, omega, principal.axes == widened(nearest));
     }
     FreeRotation(const Matrix3Of<DoubleDouble>& inertia, const Quaternion& attitude, const Vector3& angular_velocity)
         : FreeRotation(principal_axes(inertia), attitude, angular_velocity) {}
@@ -85,11 +85,16 @@ public:
 
     /// Estimate of the error at t: of omega over its size, and of the attitude [rad].
     double error(double t) const {
-        // what rounding leaves at any time, a few roundings of each rate to 32 digits, and those of 1 - m at each flip
+        // what rounding leaves at any time, and a few roundings of each rate to 32 digits
         constexpr double floor = 5e-16, digits = 0x1p-103;
         const double rates = std::abs(turn_.rate().hi) + std::abs(argument_.rate().hi) + speed_;
-        const double flips = defect_ > 0.0 ? 1.0 + std::abs(argument_.at({t, 0.0}).steps) : 0.0;
-        const double error = floor + digits * (1.0 + conditioning_) * rates * std::abs(t) + defect_ * flips;
+        double error = floor + digits * (1.0 + conditioning_) * rates * std::abs(t);
+        if (defect_ > 0.0) {
+            // a flip too late or too early shows while it lasts, 2 exp(-|y|)
+            const Phase::Reduced y = argument_.at({t, 0.0});
+            const double late = defect_ * (1.0 + std::abs(y.steps));
+            error += 2.0 * late * std::exp(std::min(late - std::abs(y.rest.hi), 0.0));
+        }
         return std::min(error, std::numbers::pi);
     }
 
@@ -238,21 +243,18 @@ private:
                  std::atan2(std::abs(exact.momentum[1].hi), cosine.hi * std::sqrt(p.m1.hi))};
     }
 
-    /// Turning to principal axes leaves roundings of the largest moment in the least, and of omega in its components.
-    void set_conditioning(const Vector3Of<DoubleDouble>& moments) {
-        conditioning_ = rounded(moments).maxCoeff() / rounded(moments).minCoeff();
-    }
-    /// Near the separatrix 1 - m, a difference known to 32 digits of its terms, sets the time of each flip.
-    void set_defect(const Polhode& p, const Vector3Of<DoubleDouble>& omega) {
-        if (form_ != Form::hyperbolic || p.difference == 0.0) return;
+    /// Near the separatrix 1 - m, a difference known to 32 digits of its terms, sets the time of each flip. Turning to
+    /// principal axes leaves roundings of the largest moment in all of them, which shift small components of omega.
+    void set_doubt(const Polhode& p, const Vector3Of<DoubleDouble>& omega, bool along_axes) {
         const double largest = std::max(p.i1.hi, p.i3.hi);
-        double sum = 0.0;
+        if (!along_axes) conditioning_ = largest / std::min(p.i1.hi, p.i3.hi);
+        if (form_ != Form::hyperbolic || p.difference == 0.0) return;
+        double terms = 0.0;
         for (const auto& [moment, axis] : {std::pair(p.i1.hi, p.axis[0]), {p.i3.hi, p.axis[2]}}) {
-            const double gap = std::abs(moment - p.i2.hi), w = std::abs(omega[axis].hi);
-            sum += moment * gap * w * w;
-            if (conditioning_ > 0.0) sum += moment * w * (2.0 * gap * speed_ + largest * w);
+            const double w = std::abs(omega[axis].hi);
+            terms += moment * w * (along_axes ? std::abs(moment - p.i2.hi) * w : 3.0 * largest * speed_);
         }
-        defect_ = 0x1p-105 * sum / p.difference;
+        defect_ = 0x1p-105 * terms / p.difference;
     }
 
     template <class S>
@@ -301,7 +303,8 @@ private:
     Quaternion from_body_;  // from body to principal axes
     Matrix3 axes_ = Matrix3::Identity();
     Vector3 axis_ = Vector3::Zero();
-    double speed_ = 0.0, conditioning_ = 0.0, defect_ = 0.0;
+    double speed_ = 0.0;
+    double conditioning_ = 0.0, defect_ = 0.0;  // of the moments, and of u at each flip, for error()
     double period_ = std::numeric_limits<double>::infinity(), precession_ = 0.0, proper_ = 0.0;
     std::pair<double, double> tilt_{0.0, 0.0};
 };
