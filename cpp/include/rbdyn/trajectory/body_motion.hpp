@@ -19,7 +19,8 @@ public:
 
     /// Of a particle; of the origin of a rigid body's axes [m, m/s, m/s^2].
     Vector3 position(double t, Side side = Side::after) const {
-        return is_rigid() ? rigid(t, side).position : report(t, side).position;
+        const Moment m(*data_, t, side);
+        return data_->model->position(m.mode, body_, t, m.x);
     }
     Vector3 velocity(double t, Side side = Side::after) const {
         return is_rigid() ? rigid(t, side).velocity : report(t, side).velocity;
@@ -28,7 +29,10 @@ public:
         return is_rigid() ? rigid(t, side).acceleration : report(t, side).acceleration;
     }
     /// Of the centre of mass.
-    Vector3 center_of_mass(double t, Side side = Side::after) const { return report(t, side).position; }
+    Vector3 center_of_mass(double t, Side side = Side::after) const {
+        const Moment m(*data_, t, side);
+        return data_->model->center(m.mode, body_, t, m.x);
+    }
     Vector3 center_of_mass_velocity(double t, Side side = Side::after) const { return report(t, side).velocity; }
     Vector3 center_of_mass_acceleration(double t, Side side = Side::after) const {
         return report(t, side).acceleration;
