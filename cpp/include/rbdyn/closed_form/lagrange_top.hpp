@@ -22,7 +22,8 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/closed_form/elliptic.hpp"
+#include "rbdyn/closed_form/carlson.hpp"
+#include "rbdyn/closed_form/phase.hpp"
 #include "rbdyn/closed_form/theta.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
@@ -74,7 +75,7 @@ public:
     double error(double t) const {
         const double time = std::abs(t);
         return std::min(4.0, rounding + 1e-31 * fastest_ * time + sensitivity_ * (1.0 + time * nutation_rate_) *
-                                            (lost_ ? std::exp(std::min(200.0, 2.0 * rate_.hi * time)) : 1.0));
+                                            (lost_ ? std::exp(std::min(200.0, 2.0 * place_.rate().hi * time)) : 1.0));
     }
 
     /// Time from the lowest to the lowest place of the axis [s]; infinite on the separatrix, 0 without nutation.
@@ -121,18 +122,15 @@ private:
     struct Factor {
         Theta::Quotient quotient;
         std::complex<double> size;
-        DoubleDouble rate;
+        Phase phase;
 
-        std::complex<double> times(std::complex<double> value, double z, const DoubleDouble& t) const {
-            const double phase = remainder_of_turn(rate * t) + quotient.twist * z;
-            return size * value * std::complex<double>(std::cos(phase), std::sin(phase));
+        std::complex<double> times(std::complex<double> value, double z, Instant t) const {
+            return size * value * std::polar(1.0, phase.at(t).rest.hi + quotient.twist * z);
         }
     };
 
-    static double remainder_of_turn(const DoubleDouble& angle) {
-        constexpr DoubleDouble turn{2.0 * double_double::pi.hi, 2.0 * double_double::pi.lo};
-        const double n = std::nearbyint(angle.hi / turn.hi);
-        return n == 0.0 ? angle.hi : (angle - turn * n).hi;
+    static Phase turning(const DoubleDouble& rate) {
+        return {rate, 0.0, {2.0 * double_double::pi.hi, 2.0 * double_double::pi.lo}};
     }
     static Quaternion rounded(const DigitsQuaternion& q) { return {q.w.hi, q.x.hi, q.y.hi, q.z.hi}; }
 
@@ -149,15 +147,16 @@ private:
     void set_free(const Start& s) {
         turn_axis_ = s.angular_velocity;
         turn_axis_[2] = s.axial;
-        turn_rate_ = sqrt(s.across_square + s.axial * s.axial);
-        body_rate_ = s.body_rate;
-        fastest_ = turn_rate_.hi + std::abs(body_rate_.hi);
+        turn_rate_ = sqrt(s.across_square + s.axial * s.axial).hi;
+        half_turn_ = turning(sqrt(s.across_square + s.axial * s.axial) * 0.5);
+        half_spin_ = turning(s.body_rate * 0.5);
+        fastest_ = turn_rate_ + std::abs(s.body_rate.hi);
     }
 
     /// q0, a turn at a constant rate about the angular momentum, and one about the axis.
-    State free_at(const DoubleDouble& t) const {
-        const double half = remainder_of_turn(turn_rate_ * t * 0.5), spun = remainder_of_turn(body_rate_ * t * 0.5);
-        const double s = turn_rate_.hi == 0.0 ? 0.0 : std::sin(half) / turn_rate_.hi;
+    State free_at(Instant t) const {
+        const double half = half_turn_.at(t).rest.hi, spun = half_spin_.at(t).rest.hi;
+        const double s = turn_rate_ == 0.0 ? 0.0 : std::sin(half) / turn_rate_;
         const double c2 = std::cos(2.0 * spun), s2 = std::sin(2.0 * spun);
         const Vector3& omega = start_.angular_velocity;
         const Quaternion turned{std::cos(half), s * turn_axis_[0].hi, s * turn_axis_[1].hi, s * turn_axis_[2].hi};
@@ -171,10 +170,9 @@ private:
         const bool separatrix = r.d32.hi == 0.0;
         theta_ = Theta(r.d21 / r.d31, r.d32 / r.d31);
         const DoubleDouble speed = sqrt(s.weight * r.d31) * 0.5;  // of v
-        rate_ = speed * theta_.scale();
-        const double side = s.nutation.hi < 0.0 ? -1.0 : 1.0;
-        if (r.x1.hi < 0.0)
-            place_ = sqrt(-r.x1) * carlson_rf(r.x2, r.x3 * r.d21 / r.d31, r.d21) * theta_.scale() * side;
+        DoubleDouble v = 0.0;  // at the start
+        if (r.x1.hi < 0.0) v = sqrt(-r.x1) * elliptic::carlson_f(r.x2, r.x3 * r.d21 / r.d31, r.d21);
+        place_ = Phase(speed * theta_.scale(), (s.nutation.hi < 0.0 ? -v : v) * theta_.scale(), theta_.period());
 
         // omega_1^2 + omega_2^2 is 2 m g l/A times the distance of u from a root of its own between u2 and u3
         const DoubleDouble from_1 = s.across_square / s.weight - r.x1;
@@ -191,24 +189,26 @@ private:
         DoubleDouble w = 0.0;
         if (r.above_1.hi > 0.0)
             w = r.d21.hi == 0.0 ? DoubleDouble(INFINITY)
-                                : sqrt(r.above_1) * carlson_rf(r.d21, r.d21 * r.above_3 / r.d31, r.above_2);
+                                : sqrt(r.above_1) * elliptic::carlson_f(r.d21, r.d21 * r.above_3 / r.d31, r.above_2);
         wz_.quotient = theta_.quotient_first(w * sign);
-        wz_.rate = (s.body_rate + (r.above_2.hi > 0.0 ? sum / r.above_2 : 0.0)) * 0.5 + speed * wz_.quotient.drift;
+        wz_.phase = turning((s.body_rate + (r.above_2.hi > 0.0 ? sum / r.above_2 : 0.0)) * 0.5 + speed * wz_.quotient.drift);
         xy_.quotient = theta_.quotient_second(shift(r, r.below_1, r.below_2, r.beyond_3, difference));
-        xy_.rate = (difference / r.below_1 - s.body_rate) * 0.5 + speed * xy_.quotient.drift;
+        xy_.phase = turning((difference / r.below_1 - s.body_rate) * 0.5 + speed * xy_.quotient.drift);
         omega_.quotient = theta_.quotient_second(shift(r, from_1, from_2, from_3, across));
-        omega_.rate = (across / from_1 - s.axial) * 0.5 - s.body_rate + speed * omega_.quotient.drift;
+        omega_.phase = turning((across / from_1 - s.axial) * 0.5 - s.body_rate + speed * omega_.quotient.drift);
 
-        const auto& [q, o] = std::pair(s.attitude, s.angular_velocity);
-        const auto both = [](const DoubleDouble& a, const DoubleDouble& b) { return std::complex<double>(a.hi, b.hi); };
-        const auto half = [&](const DoubleDouble& a, const DoubleDouble& b) { return both(a, b) * 0.5; };
-        fit(wz_, true, both(q.w, q.z), half(-(q.x * o[0] + q.y * o[1] + q.z * o[2]), q.w * o[2] + q.x * o[1] - q.y * o[0]));
-        fit(xy_, false, both(q.x, q.y), half(q.w * o[0] + q.y * o[2] - q.z * o[1], q.w * o[1] + q.z * o[0] - q.x * o[2]));
-        fit(omega_, false, both(o[0], o[1]), both(s.body_rate * o[1] + s.weight * s.vertical_2 * 0.5,
-                                                  -(s.body_rate * o[0] + s.weight * s.vertical_1 * 0.5)));
+        const auto& q = s.attitude;
+        const auto& o = s.angular_velocity;
+        fit(wz_, true, q.w, q.z, (q.x * o[0] + q.y * o[1] + q.z * o[2]) * -0.5,
+            (q.w * o[2] + q.x * o[1] - q.y * o[0]) * 0.5);
+        fit(xy_, false, q.x, q.y, (q.w * o[0] + q.y * o[2] - q.z * o[1]) * 0.5,
+            (q.w * o[1] + q.z * o[0] - q.x * o[2]) * 0.5);
+        fit(omega_, false, o[0], o[1], s.body_rate * o[1] + s.weight * s.vertical_2 * 0.5,
+            -(s.body_rate * o[0] + s.weight * s.vertical_1 * 0.5));
 
-        nutation_rate_ = isfinite(theta_.period()) ? (rate_ / theta_.period()).hi : 0.0;
-        fastest_ = std::abs(wz_.rate.hi) + std::abs(xy_.rate.hi) + std::abs(omega_.rate.hi) + rate_.hi;
+        nutation_rate_ = isfinite(theta_.period()) ? (place_.rate() / theta_.period()).hi : 0.0;
+        fastest_ = place_.rate().hi;
+        for (const Factor* f : {&wz_, &xy_, &omega_}) fastest_ += std::abs(f->phase.rate().hi);
         sensitivity_ = r.noise;
         lost_ = separatrix;
     }
@@ -218,29 +218,36 @@ private:
                               const DoubleDouble& sign) {
         if (e2.hi == 0.0 || r.d32.hi == 0.0) return 0.0;
         if (r.d21.hi == 0.0 && r.d32.hi > 0.0) return sign.hi < 0.0 ? -INFINITY : INFINITY;
-        const DoubleDouble w = sqrt(e2 * r.d31) * carlson_rf(r.d21 * e3, r.d21 * r.d32, e1 * r.d32);
+        const DoubleDouble w = sqrt(e2 * r.d31) * elliptic::carlson_f(r.d21 * e3, r.d21 * r.d32, e1 * r.d32);
         return sign.hi < 0.0 ? -w : w;
     }
 
-    /// The constant factor, from a value and its derivative at t = 0: one of them may vanish.
-    void fit(Factor& f, bool first, std::complex<double> value, std::complex<double> derivative) const {
-        const Theta::Place at = theta_.reduce(place_);
-        const Theta::Waves waves = theta_.waves(at.z);
-        const std::complex<double> i(0.0, 1.0), turn = std::exp(i * (f.quotient.twist * at.z)) * at.sign;
+    /// The constant factor, from value x + i y and derivative at t = 0: either may vanish. The even growth of the phase
+    /// is taken off the derivative, in all digits, since it says nothing new.
+    void fit(Factor& f, bool first, const DoubleDouble& x, const DoubleDouble& y, const DoubleDouble& x_rise,
+             const DoubleDouble& y_rise) const {
+        const Phase::Reduced at = place_.at({});
+        const double z = at.rest.hi;
+        const Theta::Waves waves = theta_.waves(z);
+        const DoubleDouble &rate = f.phase.rate(), &speed = place_.rate();
+        const std::complex<double> value(x.hi, y.hi);
+        const std::complex<double> rise(((x_rise + rate * y) / speed).hi, ((y_rise - rate * x) / speed).hi);
         const std::complex<double> g = first ? theta_.first(f.quotient, waves) : theta_.second(f.quotient, waves);
-        const std::complex<double> slope =
-            first ? theta_.slope_first(f.quotient, at.z) : theta_.slope_second(f.quotient, at.z);
-        const double unit = std::abs(f.rate.hi) + rate_.hi;
-        const std::complex<double> g0 = turn * g, g1 = turn * (i * f.rate.hi * g + rate_.hi * slope) / unit;
-        f.size = (std::conj(g0) * value + std::conj(g1) * derivative / unit) / (std::norm(g0) + std::norm(g1));
+        const std::complex<double> slope = first ? theta_.slope_first(f.quotient, z) : theta_.slope_second(f.quotient, z);
+        f.size = sign(at) * std::polar(1.0, -f.quotient.twist * z) *
+                 (std::conj(g) * value + std::conj(slope) * rise) / (std::norm(g) + std::norm(slope));
     }
 
-    State heavy_at(const DoubleDouble& t) const {
-        const Theta::Place at = theta_.reduce(rate_ * t + place_);
-        const Theta::Waves waves = theta_.waves(at.z);
-        const std::complex<double> wz = wz_.times(theta_.first(wz_.quotient, waves), at.z, t) * at.sign;
-        const std::complex<double> xy = xy_.times(theta_.second(xy_.quotient, waves), at.z, t) * at.sign;
-        const std::complex<double> o = omega_.times(theta_.second(omega_.quotient, waves), at.z, t) * at.sign;
+    /// Of the quotients, which an odd number of periods turns over.
+    static double sign(const Phase::Reduced& at) { return at.steps == 2.0 * std::nearbyint(0.5 * at.steps) ? 1.0 : -1.0; }
+
+    State heavy_at(Instant t) const {
+        const Phase::Reduced at = place_.at(t);
+        const double z = at.rest.hi;
+        const Theta::Waves waves = theta_.waves(z);
+        const std::complex<double> wz = wz_.times(theta_.first(wz_.quotient, waves), z, t) * sign(at);
+        const std::complex<double> xy = xy_.times(theta_.second(xy_.quotient, waves), z, t) * sign(at);
+        const std::complex<double> o = omega_.times(theta_.second(omega_.quotient, waves), z, t) * sign(at);
         return {world_in_doubles_ * Quaternion{wz.real(), xy.real(), xy.imag(), wz.imag()},
                 Vector3(o.real(), o.imag(), spin_)};
     }
@@ -253,9 +260,10 @@ private:
     bool free_ = false, lost_ = false;
     double spin_ = 0.0;
     Digits turn_axis_;
-    DoubleDouble turn_rate_, body_rate_;
+    double turn_rate_ = 0.0;
+    Phase half_turn_, half_spin_;
     Theta theta_;
-    DoubleDouble rate_, place_;
+    Phase place_;
     Factor wz_, xy_, omega_;
     double fastest_ = 0.0, nutation_rate_ = 0.0, sensitivity_ = 0.0;
 };

@@ -19,7 +19,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
-#include "rbdyn/closed_form/elliptic.hpp"
+#include "rbdyn/closed_form/carlson.hpp"
 
 namespace rbdyn {
 
@@ -42,14 +42,10 @@ public:
         DoubleDouble drift = 0.0;
     };
 
-    /// A place reduced to the middle period; `sign` is that of both quotients there.
-    struct Place {
-        double z, sign;
-    };
-
     Theta() = default;
     /// From k^2 and 1 - k^2, each with all its digits.
     Theta(const DoubleDouble& m, const DoubleDouble& complement) {
+        using elliptic::arithmetic_geometric_mean;
         const DoubleDouble k_mean = arithmetic_geometric_mean(1.0, sqrt(complement));
         const DoubleDouble co_mean = arithmetic_geometric_mean(1.0, sqrt(m));
         quarter_ = infinite_if_zero(k_mean);
@@ -66,16 +62,12 @@ public:
         }
     }
 
-    /// z = scale v is x of the circular form or y of the hyperbolic one; K in v; the period 2 K in z.
+    /// z = scale v is x of the circular form or y of the hyperbolic one, to be reduced by whole periods, 2 K in v; each
+    /// turns the sign of both quotients. K in v.
     const DoubleDouble& scale() const { return scale_; }
-    const DoubleDouble& quarter() const { return quarter_; }
     const DoubleDouble& period() const { return period_; }
+    const DoubleDouble& quarter() const { return quarter_; }
 
-    Place reduce(const DoubleDouble& z) const {
-        const double n = std::nearbyint(z.hi / period_.hi);
-        if (n == 0.0) return {z.hi, 1.0};
-        return {(z - period_ * n).hi, n == 2.0 * std::nearbyint(0.5 * n) ? 1.0 : -1.0};
-    }
 
     Waves waves(double z) const { return hyperbolic_ ? hyperbolic_waves(z) : circular_waves(z); }
 
@@ -90,10 +82,10 @@ public:
     /// grows by the rate r per unit of v at v = K, respectively at v = 0, where the modulus is stationary, then
     /// mu = r + drift.
     Quotient quotient_first(const DoubleDouble& w) const {
-        return hyperbolic_ ? hyperbolic(w, 1.0) : circular(w, -1.0);
+        return hyperbolic_ ? hyperbolic(w, true) : circular(w, -1.0);
     }
     Quotient quotient_second(const DoubleDouble& w) const {
-        return hyperbolic_ ? hyperbolic(w, 0.0) : circular(w, 1.0);
+        return hyperbolic_ ? hyperbolic(w, false) : circular(w, 1.0);
     }
 
     /// Derivatives by z of a quotient's sums, twist included, at a reduced place (for set-up).
@@ -175,10 +167,10 @@ private:
     Quotient circular(const DoubleDouble& w, double alternation) const {
         Quotient f;
         const DoubleDouble s = abs(w) * scale_;
-        const DoubleDouble fall = exp(-ldexp(s, 1));
+        const DoubleDouble fall = exp(-2.0 * s);
         // q e^{2s} <= 1; without a nome it is not needed, and K' is infinite
         const DoubleDouble rise =
-            nome_.hi == 0.0 ? DoubleDouble(0.0) : exp(ldexp(s - scale_ * co_quarter_, 1));
+            nome_.hi == 0.0 ? DoubleDouble(0.0) : exp(2.0 * (s - scale_ * co_quarter_));
         const double side = w.hi < 0.0 ? -1.0 : 1.0;
         DoubleDouble even = 0.0, odd = 0.0, power = 1.0, rises = 1.0, falls = fall;
         double sign = 1.0;
@@ -201,23 +193,29 @@ private:
 
     /// Weights cos(n w) and sin(n w) with alternating signs, n odd for the first quotient and even for the second; the
     /// drift is -scale times the logarithmic derivative of theta_4 at w, and what the transformation leaves.
-    Quotient hyperbolic(const DoubleDouble& w, double lowest) const {
+    Quotient hyperbolic(const DoubleDouble& w, bool odd) const {
         Quotient f;
         const DoubleDouble left = isfinite(quarter_) ? w / quarter_ : DoubleDouble(0.0);
         f.twist = left.hi;
-        DoubleDouble value = 1.0, rise = 0.0, power = 1.0;
+        const auto turned = [](const SineCosine<DoubleDouble>& a, const SineCosine<DoubleDouble>& b) {
+            return SineCosine<DoubleDouble>{a.sine * b.cosine + a.cosine * b.sine,
+                                            a.cosine * b.cosine - a.sine * b.sine};
+        };
+        const SineCosine<DoubleDouble> once = sine_cosine(w * scale_), twice = turned(once, once);
+        SineCosine<DoubleDouble> even{0.0, 1.0};
+        DoubleDouble value = 0.0, rise = 0.0, power = 1.0;
         double sign = 1.0;
         for (int n = 0; n <= set_up_terms; ++n, sign = -sign) {
             if (n < terms) {
-                const SineCosine at = sine_cosine(w * scale_ * (2.0 * n + lowest));
+                const SineCosine<DoubleDouble> at = odd ? turned(even, once) : even;
                 f.real[n] = sign * at.cosine.hi;
                 f.imaginary[n] = -sign * at.sine.hi;
             }
-            if (n == 0) continue;
-            for (int i = 0; i < 2 * n - 1; ++i) power *= nome_;
-            const SineCosine at = sine_cosine(w * scale_ * (2.0 * n));
-            value += power * at.cosine * (2.0 * sign);
-            rise -= power * at.sine * (4.0 * n * sign);
+            const DoubleDouble weight = power * (n == 0 ? 1.0 : 2.0 * sign);
+            value += weight * even.cosine;
+            rise -= weight * even.sine * (2.0 * n);
+            even = turned(even, twice);
+            for (int i = 0; i < 2 * n + 1; ++i) power *= nome_;
         }
         f.drift = -scale_ * (rise / value + left);
         return f;
