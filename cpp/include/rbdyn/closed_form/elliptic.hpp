@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "rbdyn/basics/double_double.hpp"
 
@@ -30,8 +31,10 @@ inline DoubleDouble complete_elliptic_integral(const DoubleDouble& complementary
     return double_double::half_pi / arithmetic_geometric_mean(1.0, complementary_modulus);
 }
 
-/// Carlson's R_F(x, y, z) = 1/2 integral over s > 0 of ds / sqrt((s + x)(s + y)(s + z)); at most one argument is 0.
+/// Carlson's R_F(x, y, z) = 1/2 integral over s > 0 of ds / sqrt((s + x)(s + y)(s + z)) of arguments that are not
+/// negative; infinite where two of them are zero.
 inline DoubleDouble carlson_rf(DoubleDouble x, DoubleDouble y, DoubleDouble z) {
+    if ((x.hi == 0.0) + (y.hi == 0.0) + (z.hi == 0.0) > 1) return std::numeric_limits<double>::infinity();
     // duplication until the series in the relative differences, cut after order 7, leaves 1e-33
     constexpr double close = 1e-4;
     DoubleDouble mean;

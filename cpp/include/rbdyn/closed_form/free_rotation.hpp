@@ -74,7 +74,7 @@ public:
     State at(Instant t) const {
         if (t.hi == 0.0 && t.lo == 0.0) return start_;
         if (form_ == Form::constant) {
-            const SineCosineOf<double> half = sine_cosine_in<double>(turn_.at(t).rest);
+            const SineCosine<double> half = sine_cosine_in<double>(turn_.at(t).rest);
             const Vector3 v = half.sine * axis_;
             return {frame_.times({half.cosine, v[0], v[1], v[2]}), start_.angular_velocity};
         }
@@ -284,7 +284,7 @@ private:
         // the smallest turn of K to the third axis, then that by psi
         const S x = constants.momentum[1] * f.sn, y = -(constants.momentum[0] * f.cn);
         const S w = constants.momentum[2] * f.dn + 1.0;
-        const SineCosineOf<S> half = sine_cosine_in<S>(psi);
+        const SineCosine<S> half = sine_cosine_in<S>(psi);
         const S im = -(f.im * sign_);
         const S size = 1.0 / sqrt((f.re * f.re + f.im * f.im) * (w * w + x * x + y * y));
         const S c = (half.cosine * f.re - half.sine * im) * size, s = (half.sine * f.re + half.cosine * im) * size;
