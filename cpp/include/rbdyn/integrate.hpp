@@ -147,10 +147,11 @@ inline std::string culprit(const HybridModel& model, const Record& record) {
     return {};
 }
 
-/// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until two runs
-/// agree.
+/// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until it agrees with
+/// the closed form, if there is one, or with a better run of the engine `judge`.
 inline Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
-                      const std::string& engine, const std::string& judge) {
+                      const std::string& engine, const std::string& judge,
+                      const std::shared_ptr<const ClosedForm>& form = nullptr) {
     using Outcome = Solution::Outcome;
     Solution result;
     const auto take = [&](Timed&& timed) {
@@ -193,7 +194,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
     // the run at a tolerance a little below the error asked for, held against a better one
     double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
     Manner manner;
-    const bool is_judge = engine == judge;
+    const bool is_judge = !form && engine == judge;
     // without all pieces kept, the two are compared at the times wanted and at many in between
     const bool keeps_all = options.keep.what == Keep::What::all;
     Keep compared;
@@ -279,8 +280,7 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
     Solution result;
     result.runs = 1;
     const auto run = [&](double tolerance, int order) {
-        ClosedFormEngine engine(form, {options.start, 0.0}, tolerance, order);
-        return Driver(model, engine, options.max_steps, {}, options.monitor).run(options.start, x, options.until);
+        return integrate(model, x, options, "", tolerance, {}, order, form).record;
     };
     double error = 0.0;
     std::vector<double> first = x;

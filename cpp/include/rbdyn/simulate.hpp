@@ -71,7 +71,7 @@ inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
     const std::vector<double> x = data.model->start(options.start);
     Solution solution = data.engine == "closed form"
                             ? solve_closed(*data.model, x, options, data.plan.closed)
-                            : solve(*data.model, x, options, data.engine, data.plan.integrator);
+                            : solve(*data.model, x, options, data.engine, data.plan.integrator, data.plan.closed);
     Statistics& s = data.statistics;
     const Work& w = solution.record.work;
     s.integration_seconds = solution.integration_seconds;

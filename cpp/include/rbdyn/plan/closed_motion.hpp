@@ -14,6 +14,9 @@
 
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/closed_form/free_rotation.hpp"
+#include "rbdyn/closed_form/lagrange_top.hpp"
+#include "rbdyn/closed_form/linear_oscillator.hpp"
+#include "rbdyn/closed_form/pendulum.hpp"
 #include "rbdyn/model/points.hpp"
 
 namespace rbdyn {
@@ -78,6 +81,98 @@ private:
     FreeRotation rotation_;
 };
 
+/// A heavy symmetric body on a ball joint on its axis.
+class TopForm : public BodyForm {
+public:
+    TopForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
+        : law_(law), top_(made(b, law, acceleration)) {}
+    void state(Instant since, double* q, double* v) const override {
+        const LagrangeTop::State s = top_.at(since);
+        // the top's axes are those of the law at the start, and turn with the body
+        law_.set_attitude(s.attitude * conjugate(law_.frame_attitude), law_.frame * s.angular_velocity, since, q, v);
+    }
+    double error(double since) const override { return top_.error(since); }
+    std::string name() const override { return "Lagrange's top"; }
+
+private:
+    static LagrangeTop made(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& a) {
+        const MassProperties& exact = b.rigid()->exact();
+        const PrincipalAxesOf<DoubleDouble> p = b.rigid()->principal_exact(law.origin);
+        const Matrix3Of<DoubleDouble> axes = p.axes;
+        // the law's frame is these axes in another order, but for rounding
+        Matrix3Of<DoubleDouble> frame;
+        Vector3Of<DoubleDouble> moments;
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k)
+                if (std::abs(law.frame.col(i).dot(rounded(Vector3Of<DoubleDouble>(axes.col(k))))) > 0.5) {
+                    frame.col(i) = axes.col(k);
+                    moments[i] = p.moments[k];
+                }
+        const Vector3Of<DoubleDouble> to_center = exact.com - widened(law.origin);
+        const Vector3Of<DoubleDouble> e3 = frame.col(2);
+        const DoubleDouble g = sqrt(dot<DoubleDouble>(a, a));
+        const Vector3Of<DoubleDouble> omega =
+            product(Matrix3Of<DoubleDouble>(frame.transpose()), widened(b.angular_velocity));
+        const auto up = rounded(a);
+        const Quaternion &f = law.frame_attitude, &q = b.attitude;
+        const QuaternionOf<DoubleDouble> start =
+            QuaternionOf<DoubleDouble>{q.w, q.x, q.y, q.z} * QuaternionOf<DoubleDouble>{f.w, f.x, f.y, f.z};
+        return {moments[0],   moments[2], exact.mass * g * dot<DoubleDouble>(to_center, e3),
+                Vector3(-up), start,      {omega[0], omega[1], omega[2]}};
+    }
+    const RigidLaw law_;
+    LagrangeTop top_;
+};
+
+/// A body on a hinge: a compound pendulum, or one with a torsion spring and no other moment.
+class PendulumForm : public BodyForm {
+public:
+    PendulumForm(const DoubleDouble& square, const DoubleDouble& lowest, double angle, double rate)
+        : lowest_(lowest), pendulum_(square, DoubleDouble(angle) - lowest, rate), start_{angle, rate} {}
+    void state(Instant since, double* q, double* v) const override {
+        if (since.hi == 0.0 && since.lo == 0.0) {
+            *q = start_.angle;
+            *v = start_.rate;
+            return;
+        }
+        const Pendulum::State s = pendulum_.at(since);
+        *q = double(DoubleDouble(s.angle) + lowest_);
+        *v = s.rate;
+    }
+    double error(double since) const override {
+        // an angle of many turns is rounded as a whole
+        const double angle = pendulum_.at({since, 0.0}).angle;
+        return pendulum_.error(since) + 0.5 * std::numeric_limits<double>::epsilon() * std::abs(angle);
+    }
+    std::string name() const override { return "compound pendulum"; }
+
+private:
+    DoubleDouble lowest_;
+    Pendulum pendulum_;
+    Pendulum::State start_;
+};
+class OscillatorForm : public BodyForm {
+public:
+    OscillatorForm(const LinearOscillator::Coefficients& c, double rest, double angle, double rate)
+        : rest_(rest), oscillator_(c, DoubleDouble(angle) - rest, rate), start_{angle, rate} {}
+    void state(Instant since, double* q, double* v) const override {
+        const bool at_start = since.hi == 0.0 && since.lo == 0.0;
+        const LinearOscillator::State s = at_start ? start_ : oscillator_.at(since);
+        *q = at_start ? s.position : s.position + rest_;
+        *v = s.velocity;
+    }
+    double error(double since) const override {
+        const double angle = oscillator_.at({since, 0.0}).position + rest_;
+        return oscillator_.error(since) + 0.5 * std::numeric_limits<double>::epsilon() * std::abs(angle);
+    }
+    std::string name() const override { return "torsion pendulum"; }
+
+private:
+    double rest_;
+    LinearOscillator oscillator_;
+    LinearOscillator::State start_;
+};
+
 /// A particle, or a body on a slide.
 class SlidingForm : public BodyForm {
 public:
@@ -123,11 +218,13 @@ private:
 
 namespace planning {
 
-/// The constant force on a body beside gravity, if nothing else acts on it and it acts at the centre of mass.
+/// The constant force on a body beside gravity, if nothing else acts on it but torsion springs and it acts at the
+/// centre of mass.
 inline std::optional<Vector3> only_constant_force(const Scene& scene, int index) {
     Vector3 sum = Vector3::Zero();
     for (const Scene::AppliedLoad& load : scene.loads()) {
         if (load.body != index || !is_present(load.load)) continue;
+        if (std::holds_alternative<TorsionSpring>(load.load)) continue;
         const Force* force = std::get_if<Force>(&load.load);
         const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
         const bool at_center = !load.at || b.rigid() == nullptr || *load.at == b.rigid()->com();
@@ -136,6 +233,47 @@ inline std::optional<Vector3> only_constant_force(const Scene& scene, int index)
         sum += force->constant();
     }
     return sum;
+}
+
+/// Of a body on a hinge, under constant acceleration `a` or torsion springs, not both. Angles are measured in the law's
+/// frame: e1 towards the centre of mass, e3 the axis.
+inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scene::Body& b, const RigidLaw& law,
+                                                  int index, const Vector3Of<DoubleDouble>& a) {
+    LinearOscillator::Coefficients c;
+    double rest = 0.0;
+    int springs = 0;
+    for (const Scene::AppliedLoad& load : scene.loads()) {
+        const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load);
+        if (load.body != index || spring == nullptr || !spring->present()) continue;
+        // the rest of one with no stiffness is anywhere
+        if (++springs > 1) return nullptr;
+        rest = spring->stiffness > 0.0 ? spring->rest_angle : 0.0;
+        c.stiffness = spring->stiffness;
+        c.damping = spring->damping;
+    }
+    const Revolute& hinge = std::get<Revolute>(b.joint);
+    const Vector3Of<DoubleDouble> d = b.rigid()->exact().com - widened(hinge.point), e = widened(hinge.axis);
+    const DoubleDouble ee = dot<DoubleDouble>(e, e);
+    const Matrix3Of<DoubleDouble> about = b.rigid()->inertia_exact(hinge.point);
+    const DoubleDouble moment = dot<DoubleDouble>(e, product(about, e)) / ee;
+    c.stiffness /= moment;
+    c.damping /= moment;
+    // M3 = m e . (R d x a): with d and a taken across the axis, m |d| |a| sin(angle from d to a)
+    const Vector3Of<DoubleDouble> turned = cross<DoubleDouble>(d, a), across = cross<DoubleDouble>(d, e),
+                                  pull = cross<DoubleDouble>(a, e);
+    const DoubleDouble arm = sqrt(dot<DoubleDouble>(across, across) / ee),
+                       field = sqrt(dot<DoubleDouble>(pull, pull) / ee);
+    const DoubleDouble weight = DoubleDouble(b.mass()) * arm * field;
+    const bool is_heavy = std::abs(law.center[0]) > 0.0 && weight.hi > 0.0;
+    if (!is_heavy) return std::make_shared<closed_forms::OscillatorForm>(c, rest, b.parameter, b.speed);
+    if (springs > 0) return nullptr;
+    // lowest where R d lies along a
+    const DoubleDouble sine = dot<DoubleDouble>(turned, e) / sqrt(ee), cosine = dot<DoubleDouble>(across, pull) / ee;
+    DoubleDouble lowest = std::atan2(sine.hi, cosine.hi);
+    // one step of Newton's: the angle to 32 digits
+    const auto [s, co] = sine_cosine(lowest);
+    lowest += (sine * co - cosine * s) / (cosine * co + sine * s);
+    return std::make_shared<closed_forms::PendulumForm>(weight / moment, lowest, b.parameter, b.speed);
 }
 
 /// The closed form of one body; none if it has none here.
@@ -154,7 +292,8 @@ inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const 
         case RigidLaw::Kind::free: return std::make_shared<closed_forms::FreeForm>(b, law, a);
         case RigidLaw::Kind::spherical:
             if (is_weightless || law.center.isZero(0.0)) return std::make_shared<closed_forms::FreeForm>(b, law, a);
-            return nullptr;
+            return law.follows_axis ? std::make_shared<closed_forms::TopForm>(b, law, a) : nullptr;
+        case RigidLaw::Kind::revolute: return hinge_form(scene, b, law, index, a);
         case RigidLaw::Kind::prismatic: {
             const Vector3Of<DoubleDouble> zero = widened(Vector3::Zero().eval());
             const Vector3Of<DoubleDouble> e = widened(std::get<Prismatic>(b.joint).axis);
@@ -164,8 +303,8 @@ inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const 
             along[0] = dot<DoubleDouble>(e, a) / sqrt(dot<DoubleDouble>(e, e));
             return std::make_shared<closed_forms::SlidingForm>(Accelerated(x, v, along), 1);
         }
-        default: return nullptr;
     }
+    return nullptr;
 }
 
 /// The closed form of a scene with rigid bodies, and why there is none otherwise.

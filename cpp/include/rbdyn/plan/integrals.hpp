@@ -36,7 +36,8 @@ inline bool has_potential_along_rail(const Scene& scene, const Scene::AppliedLoa
 /// Whether a body with its centre of mass off the axis of its equal moments A = B has C = A/2 and G in their plane.
 inline bool is_kovalevskaya(const RigidLaw& law) {
     const double near = 1e-12;
-    return law.kind == RigidLaw::Kind::spherical && std::abs(law.moments[0] - law.moments[1]) <= near * law.moments[0] &&
+    return law.kind == RigidLaw::Kind::spherical &&
+           std::abs(law.moments[0] - law.moments[1]) <= near * law.moments[0] &&
            std::abs(law.moments[0] - 2.0 * law.moments[2]) <= near * law.moments[0] &&
            std::abs(law.center[2]) <= near * law.center.norm() && !law.center.isZero(0.0);
 }
