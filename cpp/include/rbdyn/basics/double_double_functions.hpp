@@ -1,4 +1,7 @@
-// Exponential, sine and cosine of numbers of about 32 digits, by their Taylor series at a reduced argument.
+// Exponential, sine and cosine of numbers of 32 digits, for the constants of closed forms: about a microsecond each.
+//
+// Power series after reduction of the argument, relative error of exp and absolute error of sin and cos about 2e-32,
+// plus the argument's own rounding.
 #pragma once
 
 #include <cmath>
@@ -7,38 +10,36 @@
 
 namespace rbdyn {
 
-/// a 2^n.
-inline DoubleDouble ldexp(const DoubleDouble& a, int n) { return {std::ldexp(a.hi, n), std::ldexp(a.lo, n)}; }
-
-/// e^a.
-inline DoubleDouble exp(const DoubleDouble& a) {
-    constexpr DoubleDouble ln2{0.6931471805599453, 2.3190468138462996e-17};
-    if (!(std::abs(a.hi) < 745.0)) return std::exp(a.hi);
-    // e^a - 1 of a 512th of the rest, whose tenth term is below 1e-34; squared nine times
-    const double n = std::nearbyint(a.hi / ln2.hi);
-    const DoubleDouble r = ldexp(a - ln2 * n, -9);
-    DoubleDouble sum = 1.0;
-    for (int k = 9; k > 1; --k) sum = 1.0 + r * sum / static_cast<double>(k);
-    sum *= r;
-    for (int k = 0; k < 9; ++k) sum = ldexp(sum, 1) + sum * sum;
-    return ldexp(sum + 1.0, static_cast<int>(n));
-}
-
+template <class S>
 struct SineCosine {
-    DoubleDouble sine, cosine;
+    S sine, cosine;
 };
 
-/// Sine and cosine of an angle of moderate size: the error grows as 1e-33 of it.
-inline SineCosine sine_cosine(const DoubleDouble& angle) {
-    const double quarters = std::nearbyint(angle.hi / double_double::half_pi.hi);
-    const DoubleDouble x = angle - double_double::half_pi * quarters, square = x * x;
-    // at pi/4 the terms of order 29 and 30 are below 1e-33
+inline SineCosine<double> sine_cosine(double x) { return {std::sin(x), std::cos(x)}; }
+
+inline DoubleDouble exp(const DoubleDouble& x) {
+    constexpr DoubleDouble log_2{std::numbers::ln2, 2.3190468138462996e-17};
+    if (x.hi < -745.0) return 0.0;
+    if (x.hi > 709.0) return std::exp(x.hi);
+    const double k = std::round(x.hi / log_2.hi);
+    const DoubleDouble r = x - log_2 * k;
+    // |r| < 0.35: 26 terms reach 2^-110
+    DoubleDouble sum = 1.0;
+    for (int n = 26; n > 0; --n) sum = 1.0 + r * sum / static_cast<double>(n);
+    const int power = static_cast<int>(k);
+    return {std::ldexp(sum.hi, power), std::ldexp(sum.lo, power)};
+}
+
+inline SineCosine<DoubleDouble> sine_cosine(const DoubleDouble& x) {
+    const double quarters = std::round(x.hi / double_double::half_pi.hi);
+    const DoubleDouble r = x - double_double::half_pi * quarters, r2 = r * r;
+    // |r| < 0.79: powers up to the 28th reach 2^-106
     DoubleDouble sine = 1.0, cosine = 1.0;
-    for (int k = 28; k > 0; k -= 2) {
-        cosine = 1.0 - square * cosine / static_cast<double>(k * (k - 1));
-        sine = 1.0 - square * sine / static_cast<double>(k * (k + 1));
+    for (int n = 28; n > 0; n -= 2) {
+        sine = 1.0 - r2 * sine / static_cast<double>(n * (n + 1));
+        cosine = 1.0 - r2 * cosine / static_cast<double>(n * (n - 1));
     }
-    sine *= x;
+    sine *= r;
     switch (static_cast<int>(quarters - 4.0 * std::floor(quarters / 4.0))) {
         case 0: return {sine, cosine};
         case 1: return {cosine, -sine};

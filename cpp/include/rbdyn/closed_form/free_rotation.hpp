@@ -74,7 +74,7 @@ public:
     State at(Instant t) const {
         if (t.hi == 0.0 && t.lo == 0.0) return start_;
         if (form_ == Form::constant) {
-            const SineCosineOf<double> half = sine_cosine_in<double>(turn_.at(t).rest);
+            const SineCosine<double> half = sine_cosine_in<double>(turn_.at(t).rest);
             const Vector3 v = half.sine * axis_;
             return {frame_.times({half.cosine, v[0], v[1], v[2]}), start_.angular_velocity};
         }
@@ -202,7 +202,7 @@ private:
             form_ = Form::circular;
             const DoubleDouble scale = 0.5 * pi / p.quarter;
             const DoubleDouble nome = p.m.hi > 0.0 ? exp(-2.0 * scale * p.quarter1) : DoubleDouble(0.0);
-            const DoubleDouble outer_nome = exp(-2.0 * scale * cosine * carlson_rf(sine2, mixed, 1.0));
+            const DoubleDouble outer_nome = exp(-2.0 * scale * cosine * elliptic::carlson_f(sine2, mixed, 1.0));
             exact.circular = circular_series(nome, outer_nome);
             now_.circular = rbdyn::rounded(exact.circular);
             argument_ = Phase(p.mu * scale, p.u0 * scale, 2.0 * pi);
@@ -211,7 +211,7 @@ private:
         } else {
             form_ = Form::hyperbolic;
             const DoubleDouble scale = 0.5 * pi / p.quarter1;
-            const DoubleDouble eta = scale * sine * carlson_rf(cosine * cosine * p.m, p.m, mixed);
+            const DoubleDouble eta = scale * sine * elliptic::carlson_f(cosine * cosine * p.m, p.m, mixed);
             const bool returns = p.m1.hi > 0.0;
             const DoubleDouble step = returns ? 2.0 * scale * p.quarter : std::numeric_limits<double>::infinity();
             exact.hyperbolic = hyperbolic_series(returns ? exp(-0.5 * step) : DoubleDouble(0.0), eta);
@@ -284,7 +284,7 @@ private:
         // the smallest turn of K to the third axis, then that by psi
         const S x = constants.momentum[1] * f.sn, y = -(constants.momentum[0] * f.cn);
         const S w = constants.momentum[2] * f.dn + 1.0;
-        const SineCosineOf<S> half = sine_cosine_in<S>(psi);
+        const SineCosine<S> half = sine_cosine_in<S>(psi);
         const S im = -(f.im * sign_);
         const S size = 1.0 / sqrt((f.re * f.re + f.im * f.im) * (w * w + x * x + y * y));
         const S c = (half.cosine * f.re - half.sine * im) * size, s = (half.sine * f.re + half.cosine * im) * size;

@@ -35,21 +35,15 @@ private:
     double per_step_ = 0.0;  // 1/step
 };
 
+/// Sine and cosine in a number type, the low part of the angle included.
 template <class S>
-struct SineCosineOf {
-    S sine, cosine;
-};
-
-/// In a number type, the low part of the angle included.
-template <class S>
-SineCosineOf<S> sine_cosine_in(const DoubleDouble& x) {
-    const SineCosine a = sine_cosine(x);
-    return {a.sine, a.cosine};
+SineCosine<S> sine_cosine_in(const DoubleDouble& x) {
+    return sine_cosine(x);
 }
 template <>
-inline SineCosineOf<double> sine_cosine_in<double>(const DoubleDouble& x) {
-    const double sine = std::sin(x.hi), cosine = std::cos(x.hi);
-    return {sine + cosine * x.lo, cosine - sine * x.lo};
+inline SineCosine<double> sine_cosine_in<double>(const DoubleDouble& x) {
+    const SineCosine<double> a = sine_cosine(x.hi);
+    return {a.sine + a.cosine * x.lo, a.cosine - a.sine * x.lo};
 }
 
 /// exp x in a number type, the low part of x included.

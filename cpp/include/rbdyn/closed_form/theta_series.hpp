@@ -46,7 +46,7 @@ inline constexpr double negligible = 0x1p-57, negligible_of_32_digits = 0x1p-110
 
 /// Sine and cosine of the sum of two angles.
 template <class S>
-SineCosineOf<S> turned(const SineCosineOf<S>& a, const SineCosineOf<S>& by) {
+SineCosine<S> turned(const SineCosine<S>& a, const SineCosine<S>& by) {
     return {a.sine * by.cosine + a.cosine * by.sine, a.cosine * by.cosine - a.sine * by.sine};
 }
 
@@ -70,9 +70,9 @@ struct CircularSeries {
     S sn = 0.0, cn = 0.0, dn = 0.0;
 
     /// At z, given by its sine and cosine.
-    JacobiValues<S> at(const SineCosineOf<S>& z) const {
-        const SineCosineOf<S> twice = theta_series::turned(z, z);
-        SineCosineOf<S> odd_angle = z, even_angle{0.0, 1.0};
+    JacobiValues<S> at(const SineCosine<S>& z) const {
+        const SineCosine<S> twice = theta_series::turned(z, z);
+        SineCosine<S> odd_angle = z, even_angle{0.0, 1.0};
         S one = z.sine, two = z.cosine, three = 1.0, four = 1.0, real = 1.0, imaginary = 0.0;
         for (std::size_t n = 1; n <= terms; ++n) {
             odd_angle = theta_series::turned(odd_angle, twice);
@@ -192,7 +192,7 @@ inline HyperbolicSeries<DoubleDouble> hyperbolic_series(const DoubleDouble& root
     s.terms = static_cast<std::size_t>(terms);
     const DoubleDouble nome = root_nome * root_nome;
     const auto half = sine_cosine_in<DoubleDouble>(0.5 * eta), whole = theta_series::turned(half, half);
-    SineCosineOf<DoubleDouble> angle = half;
+    SineCosine<DoubleDouble> angle = half;
     DoubleDouble two = 0.0, three = 1.0, four = 1.0;  // theta_2/q'^(1/4), theta_3, theta_4 at y = 0
     for (int n = 0; n <= terms + 1; ++n) {
         const auto i = static_cast<std::size_t>(n);
