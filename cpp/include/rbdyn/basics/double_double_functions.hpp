@@ -10,9 +10,6 @@
 
 namespace rbdyn {
 
-/// a 2^n.
-inline DoubleDouble ldexp(const DoubleDouble& a, int n) { return {std::ldexp(a.hi, n), std::ldexp(a.lo, n)}; }
-
 template <class S>
 struct SineCosine {
     S sine, cosine;
@@ -29,7 +26,8 @@ inline DoubleDouble exp(const DoubleDouble& x) {
     // |r| < 0.35: 26 terms reach 2^-110
     DoubleDouble sum = 1.0;
     for (int n = 26; n > 0; --n) sum = 1.0 + r * sum / static_cast<double>(n);
-    return ldexp(sum, static_cast<int>(k));
+    const int power = static_cast<int>(k);
+    return {std::ldexp(sum.hi, power), std::ldexp(sum.lo, power)};
 }
 
 inline SineCosine<DoubleDouble> sine_cosine(const DoubleDouble& x) {

@@ -202,7 +202,7 @@ private:
             form_ = Form::circular;
             const DoubleDouble scale = 0.5 * pi / p.quarter;
             const DoubleDouble nome = p.m.hi > 0.0 ? exp(-2.0 * scale * p.quarter1) : DoubleDouble(0.0);
-            const DoubleDouble outer_nome = exp(-2.0 * scale * cosine * carlson_rf(sine2, mixed, 1.0));
+            const DoubleDouble outer_nome = exp(-2.0 * scale * cosine * elliptic::carlson_f(sine2, mixed, 1.0));
             exact.circular = circular_series(nome, outer_nome);
             now_.circular = rbdyn::rounded(exact.circular);
             argument_ = Phase(p.mu * scale, p.u0 * scale, 2.0 * pi);
@@ -211,7 +211,7 @@ private:
         } else {
             form_ = Form::hyperbolic;
             const DoubleDouble scale = 0.5 * pi / p.quarter1;
-            const DoubleDouble eta = scale * sine * carlson_rf(cosine * cosine * p.m, p.m, mixed);
+            const DoubleDouble eta = scale * sine * elliptic::carlson_f(cosine * cosine * p.m, p.m, mixed);
             const bool returns = p.m1.hi > 0.0;
             const DoubleDouble step = returns ? 2.0 * scale * p.quarter : std::numeric_limits<double>::infinity();
             exact.hyperbolic = hyperbolic_series(returns ? exp(-0.5 * step) : DoubleDouble(0.0), eta);

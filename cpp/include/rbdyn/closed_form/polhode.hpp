@@ -16,7 +16,7 @@
 #include <cmath>
 
 #include "rbdyn/basics/double_double_vector.hpp"
-#include "rbdyn/closed_form/elliptic.hpp"
+#include "rbdyn/closed_form/carlson.hpp"
 
 namespace rbdyn {
 
@@ -74,9 +74,9 @@ struct Polhode {
         m = i1 * d21 * alpha2 / whole;
         m1 = abs(d) / abs(whole);
         mu = gamma * sqrt(d31 * d32 / (i1 * i2));
-        quarter = complete_elliptic_integral(sqrt(m1));
-        quarter1 = complete_elliptic_integral(sqrt(m));
-        u0 = sign * w2 / beta * carlson_rf(square(w1) / alpha2, square(w3) / gamma2, 1.0);
+        quarter = double_double::half_pi / elliptic::arithmetic_geometric_mean(1.0, sqrt(m1));
+        quarter1 = double_double::half_pi / elliptic::arithmetic_geometric_mean(1.0, sqrt(m));
+        u0 = sign * w2 / beta * elliptic::carlson_f(square(w1) / alpha2, square(w3) / gamma2, 1.0);
 
         momentum1 = i1 * alpha;
         momentum3 = i3 * gamma;
