@@ -5,8 +5,9 @@
 //
 //   w + i z = cos(theta/2) e^{i (psi + phi)/2},   x + i y = sin(theta/2) e^{i (psi - phi)/2},
 //
-// and these and omega_1 + i omega_2 are each one quotient of theta functions times an exponential (Klein and Sommerfeld,
-// "Ueber die Theorie des Kreisels", ch. VI): regular for every motion, through theta = 0 and pi, at cusps and loops.
+// and these and omega_1 + i omega_2 are each one quotient of theta functions times an exponential (Klein and
+// Sommerfeld, "Ueber die Theorie des Kreisels", ch. VI): regular for every motion, through theta = 0 and pi, at cusps
+// and loops.
 //
 // Conventions: moments A = A and C about the fixed point; body axes with e3 the top's; angular velocity in body axes;
 // potential energy `weight_moment` u with weight_moment = m g l, l the signed distance of the mass centre along e3.
@@ -39,7 +40,8 @@ public:
     using DigitsQuaternion = QuaternionOf<DoubleDouble>;
 
     /// Moments of inertia [kg m^2] about the fixed point across and along the axis, m g l [N m], the upward vertical in
-    /// the world, attitude and angular velocity in body axes [rad/s] at t = 0. Vertical and attitude count by direction.
+    /// the world, attitude and angular velocity in body axes [rad/s] at t = 0. Vertical and attitude count by
+    /// direction.
     LagrangeTop(DoubleDouble across, DoubleDouble along, DoubleDouble weight_moment, const Vector3& up,
                 const DigitsQuaternion& attitude, const Digits& angular_velocity)
         : start_{{attitude.w.hi, attitude.x.hi, attitude.y.hi, attitude.z.hi},
@@ -54,7 +56,8 @@ public:
         spin_ = s.spin.hi;
         // a weight that turns nothing in 1e30 revolutions, or an axis at rest in the vertical
         const DoubleDouble rates = s.across_square + s.axial * s.axial;
-        free_ = s.weight.hi <= 1e-40 * rates.hi || (s.across_square.hi == 0.0 && (s.below.hi == 0.0 || s.above.hi == 0.0));
+        free_ =
+            s.weight.hi <= 1e-40 * rates.hi || (s.across_square.hi == 0.0 && (s.below.hi == 0.0 || s.above.hi == 0.0));
         if (free_)
             set_free(s);
         else
@@ -62,7 +65,8 @@ public:
     }
     LagrangeTop(DoubleDouble across, DoubleDouble along, DoubleDouble weight_moment, const Vector3& up,
                 const Quaternion& attitude, const Vector3& angular_velocity)
-        : LagrangeTop(across, along, weight_moment, up, DigitsQuaternion{attitude.w, attitude.x, attitude.y, attitude.z},
+        : LagrangeTop(across, along, weight_moment, up,
+                      DigitsQuaternion{attitude.w, attitude.x, attitude.y, attitude.z},
                       {angular_velocity[0], angular_velocity[1], angular_velocity[2]}) {}
 
     /// The motion at a time [s] of either sign; at 0 the start itself.
@@ -71,11 +75,13 @@ public:
         return free_ ? free_at(t) : heavy_at(t);
     }
 
-    /// Estimated error at a time [s]: of the attitude as an angle, of the angular velocity relative to its largest size.
+    /// Estimated error at a time [s]: of the attitude as an angle, of the angular velocity relative to its largest
+    /// size.
     double error(double t) const {
         const double time = std::abs(t);
-        return std::min(4.0, rounding + 1e-31 * fastest_ * time + sensitivity_ * (1.0 + time * nutation_rate_) *
-                                            (lost_ ? std::exp(std::min(200.0, 2.0 * place_.rate().hi * time)) : 1.0));
+        return std::min(4.0, rounding + 1e-31 * fastest_ * time +
+                                 sensitivity_ * (1.0 + time * nutation_rate_) *
+                                     (lost_ ? std::exp(std::min(200.0, 2.0 * place_.rate().hi * time)) : 1.0));
     }
 
     /// Time from the lowest to the lowest place of the axis [s]; infinite on the separatrix, 0 without nutation.
@@ -170,14 +176,15 @@ private:
         const bool separatrix = r.d32.hi == 0.0;
         theta_ = Theta(r.d21 / r.d31, r.d32 / r.d31);
         const DoubleDouble speed = sqrt(s.weight * r.d31) * 0.5;  // of v
-        DoubleDouble v = 0.0;  // at the start
+        DoubleDouble v = 0.0;                                     // at the start
         if (r.x1.hi < 0.0) v = sqrt(-r.x1) * elliptic::carlson_f(r.x2, r.x3 * r.d21 / r.d31, r.d21);
         place_ = Phase(speed * theta_.scale(), (s.nutation.hi < 0.0 ? -v : v) * theta_.scale(), theta_.period());
 
         // omega_1^2 + omega_2^2 is 2 m g l/A times the distance of u from a root of its own between u2 and u3
         const DoubleDouble from_1 = s.across_square / s.weight - r.x1;
         const DoubleDouble beyond = (s.across_square - s.weight * s.below) / s.weight;
-        const DoubleDouble across = separatrix ? DoubleDouble(0.0) : s.axial * s.across_square / s.weight - s.horizontal;
+        const DoubleDouble across =
+            separatrix ? DoubleDouble(0.0) : s.axial * s.across_square / s.weight - s.horizontal;
         const DoubleDouble product = across * across / (s.weight * from_1);
         DoubleDouble from_2 = r.below_2 + beyond, from_3 = r.beyond_3 - beyond;
         if (beyond.hi >= 0.0)
@@ -191,7 +198,8 @@ private:
             w = r.d21.hi == 0.0 ? DoubleDouble(INFINITY)
                                 : sqrt(r.above_1) * elliptic::carlson_f(r.d21, r.d21 * r.above_3 / r.d31, r.above_2);
         wz_.quotient = theta_.quotient_first(w * sign);
-        wz_.phase = turning((s.body_rate + (r.above_2.hi > 0.0 ? sum / r.above_2 : 0.0)) * 0.5 + speed * wz_.quotient.drift);
+        wz_.phase =
+            turning((s.body_rate + (r.above_2.hi > 0.0 ? sum / r.above_2 : 0.0)) * 0.5 + speed * wz_.quotient.drift);
         xy_.quotient = theta_.quotient_second(shift(r, r.below_1, r.below_2, r.beyond_3, difference));
         xy_.phase = turning((difference / r.below_1 - s.body_rate) * 0.5 + speed * xy_.quotient.drift);
         omega_.quotient = theta_.quotient_second(shift(r, from_1, from_2, from_3, across));
@@ -233,13 +241,16 @@ private:
         const std::complex<double> value(x.hi, y.hi);
         const std::complex<double> rise(((x_rise + rate * y) / speed).hi, ((y_rise - rate * x) / speed).hi);
         const std::complex<double> g = first ? theta_.first(f.quotient, waves) : theta_.second(f.quotient, waves);
-        const std::complex<double> slope = first ? theta_.slope_first(f.quotient, z) : theta_.slope_second(f.quotient, z);
-        f.size = sign(at) * std::polar(1.0, -f.quotient.twist * z) *
-                 (std::conj(g) * value + std::conj(slope) * rise) / (std::norm(g) + std::norm(slope));
+        const std::complex<double> slope =
+            first ? theta_.slope_first(f.quotient, z) : theta_.slope_second(f.quotient, z);
+        f.size = sign(at) * std::polar(1.0, -f.quotient.twist * z) * (std::conj(g) * value + std::conj(slope) * rise) /
+                 (std::norm(g) + std::norm(slope));
     }
 
     /// Of the quotients, which an odd number of periods turns over.
-    static double sign(const Phase::Reduced& at) { return at.steps == 2.0 * std::nearbyint(0.5 * at.steps) ? 1.0 : -1.0; }
+    static double sign(const Phase::Reduced& at) {
+        return at.steps == 2.0 * std::nearbyint(0.5 * at.steps) ? 1.0 : -1.0;
+    }
 
     State heavy_at(Instant t) const {
         const Phase::Reduced at = place_.at(t);
@@ -299,7 +310,8 @@ inline LagrangeTop::Roots LagrangeTop::roots(const Start& s, const DoubleDouble&
     const auto pair_about_start = [&](const DoubleDouble& x3) {
         r.x3 = x3;
         const DoubleDouble c0 = s.nutation * s.nutation;
-        const DoubleDouble c1 = (s.axial * s.horizontal - (1.0 - s.below) * s.across_square) * 2.0 - weight * s.above * s.below;
+        const DoubleDouble c1 =
+            (s.axial * s.horizontal - (1.0 - s.below) * s.across_square) * 2.0 - weight * s.above * s.below;
         std::tie(r.x1, r.x2) = opposite_pair((c1 + c0 / x3) / (weight * x3), -c0 / (weight * x3));
         r.below_1 = s.below - r.x1;
     };

@@ -1,10 +1,10 @@
-// The linear oscillator with damping and a constant force in closed form, x'' = force - damping x' - stiffness x: torsion
-// pendulum (7.60 with a torsion spring), body on a spring along a line.
+// The linear oscillator with damping and a constant force in closed form, x'' = force - damping x' - stiffness x:
+// torsion pendulum (7.60 with a torsion spring), body on a spring along a line.
 //
 // With S'' + damping S' + stiffness S = 0, S(0) = 0, S'(0) = 1, Q = integral of S and D = 1 - stiffness Q:
 //   x = D x0 + S v0 + Q force,   v = S' v0 + S (force - stiffness x0).
-// S, S', D and Q are continuous through critical damping and through stiffness or damping zero: each is taken from a form
-// without cancellation. Coefficients per unit of inertia; x from where the spring is at rest.
+// S, S', D and Q are continuous through critical damping and through stiffness or damping zero: each is taken from a
+// form without cancellation. Coefficients per unit of inertia; x from where the spring is at rest.
 #pragma once
 
 #include <algorithm>
@@ -103,7 +103,8 @@ private:
     double series(double t) const {
         double before = 0.0, term = 0.5 * t * t, sum = term;
         for (int n = 3; n < 20; ++n) {
-            const double next = -t * (2.0 * half_damping_.hi * (n - 1) * term + stiffness_ * t * before) / (n * (n - 1));
+            const double next =
+                -t * (2.0 * half_damping_.hi * (n - 1) * term + stiffness_ * t * before) / (n * (n - 1));
             before = term;
             term = next;
             sum += term;

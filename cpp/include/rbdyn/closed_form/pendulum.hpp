@@ -4,8 +4,8 @@
 // * libration, k < 1:  tan(psi/2) = k sn / dn, psi' = 2 k w cn, k^2 = sin^2(psi0/2) + psi0'^2/(4 w2);
 // * rotation, of modulus 1/k at k w t + u0:  psi/2 = am, psi' = 2 k w dn;
 // * the separatrix is a rotation of modulus 1 and infinite period.
-// 1 - k^2 = cos^2(psi0/2) - psi0'^2/(4 w2) comes from its own formula in 32 digits. Below 1e-31 of its terms it is taken
-// as none: the start is on the separatrix.
+// 1 - k^2 = cos^2(psi0/2) - psi0'^2/(4 w2) comes from its own formula in 32 digits. Below 1e-31 of its terms it is
+// taken as none: the start is on the separatrix.
 #pragma once
 
 #include <algorithm>
@@ -99,7 +99,8 @@ public:
     double error(double t) const {
         if (kind_ == Kind::rest) return 0.0;
         const double time = std::abs(t), growth = kind_ == Kind::separatrix ? std::min(200.0, speed_ * time) : 0.0;
-        return std::min(2.0, rounding + noise * speed_ * time + sensitivity_ * (1.0 + time / quarter_) * std::exp(growth));
+        return std::min(2.0,
+                        rounding + noise * speed_ * time + sensitivity_ * (1.0 + time / quarter_) * std::exp(growth));
     }
 
 private:

@@ -1,6 +1,7 @@
 // Quotients of theta functions along the real axis, the building blocks of closed forms in elliptic functions:
 //
-//   first:   theta_1(x - i s) / theta_4(x),    second:   theta_2(x - i s) / theta_4(x),    x = pi v/(2 K), s = pi w/(2 K),
+//   first:   theta_1(x - i s) / theta_4(x),    second:   theta_2(x - i s) / theta_4(x),    x = pi v/(2 K), s = pi w/(2
+//   K),
 //
 // each times a constant and e^{i mu v}, each regular for all real v (Whittaker and Watson, ch. 21; DLMF 20.2, 20.7).
 // Their moduli vanish, if at all, where v = i w and v = K + i w.
@@ -68,7 +69,6 @@ public:
     const DoubleDouble& period() const { return period_; }
     const DoubleDouble& quarter() const { return quarter_; }
 
-
     Waves waves(double z) const { return hyperbolic_ ? hyperbolic_waves(z) : circular_waves(z); }
 
     static std::complex<double> first(const Quotient& f, const Waves& at) {
@@ -128,7 +128,8 @@ private:
 
     // all times 2 e^-|y|, which cancels
     Waves hyperbolic_waves(double y) const {
-        const double e = std::exp(-std::abs(y)), f = e * e, r = square_[1] / f, sign = y < 0.0 ? -1.0 : 1.0;
+        const double e = std::exp(-std::abs(y)), f = e * e, r = square_[1] == 0.0 ? 0.0 : square_[1] / f,
+                     sign = y < 0.0 ? -1.0 : 1.0;
         Waves at;
         at.denominator = 0.0;
         double rise = 1.0, fall = f, even_fall = e;  // r^n <= 1, q^n f^(n+1), e f^n
@@ -169,8 +170,7 @@ private:
         const DoubleDouble s = abs(w) * scale_;
         const DoubleDouble fall = exp(-2.0 * s);
         // q e^{2s} <= 1; without a nome it is not needed, and K' is infinite
-        const DoubleDouble rise =
-            nome_.hi == 0.0 ? DoubleDouble(0.0) : exp(2.0 * (s - scale_ * co_quarter_));
+        const DoubleDouble rise = nome_.hi == 0.0 ? DoubleDouble(0.0) : exp(2.0 * (s - scale_ * co_quarter_));
         const double side = w.hi < 0.0 ? -1.0 : 1.0;
         DoubleDouble even = 0.0, odd = 0.0, power = 1.0, rises = 1.0, falls = fall;
         double sign = 1.0;
