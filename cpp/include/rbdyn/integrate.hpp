@@ -53,9 +53,15 @@ inline std::vector<std::string> engines() {
 #endif
 }
 
-inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, int order = 0) {
-    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, order);
-    if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance);
+/// How an engine makes its steps: beside its tolerance, so that two runs need not share their rounding.
+struct Manner {
+    int order = 0;        // of Taylor series; 0: from the tolerance
+    double stride = 1.0;  // of dop853: how much of the steps that the tolerance allows is taken
+};
+
+inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {}) {
+    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order);
+    if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride);
 #ifdef RBDYN_WITH_SUNDIALS
     if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
     if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
@@ -70,6 +76,10 @@ inline double least_tolerance(const std::string& engine) { return engine == "tay
 
 /// The order of a run that is held against one at the least tolerance: other steps, so other rounding.
 inline constexpr int other_order = 19;
+
+/// The stride of a run of dop853 against the one it is held against: a motion that is a polynomial would else be one
+/// step of both. No power of two, whose steps round alike.
+inline constexpr double other_stride = 0.7;
 
 inline void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
@@ -96,9 +106,9 @@ struct Timed {
 
 /// One integration from the state x.
 inline Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
-                       const std::string& name, double tolerance, const Keep& keep, int order = 0) {
+                       const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {}) {
     const auto before = std::chrono::steady_clock::now();
-    const std::unique_ptr<Engine> engine = make_engine(name, tolerance, order);
+    const std::unique_ptr<Engine> engine = make_engine(name, tolerance, manner);
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
     Timed result{driver.run(o.start, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -146,9 +156,9 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         result.integration_seconds = timed.seconds;
         result.record = std::move(timed.record);
     };
-    const auto run_with = [&](const std::string& name, double tolerance, const Keep& keep, int order = 0) {
+    const auto run_with = [&](const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {}) {
         ++result.runs;
-        return integrate(model, x, options, name, tolerance, keep, order);
+        return integrate(model, x, options, name, tolerance, keep, manner);
     };
     /// Whether a run ended otherwise than by its end or an event; then the result is complete.
     const auto is_cut_short = [&](Timed& timed) {
@@ -181,6 +191,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
 
     // the run at a tolerance a little below the error asked for, held against a better one
     double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
+    Manner manner;
     const bool is_judge = engine == judge;
     // without all pieces kept, the two are compared at the times wanted and at many in between
     const bool keeps_all = options.keep.what == Keep::What::all;
@@ -203,7 +214,9 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         const bool at_floor = tolerance <= least_tolerance(engine);
         const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
                                       : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
-        Timed better = run_with(judge, finer, compared, is_judge && at_floor ? other_order : 0);
+        Manner finer_manner;
+        if (is_judge) finer_manner = {at_floor ? other_order : 0, other_stride * manner.stride};
+        Timed better = run_with(judge, finer, compared, finer_manner);
         Comparison comparison;
         try {
             if (better.record.thrown) std::rethrow_exception(better.record.thrown);
@@ -243,13 +256,14 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         if (is_judge) {
             run = std::move(better);
             tolerance = finer;
+            manner = finer_manner;
         } else {
             tolerance = std::max(tolerance * std::clamp(0.2 * options.error / comparison.error, 1e-4, 0.1),
                                  least_tolerance(engine));
             run = run_with(engine, tolerance, compared);
         }
     }
-    if (!keeps_all) run = run_with(engine, tolerance, options.keep);
+    if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);
     if (is_cut_short(run)) return result;
     take(std::move(run));
     return result;

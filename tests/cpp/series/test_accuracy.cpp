@@ -36,6 +36,28 @@ struct ExactPendulum {
     }
 };
 
+TEST(Steps, of_a_polynomial_computed_as_more_end_where_the_rounding_of_its_series_is_the_error_allowed) {
+    // u'' = 2 cos^2 u + 2 sin^2 u = 2: the coefficients beyond u = t^2 are the rounding of those of cos and sin
+    Recorder r;
+    const Expression u = r.input(0), cosine = cos(u), sine = sin(u);
+    const Expression outputs[] = {r.input(1), 2.0 * cosine * cosine + 2.0 * sine * sine};
+    Equations e;
+    e.program = Program(r, outputs, 2);
+    e.groups = {{0, 1, true}, {1, 1, false}};
+    for (const double tolerance : {1e-8, 1e-10, 1e-12, 1e-14}) {
+        TaylorEngine engine(tolerance);
+        const double rest[] = {0.0, 0.0};
+        engine.start(e, {}, {0.0, 0.0}, rest);
+        int steps = 0;
+        std::vector<double> x(2);
+        for (Instant t; 8.0 - t > 0.0; ++steps, t = engine.piece().at(engine.piece().length))
+            ASSERT_EQ(engine.step(8.0), StepStatus::ok);
+        engine.state(engine.piece().length, x);
+        EXPECT_LE(std::abs(x[0] - 64.0) / 64.0, 10.0 * tolerance) << tolerance;
+        EXPECT_LE(steps, 40);
+    }
+}
+
 TEST(LongRuns, a_pendulum_s_error_at_rounding_level_grows_no_faster_than_time_to_the_power_three_halves) {
     const double angle = 1.5, w2 = 1.0;
     const ExactPendulum exact{angle, w2};

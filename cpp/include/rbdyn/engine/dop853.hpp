@@ -34,8 +34,9 @@ namespace rbdyn {
 class Dop853Engine : public Engine {
 public:
     /// Local error per step relative to the motion's scales. `fits_guards`: through values even where series are known.
-    explicit Dop853Engine(double tolerance, bool fits_guards = false)
-        : tolerance_(tolerance), fits_guards_(fits_guards) {}
+    /// `stride`: how much of the steps that the tolerance allows, and of a mode in its first one, is taken.
+    explicit Dop853Engine(double tolerance, bool fits_guards = false, double stride = 1.0)
+        : tolerance_(tolerance), fits_guards_(fits_guards), stride_(stride) {}
 
     std::string name() const override { return "dop853"; }
 
@@ -73,7 +74,7 @@ public:
         Instant end;
         for (;; rejected = true) {
             // a step that ends so that t + h is exact
-            h = wanted;
+            h = stride_ * (is_first_ ? std::min(wanted, span) : wanted);
             capped = h >= span;
             if (!capped) {
                 const double next = t_.hi + h;
@@ -441,6 +442,7 @@ private:
 
     double tolerance_;
     bool fits_guards_;
+    double stride_;
     const Equations* equations_ = nullptr;
     Workshop* workshop_ = nullptr;
     int n_ = 0;  // variables

@@ -41,6 +41,15 @@ inline double log_step(const double* size, int p, double scale, double log_toler
         const double target = k >= p - 1 ? log_tolerance : log_tolerance * k / p;
         log_length = std::min(log_length, (target + rough_log2(scale / size[k])) / k);
     }
+    // what is far below the way there is rounding, of a polynomial that was computed as more: it need not fall from one
+    // term to the next, and each term is an error
+    const int middle = p / 2;
+    double largest = -infinity;
+    for (int k = middle - 1; k <= middle + 1; ++k)
+        largest = std::max(largest, rough_log2(size[k] / scale) + k * log_length);
+    if (largest < 0.75 * log_tolerance)
+        for (int k = middle - 1; k < p - 1; ++k)
+            if (size[k] > 0.0) log_length = std::min(log_length, (log_tolerance + rough_log2(scale / size[k])) / k);
     return log_length;
 }
 

@@ -28,7 +28,7 @@ struct Comparison {
 
 class AccuracyCheck {
 public:
-    /// `times`: where to compare; empty: at the middle and the end of every piece.
+    /// `times`: where to compare; empty: at the middle and the end of every piece, and at more places of few.
     /// `proceed`: asked now and then whether to go on; if not, the result says that nothing is certain.
     AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times = {},
                   std::function<bool(double)> proceed = {})
@@ -113,8 +113,12 @@ private:
                 if (t < until && t <= run.end.hi) compare_at({t, 0.0}, run, run.find(t, Side::before), better, j);
             return;
         }
-        for (std::size_t i = 0; i < run.entries().size(); ++i)
-            for (double fraction : {0.5, 1.0}) {
+        const std::size_t pieces = run.entries().size();
+        const int parts =
+            pieces * 2 < least_times ? static_cast<int>(least_times / std::max<std::size_t>(pieces, 1)) : 2;
+        for (std::size_t i = 0; i < pieces; ++i)
+            for (int part = 1; part <= parts; ++part) {
+                const double fraction = static_cast<double>(part) / parts;
                 const Instant at = run.piece(i).at(fraction * run.entries()[i].length);
                 if (at.hi >= until) return;
                 compare_at(at, run, i, better, j);
@@ -194,6 +198,9 @@ private:
     static bool same_mode(const Mode& a, const Mode& b) {
         return a.slip == b.slip && a.equations == b.equations && a.jumps == b.jumps;
     }
+
+    // a motion of one or two pieces has its extent and its errors within them
+    static constexpr std::size_t least_times = 16;
 
     const HybridModel& model_;
     double wanted_;
