@@ -36,6 +36,36 @@ Scene swinging(const Force& force) {
     return scene;
 }
 
+// --- motion from rest ---
+
+TEST(FromRest, a_block_breaks_away_under_a_growing_force_alike_with_every_engine_and_however_that_is_given) {
+    const auto push = [](double t, const Vector3&, const Vector3&) { return Vector3(7.0 * std::sin(1.5 * t), 0, 0); };
+    const auto scene = [&](bool is_recorded) {
+        Scene s(down);
+        const BodyHandle block =
+            s.add(Particle{2.0}, Rail(along_x, Coulomb{0.25, 0.25}), {.parameter = 0.0, .speed = 0.0});
+        s.apply(is_recorded ? Force([](const auto& t, const auto&, const auto&) {
+                    return Vector3Of<Expression>{7.0 * sin(1.5 * t), 0.0, 0.0};
+                })
+                            : called_back("push", push),
+                block);
+        return s;
+    };
+    const Trajectory exact = simulate(scene(true), {.until = 10.0, .error = 1e-12, .engine = "taylor"});
+    ASSERT_EQ(exact.events().size(), 9u);
+    EXPECT_NEAR(exact.events()[0].time, std::asin(0.25 * 2.0 * gravity / 7.0) / 1.5, 4.0 * epsilon);
+    for (const std::string& engine : simulating::engines())
+        for (const bool is_recorded : {true, false}) {
+            if (engine == "taylor" && !is_recorded) continue;
+            const Trajectory run = simulate(scene(is_recorded), {.until = 10.0, .engine = engine, .max_steps = 10000});
+            ASSERT_EQ(kinds(run), kinds(exact)) << engine;
+            ASSERT_EQ(run.status(), Status::reached_end) << engine;
+            for (std::size_t k = 0; k < exact.events().size(); ++k)
+                EXPECT_NEAR(run.events()[k].time, exact.events()[k].time, 1e-9 * exact.events()[k].time) << engine;
+            EXPECT_NEAR(run[first].position(10.0)[0], exact[first].position(10.0)[0], 1e-9) << engine;
+        }
+}
+
 // --- exceptions ---
 
 struct Own {

@@ -183,8 +183,7 @@ struct Push {
 
 TEST(Sliding, a_block_pushed_against_its_own_friction_slips_and_sticks_at_the_times_of_the_closed_form) {
     const Push p{.force = 3.0, .push = 4.0, .frequency = 2.0};
-    // from exact rest, where nothing has moved yet, by Taylor; all engines below, from a start in motion
-    for (const std::string engine : {"taylor"}) {
+    for (const std::string& engine : simulating::engines()) {
         const StateRun run =
             simulate(p.own(), {0.0, 0.0}, {.until = 10.0 * pi / p.frequency, .error = 1e-10, .engine = engine});
         ASSERT_EQ(run.events().size(), 20u) << engine;

@@ -160,6 +160,11 @@ private:
     /// Taylor coefficients of the motion from here, in `unit`; how many orders of them are finite.
     int expand(double span, double& unit) {
         SeriesEvaluator& series = integrator_->series;
+        // a slope that is rounding of its terms is none: a block breaks away from rest under forces in balance
+        integrator_->evaluator(t_.hi, x_);
+        const auto is_rounding = [&](int i) {
+            return std::abs(integrator_->evaluator.output(i)) <= 64.0 * epsilon * integrator_->evaluator.magnitude(i);
+        };
         int exponent = 0;
         std::frexp(std::isfinite(span) ? span : 1.0, &exponent);
         int orders = 0;
@@ -172,7 +177,8 @@ private:
                 series.advance(orders);
                 bool is_finite = true;
                 for (int i = 0; i < integrator_->n; ++i) {
-                    const double c = series.output(i)[orders] * (unit / (orders + 1));
+                    double c = series.output(i)[orders] * (unit / (orders + 1));
+                    if (orders == 0 && is_rounding(i)) c = 0.0;
                     is_finite = is_finite && std::isfinite(c);
                     series.set_input(i, orders + 1, c);
                 }

@@ -252,9 +252,13 @@ private:
                 largest = std::max(largest, std::abs(slope[at(i)]));
             return largest;
         };
-        std::vector<double> before;
+        // a slope that is rounding of its terms is none: a block breaks away from rest under forces in balance
+        std::vector<double> before, first(x_.size());
+        (void)evaluate(t_, x_, first.data());
+        for (int i = 0; i < n(); ++i)
+            if (std::abs(first[at(i)]) <= 64.0 * epsilon * workshop_->evaluator.magnitude(i)) first[at(i)] = 0.0;
         const auto runs_away = [&](double h) {
-            defect_ = slope_;
+            defect_ = first;
             before.assign(equations_->groups.size(), 0.0);
             for (int pass = 0; pass < 3; ++pass) {
                 for (std::size_t g = 0; g < before.size(); ++g) {
