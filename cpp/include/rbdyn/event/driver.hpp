@@ -168,7 +168,8 @@ private:
     }
 
     /// Past a point where the equations are not finite but the motion is (a spring through its anchor): a parabola so
-    /// short that its error is rounding, from the model's own slope.
+    /// short that its error is rounding, from the model's own slopes at its start and at its middle, which is past the
+    /// point also where rounding has put the start a little before it.
     bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until) {
         const std::size_t n = x.size() / 2;
         std::vector<double> slope(x.size());
@@ -178,6 +179,11 @@ private:
             if (slope[n + i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / slope[n + i]));
         const double h = 0x1p-27 * time;
         if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
+        std::vector<double> middle = x, later(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
+        if (model_.slope(mode, t.hi + 0.5 * h, middle, later))
+            std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
+                      slope.begin() + static_cast<std::ptrdiff_t>(n));
         std::vector<double> c(3 * x.size(), 0.0);
         for (std::size_t i = 0; i < x.size(); ++i) {
             c[3 * i] = x[i];

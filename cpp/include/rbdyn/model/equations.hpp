@@ -76,6 +76,7 @@ struct Equations {
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
     int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
+    int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
 
     int variables() const { return program.inputs(); }
     /// The switch whose argument a guard is; none for guards of other kinds.

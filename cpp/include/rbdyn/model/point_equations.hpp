@@ -7,6 +7,7 @@
 // recorded functions and their switches (normal reactions, speeds under quadratic drag).
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <utility>
@@ -19,10 +20,16 @@
 
 namespace rbdyn {
 
-/// Writes what every body does: sticks, slips or flies. Returns the groups of variables, and all active forces.
-inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>> write_points(
-    Recorder& r, EquationsWriter& write, const PointLaws& laws, const std::vector<Scene::Watch>& watches,
-    const std::vector<signed char>& slip) {
+/// What is written beside rates and guards.
+struct WrittenPoints {
+    std::vector<VariableGroup> groups;
+    std::vector<Vector3Of<Expression>> forces;  // active ones, by body
+    std::vector<Expression> drives;             // of rough rails, by body; none if no drive changes in time
+};
+
+/// Writes what every body does: sticks, slips or flies.
+inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const PointLaws& laws,
+                                  const std::vector<Scene::Watch>& watches, const std::vector<signed char>& slip) {
     using S = Expression;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = laws.freedoms(), count = static_cast<int>(laws.bodies().size());
@@ -137,7 +144,12 @@ inline std::pair<std::vector<VariableGroup>, std::vector<Vector3Of<Expression>>>
         }
     std::vector<Vector3Of<S>> forces;
     for (const RecordedPoints::Body& b : present) forces.push_back(b.force.force);
-    return {std::move(groups), std::move(forces)};
+    // also of what a rail carries, for a drive may jump
+    std::vector<S> drives;
+    const auto changes = [](const PointLaws::Body& b) { return b.rough && !b.drive.is_constant(); };
+    if (std::any_of(laws.bodies().begin(), laws.bodies().end(), changes))
+        for (const PointLaws::Body& b : laws.bodies()) drives.push_back(b.rough ? b.drive(t) : S(0.0));
+    return {std::move(groups), std::move(forces), std::move(drives)};
 }
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
@@ -154,19 +166,24 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     }
     const Decisions& decided = at_state.decided;
     r.follow(at_state.t, at_state.x, parameters, decided.forced, decided.sides);
-    int first = -1;
+    int forces = -1, drives = -1;
     auto result = written(r, 2 * laws.freedoms(), decided.sliding, [&](EquationsWriter& write) {
-        auto [groups, forces] = write_points(r, write, laws, watches, slip);
-        first = -1;
+        WrittenPoints points = write_points(r, write, laws, watches, slip);
+        forces = drives = -1;
+        const auto put = [&](int& first, const Expression& value) {
+            const int output = write.output(value);
+            if (first < 0) first = output;
+        };
         if (!decided.sliding.empty())
-            for (const Vector3Of<Expression>& force : forces)
-                for (int k = 0; k < 3; ++k) {
-                    const int output = write.output(force[k]);
-                    if (first < 0) first = output;
-                }
-        return groups;
+            for (const Vector3Of<Expression>& force : points.forces)
+                for (int k = 0; k < 3; ++k) put(forces, force[k]);
+        for (const Expression& drive : points.drives) put(drives, drive);
+        return points.groups;
     });
-    if (result) result->equations.forces = first;
+    if (result) {
+        result->equations.forces = forces;
+        result->equations.drives = drives;
+    }
     return result;
 }
 

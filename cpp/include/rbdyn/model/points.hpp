@@ -108,7 +108,7 @@ public:
                     break;
                 }
                 case EventKind::slip: {
-                    carry(i, t, x);
+                    carry(mode, i, t, x);
                     const Within state(mode, t, x);
                     const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
                     const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
@@ -140,6 +140,7 @@ public:
             }
         }
         choose(after, t, x, flipped, is_new);
+        if (!flipped.empty()) follow_drives(mode, after, t, x, happenings);
         if (same_motion(mode, after))
             std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
         for (int index : fired) {
@@ -283,23 +284,57 @@ private:
 
     /// What a bead does at a speed along its rail.
     signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const {
-        const PointLaws::Body& b = laws_.body(i);
-        const double drive = b.drive(t), slip = speed - drive;
+        const double drive = drive_of(mode, i, t, x), slip = speed - drive;
         if (std::abs(slip) > 4.0 * epsilon * std::max(std::abs(speed), std::abs(drive))) return slip > 0.0 ? 1 : -1;
         return settle(mode, i, t, x);
     }
 
+    /// The speed of a rail's surface in a mode: where it jumps, on the side that the mode is on.
+    double drive_of(const Mode& mode, int i, double t, std::span<const double> x) const {
+        if (mode.equations == nullptr || mode.equations->drives < 0) return laws_.body(i).drive(t);
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        return values.output(mode.equations->drives + i);
+    }
+
+    /// What beads do whose rails' surfaces change their speed by a jump, which no friction follows.
+    void follow_drives(const Mode& before, Mode& after, double t, std::span<double> x,
+                       std::vector<Happening>& happenings) const {
+        bool has_changed = false;
+        for (int i = 0; i < bodies(); ++i) {
+            const PointLaws::Body& b = laws_.body(i);
+            if (!b.rough || b.drive.is_constant() || before.slip[at(i)] == flies || after.slip[at(i)] == flies)
+                continue;
+            const double was = drive_of(before, i, t, x), is = drive_of(after, i, t, x);
+            // what differs by the rounding of the time has a corner, no jump
+            if (std::abs(is - was) <= 1e-10 * std::max(std::abs(is), std::abs(was))) continue;
+            const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
+            const double speed = std::sqrt(c.speed_squared) * x[at(b.first + laws_.freedoms())];
+            const signed char slip = slip_of(after, i, before.slip[at(i)] == sticks ? was : speed, t, x);
+            if (slip == after.slip[at(i)]) continue;
+            const EventKind kind = slip == sticks                ? EventKind::stick
+                                   : after.slip[at(i)] == sticks ? EventKind::slip
+                                                                 : EventKind::reverse;
+            // a surface that speeds up leaves the bead behind
+            happenings.push_back({kind, i, is > was ? Direction::falling : Direction::rising, {}});
+            after.slip[at(i)] = slip;
+            has_changed = true;
+        }
+        if (has_changed) choose(after, t, x, {});
+    }
+
     /// Sets w of a bead without slip exactly: the speed of its rail.
-    void carry(int i, double t, std::span<double> x) const {
+    void carry(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-        x[at(b.first + laws_.freedoms())] = b.drive(t) / std::sqrt(c.speed_squared);
+        x[at(b.first + laws_.freedoms())] = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
     }
 
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
     signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
-        carry(i, t, x);
+        carry(mode, i, t, x);
         const Within state(mode, t, x);
         const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
