@@ -48,6 +48,32 @@ TEST(Roots, three_roots_in_one_step_are_all_found_wherever_the_step_lies) {
     }
 }
 
+TEST(Roots, one_of_odd_multiplicity_is_found_once_and_one_of_even_multiplicity_is_no_change_of_sign) {
+    for (double root = 0.03125; root < 1.0; root += 0.03125)
+        for (const double scale : {1.0, -1e-200, 1e200}) {
+            for (const std::vector<double>& others : {std::vector<double>{}, {-2.0}, {1.5, 1.5}, {3.0, -0.5, 2.0}}) {
+                for (int multiplicity = 2; multiplicity <= 5; ++multiplicity) {
+                    std::vector<double> all = others;
+                    all.insert(all.end(), static_cast<std::size_t>(multiplicity), root);
+                    const auto found = roots_of(product(all, scale));
+                    if (multiplicity % 2 == 0) {
+                        // rounding of the coefficients may make it a pair
+                        EXPECT_EQ(found.size() % 2, 0u) << root << ' ' << multiplicity;
+                        continue;
+                    }
+                    ASSERT_EQ(found.size(), 1u) << root << ' ' << multiplicity << ' ' << others.size();
+                    // by the derivative that has a simple root there, up to what the coefficients' rounding moves it by
+                    EXPECT_NEAR(found[0], root, 1e-12) << multiplicity;
+                }
+            }
+        }
+    const auto both = roots_of(product({0.25, 0.625, 0.625, 0.625, 0.875}));
+    ASSERT_EQ(both.size(), 3u);
+    EXPECT_NEAR(both[0], 0.25, 4e-16 * 10.0);
+    EXPECT_NEAR(both[1], 0.625, 1e-12);
+    EXPECT_NEAR(both[2], 0.875, 1e-14);
+}
+
 TEST(Roots, a_root_at_the_end_counts_and_one_at_the_beginning_does_not) {
     EXPECT_EQ(roots_of({-1.0, 1.0}), std::vector{1.0});
     EXPECT_EQ(roots_of({1.0, -1.0}), std::vector{1.0});

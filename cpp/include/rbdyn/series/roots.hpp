@@ -2,13 +2,16 @@
 //
 // Exclusion: on [0, 1], g(x) = g_0 + x (g_1 + x (...)) lies between the bounds that Horner's scheme gives in interval
 // arithmetic; no root where they exclude zero, at most one where those of g' do. Otherwise the interval is halved
-// (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", SIAM 2009, sec. 6.2 and 8.1).
+// (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", SIAM 2009, sec. 6.2 and 8.1). Around a root of
+// higher multiplicity all values are rounding: there the signs on both sides tell whether g passes zero, and the
+// derivative that is not rounding where.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "rbdyn/series/polynomial.hpp"
@@ -99,18 +102,44 @@ public:
         degree_ = degree;
         visits_ = 0;
         noise_ = 0.0;
+        flats_.clear();
+        const std::size_t known = roots.size();
         for (int k = 0; k <= degree; ++k) noise_ += 4.0 * std::numeric_limits<double>::epsilon() * std::abs(g[k]);
         search(g, 0.0, 1.0, 0, roots);
+        // what g alone does not tell sharply is a root by the signs on both sides, and found by a derivative
+        std::size_t kept = known;
+        for (std::size_t k = known; k < roots.size(); ++k) {
+            std::optional<Flat> about;
+            if (std::abs(slope(roots[k])) * sharp <= noise_) about = surroundings({roots[k], roots[k]});
+            if (about && !changes(*about)) continue;
+            roots[kept++] = about ? located(*about) : roots[k];
+        }
+        roots.resize(kept);
+        for (const Flat& flat : flats_) {
+            const std::optional<Flat> about = surroundings(flat);
+            if (!about || !changes(*about)) continue;
+            const auto first = roots.begin() + static_cast<std::ptrdiff_t>(known);
+            const auto place = std::lower_bound(first, roots.end(), about->lo);
+            const double x = located(*about);
+            if (x <= 1.0 && (place == roots.end() || *place > about->hi)) roots.insert(place, x);
+        }
     }
 
 private:
+    /// Where all of g is rounding.
+    struct Flat {
+        double lo, hi;
+    };
+
     void search(const double* d, double lo, double width, int depth, std::vector<double>& roots) {
-        if (bounds(d, degree_).exclude_zero()) return;
+        const Bounds b = bounds(d, degree_);
+        if (b.exclude_zero()) return;
+        if (std::max(-b.low, b.high) <= noise_) return add_flat(lo, lo + width);
         if (depth >= max_depth || ++visits_ > max_visits || slope_bounds(d, degree_).exclude_zero()) {
             // monotone, or too narrow to tell: a change of sign is one root, unless all of g here is rounding
             const double hi = lo + width;
             const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
-            if (std::max(std::abs(at_lo), std::abs(at_hi)) <= noise_) return;
+            if (std::max(std::abs(at_lo), std::abs(at_hi)) <= noise_) return add_flat(lo, hi);
             if (at_hi == 0.0 && at_lo != 0.0) {
                 if (sign_after(hi) * at_lo < 0.0) roots.push_back(hi);
             } else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
@@ -122,6 +151,55 @@ private:
         search(half.data(), lo, 0.5 * width, depth + 1, roots);
         right_half(half.data(), degree_);
         search(half.data(), lo + 0.5 * width, 0.5 * width, depth + 1, roots);
+    }
+
+    /// Intervals come in order.
+    void add_flat(double lo, double hi) {
+        if (!flats_.empty() && flats_.back().hi == lo)
+            flats_.back().hi = hi;
+        else
+            flats_.push_back({lo, hi});
+    }
+
+    /// As far about an interval where g is rounding as it takes until g is none; none if that is not within the step.
+    std::optional<Flat> surroundings(const Flat& flat) const {
+        for (double margin = std::max(flat.hi - flat.lo, sharp); margin <= widest_flat; margin *= 2.0) {
+            const Flat about{flat.lo - margin, flat.hi + margin};
+            if (about.lo <= 0.0) break;
+            if (std::min(std::abs(value(g_, degree_, about.lo)), std::abs(value(g_, degree_, about.hi))) > noise_)
+                return about;
+        }
+        return std::nullopt;
+    }
+    bool changes(const Flat& about) const {
+        return (value(g_, degree_, about.lo) < 0.0) != (value(g_, degree_, about.hi) < 0.0);
+    }
+
+    /// The root of odd multiplicity m in an interval: where the derivative of order m - 1 is zero.
+    double located(const Flat& about) const {
+        const double half = 0.5 * (about.hi - about.lo);
+        double x = 0.5 * (about.lo + about.hi);
+        for (int iteration = 0; iteration < 4; ++iteration) {
+            Coefficients c;
+            std::copy_n(g_, degree_ + 1, c.begin());
+            shift(c.data(), degree_, x);
+            // the odd term that rules over the interval
+            std::size_t ruling = 1;
+            double largest = 0.0, power = half;
+            for (std::size_t m = 1; m <= static_cast<std::size_t>(degree_); m += 2, power *= half * half) {
+                if (!(std::abs(c[m]) * power > largest)) continue;
+                largest = std::abs(c[m]) * power;
+                ruling = m;
+            }
+            x = std::clamp(x - c[ruling - 1] / (static_cast<double>(ruling) * c[ruling]), about.lo, about.hi);
+        }
+        return x;
+    }
+
+    double slope(double x) const {
+        double sum = 0.0;
+        for (int k = degree_; k >= 1; --k) sum = sum * x + k * g_[k];
+        return sum;
     }
 
     /// The sign of g just beyond x: that of its first derivative there that is not zero.
@@ -141,11 +219,16 @@ private:
     static constexpr int max_depth = 40;
     // 40 roots, each 40 halvings deep, never need more; only rounding noise around zero does
     static constexpr int max_visits = 4000;
+    // a root is known to this from g alone, or its derivatives tell more
+    static constexpr double sharp = 0x1p-30;
+    // a root of multiplicity 20 is as wide as this
+    static constexpr double widest_flat = 0.25;
 
     const double* g_ = nullptr;
     int degree_ = 0;
     int visits_ = 0;
     double noise_ = 0.0;  // of the values of g
+    std::vector<Flat> flats_;
 };
 
 }  // namespace rbdyn::series
