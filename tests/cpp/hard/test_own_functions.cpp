@@ -36,6 +36,38 @@ Scene swinging(const Force& force) {
     return scene;
 }
 
+struct Own {
+    int number;
+};
+
+// --- when they are asked ---
+
+TEST(Callbacks, that_throw_before_the_first_step_leave_a_run_that_has_its_start) {
+    // whether it sticks is asked before there is any motion
+    Scene scene(down);
+    scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.5, 0.25}), {.parameter = 0.75});
+    scene.apply(called_back("broken", [](double, const Vector3&, const Vector3&) -> Vector3 { throw Own{3}; }), first);
+    const Attempt result = attempt(scene, {.until = 1.0});
+    EXPECT_EQ(result.outcome, Outcome::thrown);
+    EXPECT_EQ(result.run.t(), std::vector<double>{0.0});
+    EXPECT_EQ(result.run[first].position(0.0), Vector3(0.75, 0, 0));
+}
+
+TEST(Callbacks, are_not_asked_for_positions) {
+    const auto calls = std::make_shared<int>(0);
+    const Trajectory run = simulate(swinging(called_back("spring",
+                                                         [calls](double, const Vector3& r, const Vector3&) -> Vector3 {
+                                                             ++*calls;
+                                                             return -r;
+                                                         })),
+                                    {.until = 2.0});
+    const int before = *calls;
+    for (const double t : {0.0, 0.5, 2.0}) EXPECT_NEAR(run[first].position(t)[0], std::cos(t), 1e-9);
+    EXPECT_EQ(*calls, before);
+    (void)run[first].acceleration(1.0);
+    EXPECT_EQ(*calls, before + 1);
+}
+
 // --- motion from rest ---
 
 TEST(FromRest, a_block_breaks_away_under_a_growing_force_alike_with_every_engine_and_however_that_is_given) {
@@ -68,10 +100,6 @@ TEST(FromRest, a_block_breaks_away_under_a_growing_force_alike_with_every_engine
 
 // --- exceptions ---
 
-struct Own {
-    int number;
-};
-
 TEST(Exceptions, of_a_force_pass_unchanged_and_the_run_until_then_is_kept) {
     for (int calls : {0, 300, 1000}) {
         for (const auto& rtol : {std::optional<double>(), std::optional<double>(1e-10)}) {
@@ -95,6 +123,7 @@ TEST(Exceptions, of_a_force_pass_unchanged_and_the_run_until_then_is_kept) {
             EXPECT_TRUE(static_cast<bool>(result.thrown));
             if (calls == 0) {
                 EXPECT_EQ(result.run.end(), 0.0);
+                EXPECT_EQ(result.run[first].position(0.0), Vector3(1, 0, 0));
                 continue;
             }
             // up to the last step that was complete, some twenty calls each

@@ -533,5 +533,35 @@ TEST(SkiJump, rough_is_left_with_what_friction_leaves) {
     EXPECT_LE((run[bead].velocity(run.events()[0].time) - v * Vector3(0.8, 0, -0.6)).norm(), 1e-11);
 }
 
+// --- ends ---
+
+TEST(RailEnds, a_bead_that_starts_at_one_moving_outward_flies_silently_or_is_refused) {
+    const Curve arc([](const auto& u) { return Vector3Of<std::decay_t<decltype(u)>>(u, 0.0 * u, 0.0 * u); },
+                    {-1.0, 2.0});
+    for (const double end : {-1.0, 2.0}) {
+        const double out = end > 0.0 ? 1.0 : -1.0;
+        const auto scene = [&](RailEnds ends, double speed) {
+            Scene s(down);
+            s.add(Particle{1.0}, Rail(arc, {}, {.ends = ends}), {.parameter = end, .speed = speed});
+            return s;
+        };
+        const BodyHandle bead{0};
+        const Trajectory flight = simulate(scene(RailEnds::release, 3.0 * out), {.until = 0.5});
+        EXPECT_TRUE(flight.events().empty());
+        EXPECT_NEAR((flight[bead].position(0.5) - Vector3(end + 1.5 * out, 0, -0.125 * gravity)).norm(), 0.0, 1e-12);
+        try {
+            (void)simulate(scene(RailEnds::stop, 3.0 * out), {.until = 0.5});
+            FAIL();
+        } catch (const InvalidInput& e) {
+            EXPECT_NE(std::string(e.what()).find("an end of its rail"), std::string::npos) << e.what();
+        }
+        // inward, and at rest, it is on its rail like any other
+        const Trajectory inward = simulate(scene(RailEnds::stop, -out), {.until = 5.0});
+        EXPECT_EQ(kinds(inward), "rail-end");
+        EXPECT_NEAR(inward.end(), 3.0, 1e-12);
+        EXPECT_TRUE(simulate(scene(RailEnds::stop, 0.0), {.until = 5.0}).events().empty());
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test

@@ -47,6 +47,8 @@ public:
             advance(record, t, std::move(x), until);
         } catch (...) {
             record.thrown = std::current_exception();
+            // also the start that could not be left has its state
+            if (record.modes.empty()) record.modes.push_back(model_.undecided());
             finish(record, t, Status::stopped_by_user);
         }
         return record;
@@ -57,6 +59,7 @@ private:
         record.start = t.hi;
         record.variables = model_.variables();
         record.end = t;
+        record.first_state = x;
         Mode mode = model_.begin(t.hi, x);
         record.first_state = x;
         enter(record, mode, t, x, {});

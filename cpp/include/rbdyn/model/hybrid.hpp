@@ -48,6 +48,9 @@ public:
 
     virtual int variables() const = 0;
 
+    /// What is known of a mode before any law has been asked: the places of bodies, not their forces.
+    virtual Mode undecided() const { return {}; }
+
     /// The mode a motion begins in; nothing fires. May set variables exactly (a speed of a rail that holds a bead).
     virtual Mode begin(double t, std::span<double> x) const = 0;
 

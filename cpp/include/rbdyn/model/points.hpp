@@ -49,6 +49,11 @@ public:
         return laws_.report(body, mode.slip, state.t, state.x, sliding_force(mode, body, state.t, state.x));
     }
 
+    /// Where a body is in a mode, without asking for any force.
+    Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const {
+        return laws_.view().origin + laws_.view().axes * laws_.states(t, x, mode.slip)[at(body)].r;
+    }
+
     /// What watched functions may ask for, at a state.
     Observe observing(const Mode& mode, double t, std::span<const double> x) const {
         const auto state = std::make_shared<const Within>(mode, t, x);
@@ -59,9 +64,14 @@ public:
         };
     }
 
-    Mode begin(double t, std::span<double> x) const override {
+    Mode undecided() const override {
         Mode mode;
         mode.slip.assign(laws_.bodies().size(), 1);
+        return mode;
+    }
+
+    Mode begin(double t, std::span<double> x) const override {
+        Mode mode = undecided();
         // what starts on the edge of a case is looked at from the side it leaves to
         choose(mode, t, x, {});
         for (int i = 0; i < bodies(); ++i) {
@@ -72,8 +82,11 @@ public:
         }
         mode.equations = nullptr;
         choose(mode, t, x, {});
-        // what its rail would have to pull flies from the start
-        for (int i = 0; i < bodies(); ++i) let_go(mode, i, t, x);
+        // what its rail would have to pull flies from the start, and what moves off its end
+        for (int i = 0; i < bodies(); ++i) {
+            let_go(mode, i, t, x);
+            leave_end(mode, i, t, x);
+        }
         return mode;
     }
 
@@ -127,16 +140,22 @@ public:
                     happenings.push_back({EventKind::land, i, Direction::falling, {}, impulse});
                     break;
                 }
-                default:
+                default: {
                     flipped.push_back(index);
                     // a variable that switches is zero, exactly
                     if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
                     if (guard.kind == EventKind::switching && guard.name.empty()) break;
                     // where the reaction of a rail that only pushes vanishes the bead detaches, and that is said
                     if (guard.kind == EventKind::normal_zero && laws_.body(i).side != RailSide::both) break;
-                    happenings.push_back({guard.kind, i, guard.step > 0 ? Direction::rising : direction,
-                                          guard.kind == EventKind::switching ? guard.name : std::string()});
+                    Happening h{guard.kind, i, guard.step > 0 ? Direction::rising : direction,
+                                guard.kind == EventKind::switching ? guard.name : std::string()};
+                    // several distinctions of one function at one place are one event
+                    if (std::none_of(happenings.begin(), happenings.end(), [&](const Happening& other) {
+                            return other.kind == h.kind && other.subject == h.subject && other.name == h.name;
+                        }))
+                        happenings.push_back(std::move(h));
                     break;
+                }
             }
         }
         choose(after, t, x, flipped, is_new);
@@ -397,6 +416,27 @@ private:
             return true;
         }
         return false;
+    }
+
+    /// A bead that starts at an end of its rail and leaves it at once flies, if its rail lets it. Throws InvalidInput
+    /// if not: such a run would end where it starts.
+    void leave_end(Mode& mode, int i, double t, std::span<double> x) const {
+        if (!on_rail(i) || mode.slip[at(i)] == flies) return;
+        for (const Guard& guard : mode.equations->guards) {
+            if (guard.kind != EventKind::rail_end || guard.subject != i) continue;
+            Evaluator<double> values(mode.equations->program);
+            values.set_parameters(mode.parameters);
+            values(t, x);
+            if (std::abs(values.output(guard.output)) > 8.0 * epsilon * values.magnitude(guard.output) ||
+                leading_sign(mode, t, x, guard.output) >= 0)
+                continue;
+            if (guard.role == GuardRole::stop)
+                throw InvalidInput(laws_.body(i).name + ": parameter is " + text(x[at(laws_.body(i).first)]) +
+                                   ", an end of its rail, which it leaves at once; start it within the rail or moving "
+                                   "inward, or let it fly on with ends \"release\"");
+            release(mode, i, t, x);
+            return choose(mode, t, x, {});
+        }
     }
 
     /// What the user's own action makes of the state.

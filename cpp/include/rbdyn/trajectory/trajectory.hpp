@@ -89,7 +89,11 @@ class BodyMotion {
 public:
     BodyMotion(std::shared_ptr<const RunData> data, int body) : data_(std::move(data)), body_(body) {}
 
-    Vector3 position(double t, Side side = Side::after) const { return report(t, side).position; }          // m
+    /// Asks for no force [m].
+    Vector3 position(double t, Side side = Side::after) const {
+        const Moment m(*data_, t, side);
+        return data_->model->position(m.mode, body_, t, m.x);
+    }
     Vector3 velocity(double t, Side side = Side::after) const { return report(t, side).velocity; }          // m/s
     Vector3 acceleration(double t, Side side = Side::after) const { return report(t, side).acceleration; }  // m/s^2
     /// Resultant of the active forces [N].
