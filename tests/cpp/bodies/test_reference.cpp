@@ -159,8 +159,8 @@ TEST_P(Bodies, reach_the_error_asked_for_and_say_so) {
         if (table)
             std::cout << std::setw(28) << id << std::setw(12) << engine << "  asked " << error << "  " << e.what()
                       << '\n';
-        // an angle near half a turn has lost the digits that say when a pendulum will leave the top
-        const bool is_lost = std::string(engine) == "taylor" && std::string(id).starts_with("e_near_separatrix");
+        // a state in doubles has lost the digits that say when a body will leave the neighbourhood of a fixed point
+        const bool is_lost = std::string(engine) == "taylor" && std::string(id).find("near_separatrix") == 2;
         ASSERT_TRUE(is_lost && error < 1e-11) << e.what();
         EXPECT_LT(e.run.certain_until(), reference.until);
         EXPECT_LE(reference.error(e.run), 10.0 * *e.run.error());
