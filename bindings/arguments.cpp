@@ -46,6 +46,16 @@ Vector3 vector3(py::handle value, const std::string& object, const std::string& 
     return {array.at(0), array.at(1), array.at(2)};
 }
 
+std::vector<Vector3> rows(py::handle value, const std::string& object, const std::string& what,
+                          const std::string& rule) {
+    const Array a = doubles(value, object, what);
+    if (a.ndim() != 2 || a.shape(1) != 3)
+        throw InvalidInput(object + ": " + what + " has shape " + shape_of(a) + "; it is (n, 3), " + rule);
+    std::vector<Vector3> result;
+    for (py::ssize_t k = 0; k < a.shape(0); ++k) result.emplace_back(a.at(k, 0), a.at(k, 1), a.at(k, 2));
+    return result;
+}
+
 std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what) {
     const Array array = doubles(value, object, what);
     if (array.ndim() != 1)

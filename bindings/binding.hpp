@@ -20,6 +20,7 @@
 #include <vector>
 
 namespace rbdyn {
+class Attitude;
 class Curve;
 }  // namespace rbdyn
 
@@ -57,6 +58,22 @@ class NumberOrFunction : public py::object {
 class MotionOrNone : public py::object {
     PYBIND11_OBJECT_DEFAULT(MotionOrNone, py::object, any_object)
 };
+/// A quaternion, a matrix, EulerAngles, or a Rotation of scipy's.
+class AttitudeLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(AttitudeLike, py::object, any_object)
+};
+/// "com", "origin", or a point.
+class PoleLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(PoleLike, py::object, any_object)
+};
+/// A number, or a function of x, y, z.
+class DensityLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(DensityLike, py::object, any_object)
+};
+/// Three ranges, or functions that give them.
+class BoundsLike : public py::object {
+    PYBIND11_OBJECT_DEFAULT(BoundsLike, py::object, any_object)
+};
 /// "record", "stop", or a function.
 class ActionName : public py::object {
     PYBIND11_OBJECT_DEFAULT(ActionName, py::object, any_object)
@@ -65,9 +82,12 @@ class ActionName : public py::object {
 class SideName : public py::str {
     PYBIND11_OBJECT_DEFAULT(SideName, py::str, PyUnicode_Check)
 };
-/// A named tuple of python/rbdyn/frames.py.
+/// Named tuples of python/rbdyn/frames.py.
 class FrenetObject : public py::object {
     PYBIND11_OBJECT_DEFAULT(FrenetObject, py::object, any_object)
+};
+class PrincipalObject : public py::object {
+    PYBIND11_OBJECT_DEFAULT(PrincipalObject, py::object, any_object)
 };
 /// The class of python/rbdyn/sample.py.
 class SampleObject : public py::object {
@@ -87,6 +107,11 @@ Array doubles(py::handle value, const std::string& object, const std::string& wh
 double number(py::handle value, const std::string& object, const std::string& what);
 /// Three numbers.
 Vector3 vector3(py::handle value, const std::string& object, const std::string& what);
+/// A list of vectors, one a row; `rule` says of what.
+std::vector<Vector3> rows(py::handle value, const std::string& object, const std::string& what,
+                          const std::string& rule);
+/// An attitude in any of its forms (attitude.cpp).
+rbdyn::Attitude attitude(py::handle value, const std::string& object);
 /// A list of numbers.
 std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what);
 
@@ -147,6 +172,9 @@ std::string word_for(E member, const Words<E>& words) {
 inline py::object to_python(double value) { return py::float_(value); }
 inline py::object to_python(const Vector3& v) { return py::array_t<double>(3, v.data()); }
 
+/// (3, 3)
+py::array_t<double> to_array(const rbdyn::Matrix3& m);
+
 inline void write(double*& out, double value) { *out++ = value; }
 inline void write(double*& out, const Vector3& v) {
     for (int i = 0; i < 3; ++i) *out++ = v[i];
@@ -185,6 +213,8 @@ std::string list_text(const Vector3& v);
 
 // --- one function a file ---
 
+void bind_attitude(py::module_& m);
+void bind_bodies(py::module_& m);
 void bind_curves(py::module_& m);
 void bind_expressions(py::module_& m);
 void bind_functions(py::module_& m);
@@ -240,5 +270,26 @@ struct handle_type_name<binding::SampleObject> {
 template <>
 struct handle_type_name<binding::SideName> {
     static constexpr auto name = const_name("typing.Literal['after', 'before']");
+};
+template <>
+struct handle_type_name<binding::AttitudeLike> {
+    static constexpr auto name =
+        const_name("numpy.typing.ArrayLike | rbdyn._core.EulerAngles | scipy.spatial.transform.Rotation");
+};
+template <>
+struct handle_type_name<binding::PoleLike> {
+    static constexpr auto name = const_name("str | numpy.typing.ArrayLike");
+};
+template <>
+struct handle_type_name<binding::DensityLike> {
+    static constexpr auto name = const_name("float | collections.abc.Callable");
+};
+template <>
+struct handle_type_name<binding::BoundsLike> {
+    static constexpr auto name = const_name("collections.abc.Sequence");
+};
+template <>
+struct handle_type_name<binding::PrincipalObject> {
+    static constexpr auto name = const_name("rbdyn.frames.PrincipalAxes");
 };
 }  // namespace pybind11::detail

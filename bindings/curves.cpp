@@ -20,17 +20,6 @@ struct CurveOf : Curve {
     Kind kind;
 };
 
-/// A list of vectors, one a row.
-std::vector<Vector3> rows(py::handle value, const std::string& object, const std::string& what,
-                          const std::string& rule) {
-    const Array a = doubles(value, object, what);
-    if (a.ndim() != 2 || a.shape(1) != 3)
-        throw InvalidInput(object + ": " + what + " has shape " + shape_of(a) + "; it is (n, 3), " + rule);
-    std::vector<Vector3> result;
-    for (py::ssize_t k = 0; k < a.shape(0); ++k) result.emplace_back(a.at(k, 0), a.at(k, 1), a.at(k, 2));
-    return result;
-}
-
 py::array_t<double> rows_to_python(const std::vector<Vector3>& vectors) {
     py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
     double* out = result.mutable_data();

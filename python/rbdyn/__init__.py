@@ -3,6 +3,7 @@
 SI units, radians, world axes unless a name says otherwise. A scene is data; simulate() runs it.
 """
 
+from rbdyn import shapes
 from rbdyn._core import (
     BodyHandle,
     BodyMotion,
@@ -17,6 +18,7 @@ from rbdyn._core import (
     Cycloid,
     Drag,
     Equilibrium,
+    EulerAngles,
     Event,
     Events,
     Expression,
@@ -39,6 +41,7 @@ from rbdyn._core import (
     Price,
     Rail,
     RailPotential,
+    RigidBody,
     Scene,
     Spline,
     Spring,
@@ -59,7 +62,7 @@ from rbdyn._core import (
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
-from rbdyn.frames import Frenet
+from rbdyn.frames import Frenet, PrincipalAxes
 from rbdyn.sample import Sample
 
 __all__ = [
@@ -78,6 +81,7 @@ __all__ = [
     "Drag",
     "Equilibrium",
     "Error",
+    "EulerAngles",
     "Event",
     "Events",
     "Expression",
@@ -101,8 +105,10 @@ __all__ = [
     "Polynomial",
     "Potential",
     "Price",
+    "PrincipalAxes",
     "Rail",
     "RailPotential",
+    "RigidBody",
     "Sample",
     "Scene",
     "Spline",
@@ -120,6 +126,7 @@ __all__ = [
     "parameter",
     "plan",
     "rail_potential",
+    "shapes",
     "simulate",
     "where",
 ]

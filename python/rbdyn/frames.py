@@ -1,4 +1,4 @@
-"""Frames of curves, as named tuples."""
+"""Frames of curves and of bodies, as named tuples."""
 
 from typing import NamedTuple
 
@@ -12,3 +12,10 @@ class Frenet(NamedTuple):
     tangent: npt.NDArray[np.float64]
     normal: npt.NDArray[np.float64]
     binormal: npt.NDArray[np.float64]
+
+
+class PrincipalAxes(NamedTuple):
+    """Principal moments of a body, (3,) [kg m^2], and the unit vectors they belong to, columns of (3, 3)."""
+
+    moments: npt.NDArray[np.float64]
+    axes: npt.NDArray[np.float64]

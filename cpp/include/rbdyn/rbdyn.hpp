@@ -1,6 +1,9 @@
 // Everything of rbdyn in one include.
 #pragma once
 
+#include "rbdyn/body/momentum.hpp"
+#include "rbdyn/body/shapes.hpp"
+#include "rbdyn/body/solid.hpp"
 #include "rbdyn/cost.hpp"
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/statics/equilibria.hpp"

@@ -63,8 +63,9 @@ public:
     double mass() const { return static_cast<double>(given_.mass); }
     /// Centre of mass, from the body's origin, body axes [m].
     Vector3 com() const { return rounded(given_.com); }
-    /// What the inertia was given about, and what was given [kg m^2].
+    /// What the inertia was given about, and what was given [kg m^2], in 32 digits and rounded.
     InertiaAbout inertia_about() const { return about_; }
+    const MassProperties& given() const { return given_; }
     Matrix3 given_inertia() const { return rounded(given_.inertia); }
 
     /// I_G, I about the origin, or about any point of the body [m]; body axes [kg m^2].
