@@ -14,6 +14,7 @@
 #include <rbdyn/basics/vector.hpp>
 #include <rbdyn/expression/callback.hpp>
 #include <rbdyn/expression/time_function.hpp>
+#include <rbdyn/rotation/euler_angles.hpp>
 #include <sstream>
 #include <string>
 #include <type_traits>
@@ -89,6 +90,12 @@ class FrenetObject : public py::object {
 class PrincipalObject : public py::object {
     PYBIND11_OBJECT_DEFAULT(PrincipalObject, py::object, any_object)
 };
+class AxisObject : public py::object {
+    PYBIND11_OBJECT_DEFAULT(AxisObject, py::object, any_object)
+};
+class PointObject : public py::object {
+    PYBIND11_OBJECT_DEFAULT(PointObject, py::object, any_object)
+};
 /// The class of python/rbdyn/sample.py.
 class SampleObject : public py::object {
     PYBIND11_OBJECT_DEFAULT(SampleObject, py::object, any_object)
@@ -127,6 +134,8 @@ struct UserFunction {
 
 /// f(t, position, velocity), or f(t, x, y, z, vx, vy, vz) -> three components. 7 inputs, 3 results.
 UserFunction user_force(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t, rotation_matrix, angular_velocity) -> three components. 13 inputs, the matrix row by row; 3 results.
+UserFunction user_torque(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(position), or f(x, y, z) -> a number. 3 inputs, 1 result.
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(t) -> a number.
@@ -169,8 +178,17 @@ std::string word_for(E member, const Words<E>& words) {
 
 // --- results ---
 
-inline py::object to_python(double value) { return py::float_(value); }
-inline py::object to_python(const Vector3& v) { return py::array_t<double>(3, v.data()); }
+/// The shape of one value.
+template <class T>
+inline const std::vector<py::ssize_t> shape_in_python = {};
+template <>
+inline const std::vector<py::ssize_t> shape_in_python<Vector3> = {3};
+template <>
+inline const std::vector<py::ssize_t> shape_in_python<rbdyn::EulerAngles> = {3};
+template <>
+inline const std::vector<py::ssize_t> shape_in_python<rbdyn::Quaternion> = {4};
+template <>
+inline const std::vector<py::ssize_t> shape_in_python<rbdyn::Matrix3> = {3, 3};
 
 /// (3, 3)
 py::array_t<double> to_array(const rbdyn::Matrix3& m);
@@ -179,18 +197,36 @@ inline void write(double*& out, double value) { *out++ = value; }
 inline void write(double*& out, const Vector3& v) {
     for (int i = 0; i < 3; ++i) *out++ = v[i];
 }
+inline void write(double*& out, const rbdyn::EulerAngles& a) {
+    for (const double x : {a.theta, a.psi, a.phi}) *out++ = x;
+}
+inline void write(double*& out, const rbdyn::Quaternion& q) {
+    for (const double x : {q.w, q.x, q.y, q.z}) *out++ = x;
+}
+inline void write(double*& out, const rbdyn::Matrix3& m) {
+    for (int i = 0; i < 9; ++i) *out++ = m(i / 3, i % 3);
+}
 
-/// f at one argument, or at each of an array of them; a vector's components come last.
+inline py::object to_python(double value) { return py::float_(value); }
+template <class T>
+py::object to_python(const T& value) {
+    py::array_t<double> result(shape_in_python<T>);
+    double* out = result.mutable_data();
+    write(out, value);
+    return result;
+}
+
+/// f at one argument, or at each of an array of them; the components of a vector or a matrix come last.
 template <class F>
 auto over(const ArrayLike& argument, const char* object, const char* what, F&& f) {
-    using Result = std::invoke_result_t<F, double>;
+    using Result = std::decay_t<std::invoke_result_t<F, double>>;
     using Returned = std::conditional_t<std::is_same_v<Result, double>, Values, Vectors>;
     const auto one = [&](double x) { return py::reinterpret_borrow<Returned>(to_python(f(x))); };
     if (PyFloat_Check(argument.ptr())) return one(PyFloat_AS_DOUBLE(argument.ptr()));
     const Array x = doubles(argument, object, what);
     if (x.ndim() == 0) return one(*x.data());
     std::vector<py::ssize_t> shape(x.shape(), x.shape() + x.ndim());
-    if (!std::is_same_v<Result, double>) shape.push_back(3);
+    shape.insert(shape.end(), shape_in_python<Result>.begin(), shape_in_python<Result>.end());
     py::array_t<double> result(shape);
     double* out = result.mutable_data();
     const double* in = x.data();
@@ -221,6 +257,7 @@ void bind_functions(py::module_& m);
 void bind_joints(py::module_& m);
 void bind_loads(py::module_& m);
 void bind_parameters(py::module_& m);
+void bind_rails(py::module_& m);
 void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
@@ -262,6 +299,14 @@ struct handle_type_name<binding::ActionName> {
 template <>
 struct handle_type_name<binding::FrenetObject> {
     static constexpr auto name = const_name("rbdyn.frames.Frenet");
+};
+template <>
+struct handle_type_name<binding::PointObject> {
+    static constexpr auto name = const_name("rbdyn.frames.PointMotion");
+};
+template <>
+struct handle_type_name<binding::AxisObject> {
+    static constexpr auto name = const_name("rbdyn.frames.Axis");
 };
 template <>
 struct handle_type_name<binding::SampleObject> {

@@ -240,7 +240,7 @@ std::optional<Compiled> from_ctypes(const py::object& f, const std::string& user
 
 // calls by address, for each kind of signature; the Python object lives as long as its address is called
 template <class... Tail>
-std::function<void(const double*, double*)> caller(const std::string& kind, void* address,
+std::function<void(const double*, double*)> caller(const std::string& kind, const Signature& signature, void* address,
                                                    const std::shared_ptr<Held>& held, Tail... tail) {
     // what is pointed to is the callee's to write in
     if (kind == "double(double)")
@@ -257,10 +257,11 @@ std::function<void(const double*, double*)> caller(const std::string& kind, void
         return [f = reinterpret_cast<void (*)(double, double*, Tail...)>(address), held, tail...](
                    const double* x, double* y) { f(*x, y, tail...); };
     if (kind == "void(double,double*,double*,double*)")
-        return [f = reinterpret_cast<void (*)(double, double*, double*, double*, Tail...)>(address), held, tail...](
-                   const double* x, double* y) {
-            std::array<double, 6> a{x[1], x[2], x[3], x[4], x[5], x[6]};
-            f(*x, a.data(), a.data() + 3, y, tail...);
+        return [f = reinterpret_cast<void (*)(double, double*, double*, double*, Tail...)>(address), held,
+                size = signature.arguments[1], count = signature.inputs(), tail...](const double* x, double* y) {
+            std::array<double, 12> a{};  // a matrix and a vector
+            std::copy(x + 1, x + count, a.begin());
+            f(*x, a.data(), a.data() + size, y, tail...);
         };
     return {};
 }
@@ -295,8 +296,8 @@ std::shared_ptr<const rbdyn::Callback> native_callback(const py::object& f, cons
         throw InvalidInput(user + ": the compiled function is " + found + "; here it is " + wanted);
     auto callback = std::make_shared<rbdyn::Callback>();
     const auto held = std::make_shared<Held>(f);
-    callback->function =
-        takes_data ? caller(wanted, compiled->address, held, compiled->data) : caller(wanted, compiled->address, held);
+    callback->function = takes_data ? caller(wanted, signature, compiled->address, held, compiled->data)
+                                    : caller(wanted, signature, compiled->address, held);
     if (!callback->function) throw InvalidInput(user + ": it takes no compiled function; give a Python function");
     if (compiled->address == nullptr)
         throw InvalidInput(user + ": the compiled function's address is zero; it has one");

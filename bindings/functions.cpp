@@ -267,6 +267,9 @@ UserFunction user_function(const py::object& f, std::optional<bool> trace, const
 UserFunction user_force(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{1, 3, 3}, 3, "a force has three components, in N"});
 }
+UserFunction user_torque(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1, 9, 3}, 3, "a torque has three components, in N m"});
+}
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{3}, 1, "it returns one number, in J"});
 }

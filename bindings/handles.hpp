@@ -29,6 +29,13 @@ struct LoadHandle : Handle {};
 struct CouplingHandle : Handle {};
 struct WatchHandle : Handle {};
 
+/// A point of a body, in body axes.
+struct BodyPoint {
+    BodyHandle body;
+    Vector3 point;
+    bool operator==(const BodyPoint& other) const { return body.id == other.body.id && point == other.point; }
+};
+
 /// The handles of a scene, by order of addition.
 struct Handles {
     std::vector<BodyHandle> bodies;

@@ -3,13 +3,14 @@
 #include <rbdyn/scene/couplings.hpp>
 #include <rbdyn/scene/loads.hpp>
 
-#include "binding.hpp"
+#include "data.hpp"
 
 namespace binding {
 
 namespace {
 
-using rbdyn::Drag, rbdyn::Force, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Spring, rbdyn::text;
+using rbdyn::Drag, rbdyn::Force, rbdyn::Frame, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Spring,
+    rbdyn::text, rbdyn::Torque, rbdyn::TorsionSpring;
 
 /// A function, in Python or by its address; else a vector.
 bool is_function(const py::object& f) {
@@ -17,64 +18,112 @@ bool is_function(const py::object& f) {
            (py::isinstance<py::tuple>(f) && py::hasattr(f, "signature"));
 }
 
+const Words<Frame> frames = {{"world", Frame::world}, {"body", Frame::body}};
+
 Force force_of(const VectorOrFunction& f, const std::string& frame, std::optional<bool> trace) {
-    if (frame != "world")
-        throw InvalidInput("Force: frame is \"" + frame + "\"; it is \"world\", a particle has no axes of its own");
-    if (!is_function(f)) return Force(vector3(f, "Force", "f"));
+    const Frame axes = one_of(frame, frames, "Force", "frame");
+    if (!is_function(f)) return Force(vector3(f, "Force", "f"), axes);
     const UserFunction user = user_force(f, trace, "Force");
-    return user.callback ? Force(user.callback) : Force(user.function, user.name);
+    return user.callback ? Force(user.callback, axes) : Force(user.function, user.name, axes);
+}
+Torque torque_of(const VectorOrFunction& f, const std::string& frame, std::optional<bool> trace) {
+    const Frame axes = one_of(frame, frames, "Torque", "frame");
+    if (!is_function(f)) return Torque(vector3(f, "Torque", "f"), axes);
+    const UserFunction user = user_torque(f, trace, "Torque");
+    return user.callback ? Torque(user.callback, axes) : Torque(user.function, user.name, axes);
 }
 
-/// Adds ==, hash and pickling by the tuple of what it is made of.
-template <class Load, class Parts, class Make>
-void as_data(py::class_<Load>& type, Parts parts, Make make) {
-    type.def("__eq__",
-             [](const Load& a, const py::object& b) { return py::isinstance<Load>(b) && a == b.cast<const Load&>(); })
-        .def("__hash__", [parts](const Load& a) { return py::hash(parts(a)); })
-        .def(py::pickle([parts](const Load& a) { return parts(a); }, [make](const py::tuple& d) { return make(d); }));
+/// What a force and a torque have in common: a vector or a function, in axes of the world or of the body.
+template <class Load>
+void bind_vector_load(py::class_<Load>& load, const std::string& kind, Frame usual, const char* arguments) {
+    load.def_property_readonly(
+            "name", [](const Load& l) { return l.name(); }, "Of its function.")
+        .def_property_readonly(
+            "frame", [](const Load& l) { return word_for(l.frame(), frames); }, R"("world" or "body".)")
+        .def_property_readonly(
+            "traced", [](const Load& l) { return static_cast<bool>(l.function()); },
+            "Whether its function is recorded.")
+        .def_property_readonly(
+            "function",
+            [](const Load& l) -> std::optional<Function> {
+                return l.function() ? std::optional(l.function()) : std::nullopt;
+            },
+            arguments)
+        .def("__repr__", [kind, usual](const Load& l) {
+            const std::string what = l.is_constant() ? list_text(l.constant()) : l.name();
+            const std::string axes = l.frame() == usual ? "" : ", frame=\"" + word_for(l.frame(), frames) + "\"";
+            return kind + "(" + what + axes + (l.is_constant() ? ")" : l.callback() ? ", called back)" : ", traced)");
+        });
+    as_data(
+        load,
+        [kind](const Load& l) -> py::tuple {
+            if (l.callback())
+                throw py::type_error(kind + ": function \"" + l.name() +
+                                     "\" is called back, and only what is traced can be hashed or pickled");
+            const std::string axes = word_for(l.frame(), frames);
+            if (l.is_constant()) return py::make_tuple(tuple_of(l.constant()), axes);
+            return py::make_tuple(l.function(), axes, l.name());
+        },
+        [kind](const py::tuple& d) {
+            const Frame axes = one_of(d[1].cast<std::string>(), frames, kind, "frame");
+            if (d.size() == 2) return Load(vector_from(d[0]), axes);
+            return Load(d[0].cast<Function>(), d[2].cast<std::string>(), axes);
+        });
 }
 
 }  // namespace
 
 void bind_loads(py::module_& m) {
     py::class_<Force> force(m, "Force", "A force on a body, constant or a function of time, position and velocity.");
-    force
-        .def(py::init(&force_of), py::arg("f"), py::kw_only(), py::arg("frame") = "world",
-             py::arg("trace") = py::none(),
-             R"(f: a vector [N], world axes, or f(t, position, velocity) that returns one; with seven parameters
-f(t, x, y, z, vx, vy, vz). A C function, void (double t, double *position, double *velocity, double *force), is given as
-a numba cfunc, a SciPy LowLevelCallable or a ctypes function pointer.
+    force.def(py::init(&force_of), py::arg("f"), py::kw_only(), py::arg("frame") = "world",
+              py::arg("trace") = py::none(),
+              R"(f: a vector [N], or f(t, position, velocity) that returns one; with seven parameters
+f(t, x, y, z, vx, vy, vz). Position and velocity are those of the point it acts at, world axes. A C function,
+void (double t, double *position, double *velocity, double *force), is given as a numba cfunc, a SciPy LowLevelCallable
+or a ctypes function pointer.
+
+frame: the axes the force is in, "world", or "body", those of the rigid body it acts on.
 
 trace: by default a function in Python is recorded, and then runs at native speed in every engine; if it cannot be, it is
 called back, and plan() says which line is why. True: it must be recorded, else InvalidInput. False: it is called back.
-What a function raises while it is called back arrives unchanged, with the partial run as its `.run`.)")
-        .def_property_readonly("name", &Force::name, "Of its function.")
-        .def_property_readonly(
-            "traced", [](const Force& f) { return static_cast<bool>(f.function()); },
-            "Whether its function is recorded.")
-        .def_property_readonly(
-            "function",
-            [](const Force& f) -> std::optional<Function> {
-                return f.function() ? std::optional(f.function()) : std::nullopt;
-            },
-            "The recorded function of (t, x, y, z, vx, vy, vz), if there is one.")
-        .def("__repr__", [](const Force& f) {
-            if (f.is_constant()) return "Force(" + list_text(f.constant()) + ")";
-            return "Force(" + f.name() + (f.callback() ? ", called back)" : ", traced)");
+What a function raises while it is called back arrives unchanged, with the partial run as its `.run`.)");
+    bind_vector_load(force, "Force", Frame::world,
+                     "The recorded function of (t, x, y, z, vx, vy, vz), if there is one.");
+
+    py::class_<Torque> torque(
+        m, "Torque", "A torque on a rigid body, constant or a function of time, attitude and angular velocity.");
+    torque.def(
+        py::init(&torque_of), py::arg("f"), py::kw_only(), py::arg("frame") = "body", py::arg("trace") = py::none(),
+        R"(f: a vector [N m], or f(t, rotation_matrix, angular_velocity) that returns one. The matrix (3, 3) turns body axes
+into the world's; the angular velocity [rad/s] is in the axes of the torque. A C function, void (double t,
+double *rotation_matrix, double *angular_velocity, double *torque) with the matrix row by row, is given as for Force.
+
+frame: the axes the torque is in, "body" or "world". trace: as for Force.)");
+    bind_vector_load(torque, "Torque", Frame::body,
+                     "The recorded function of t, the matrix row by row, and the angular velocity, if there is one.");
+
+    py::class_<TorsionSpring> torsion(m, "TorsionSpring", R"(A spring about a hinge, with a damper.
+
+Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)");
+    torsion
+        .def(py::init([](double stiffness, double rest_angle, double damping) {
+                 const TorsionSpring s{stiffness, rest_angle, damping};
+                 s.validate();
+                 return s;
+             }),
+             py::arg("stiffness"), py::arg("rest_angle") = 0.0, py::arg("damping") = 0.0,
+             "stiffness [N m/rad] and damping [N m s], zero or positive; rest_angle [rad].")
+        .def_readonly("stiffness", &TorsionSpring::stiffness, "[N m/rad]")
+        .def_readonly("rest_angle", &TorsionSpring::rest_angle, "[rad]")
+        .def_readonly("damping", &TorsionSpring::damping, "[N m s]")
+        .def("__repr__", [](const TorsionSpring& s) {
+            return "TorsionSpring(stiffness=" + text(s.stiffness) + ", rest_angle=" + text(s.rest_angle) +
+                   ", damping=" + text(s.damping) + ")";
         });
     as_data(
-        force,
-        [](const Force& f) -> py::tuple {
-            if (f.callback())
-                throw py::type_error("Force: function \"" + f.name() +
-                                     "\" is called back, and only what is traced can be "
-                                     "hashed or pickled");
-            if (f.is_constant()) return py::make_tuple(f.constant()[0], f.constant()[1], f.constant()[2]);
-            return py::make_tuple(f.function(), f.name());
-        },
+        torsion, [](const TorsionSpring& s) { return py::make_tuple(s.stiffness, s.rest_angle, s.damping); },
         [](const py::tuple& d) {
-            if (d.size() == 3) return Force(Vector3(d[0].cast<double>(), d[1].cast<double>(), d[2].cast<double>()));
-            return Force(d[0].cast<Function>(), d[1].cast<std::string>());
+            return TorsionSpring{d[0].cast<double>(), d[1].cast<double>(), d[2].cast<double>()};
         });
 
     py::class_<Potential> potential(m, "Potential", R"(A force by its potential: F = +grad U (the chapter's sign).

@@ -5,11 +5,13 @@
 #include <utility>
 #include <variant>
 
+#include "data.hpp"
 #include "watch.hpp"
 
 namespace binding {
 
-using rbdyn::Free, rbdyn::FreeStart, rbdyn::Particle, rbdyn::Rail, rbdyn::RailStart, rbdyn::Scene;
+using rbdyn::BodyStart, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint, rbdyn::Particle, rbdyn::Prismatic, rbdyn::Rail,
+    rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene, rbdyn::Spherical;
 
 namespace {
 
@@ -22,45 +24,102 @@ Handle new_handle(Handle::Of of, int index, std::string name) {
     return {of, index, ++last, std::move(name)};
 }
 
-/// Throws TypeError for a keyword that is not among `allowed`.
-void require_keywords(const py::kwargs& given, const std::vector<std::string>& allowed, const std::string& joint) {
-    for (const auto& item : given) {
-        const auto key = item.first.cast<std::string>();
-        if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
-        std::string list;
-        for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
-        throw py::type_error("Scene.add: unexpected keyword \"" + key + "\"; a particle " + joint + " starts with " +
-                             list);
+/// The initial state of a body, read keyword by keyword.
+class Initial {
+public:
+    Initial(const py::kwargs& given, std::string object) : given_(given), object_(std::move(object)) {}
+
+    /// Throws TypeError for a keyword that is not among `allowed`.
+    void require_keywords(const std::vector<std::string>& allowed, const std::string& who) const {
+        for (const auto& item : given_) {
+            const auto key = item.first.cast<std::string>();
+            if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
+            std::string list;
+            for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
+            throw py::type_error("Scene.add: unexpected keyword \"" + key + "\"; " + who + " starts with " + list);
+        }
     }
+    std::optional<double> number(const char* key) const {
+        if (!has(key)) return std::nullopt;
+        return binding::number(given_[key], object_, key);
+    }
+    std::optional<Vector3> vector(const char* key) const {
+        if (!has(key)) return std::nullopt;
+        return vector3(given_[key], object_, key);
+    }
+    rbdyn::Attitude attitude() const {
+        return has("attitude") ? binding::attitude(given_["attitude"], object_) : rbdyn::Attitude();
+    }
+
+private:
+    bool has(const char* key) const { return given_.contains(key) && !given_[key].is_none(); }
+
+    const py::kwargs& given_;
+    std::string object_;
+};
+
+// --- what each pair of body and joint starts with ---
+
+FreeStart start_of(const Particle&, const Free&, const Initial& initial) {
+    initial.require_keywords({"position", "velocity"}, "a particle that is free");
+    const Vector3 none = Vector3::Zero();
+    return {initial.vector("position").value_or(none), initial.vector("velocity").value_or(none)};
+}
+RailStart start_of(const Particle&, const Rail&, const Initial& initial) {
+    initial.require_keywords({"parameter", "arc_length", "speed"}, "a particle on a rail");
+    return {initial.number("parameter"), initial.number("arc_length"), initial.number("speed").value_or(0.0)};
+}
+BodyStart start_of(const RigidBody&, const Free&, const Initial& initial) {
+    initial.require_keywords({"position", "velocity", "attitude", "angular_velocity", "angular_velocity_world"},
+                             "a body that is free");
+    const Vector3 none = Vector3::Zero();
+    return {initial.vector("position").value_or(none), initial.vector("velocity").value_or(none), initial.attitude(),
+            initial.vector("angular_velocity"), initial.vector("angular_velocity_world")};
+}
+rbdyn::SphericalStart start_of(const RigidBody&, const Spherical&, const Initial& initial) {
+    initial.require_keywords({"attitude", "angular_velocity", "angular_velocity_world"}, "a body on a ball joint");
+    return {initial.attitude(), initial.vector("angular_velocity"), initial.vector("angular_velocity_world")};
+}
+rbdyn::RevoluteStart start_of(const RigidBody&, const Revolute&, const Initial& initial) {
+    initial.require_keywords({"angle", "rate"}, "a body on a hinge");
+    return {initial.number("angle").value_or(0.0), initial.number("rate").value_or(0.0)};
+}
+rbdyn::PrismaticStart start_of(const RigidBody&, const Prismatic&, const Initial& initial) {
+    initial.require_keywords({"displacement", "rate"}, "a body on a slide");
+    return {initial.number("displacement").value_or(0.0), initial.number("rate").value_or(0.0)};
 }
 
-BodyHandle add(BoundScene& self, const Particle& body, const std::variant<Free, Rail>& joint,
-               const std::optional<std::string>& name, const py::kwargs& initial) {
+using AnyBody = std::variant<Particle, RigidBody>;
+
+BodyHandle add(BoundScene& self, const AnyBody& body, const Joint& joint, const std::optional<std::string>& name,
+               const py::kwargs& given) {
     if (name && name->empty()) throw InvalidInput("Scene.add: name is empty; give a name, or none");
     const std::string called = name.value_or("");
-    const std::string object = called.empty() ? "Scene.add" : called;
-    const auto optional = [&](const char* key) -> std::optional<double> {
-        if (!initial.contains(key) || initial[key].is_none()) return std::nullopt;
-        return number(initial[key], object, key);
-    };
-    rbdyn::BodyHandle added;
-    if (std::holds_alternative<Free>(joint)) {
-        require_keywords(initial, {"position", "velocity"}, "that is free");
-        FreeStart start;
-        if (initial.contains("position")) start.position = vector3(initial["position"], object, "position");
-        if (initial.contains("velocity")) start.velocity = vector3(initial["velocity"], object, "velocity");
-        added = self.scene.add(body, Free{}, start, called);
-    } else {
-        require_keywords(initial, {"parameter", "arc_length", "speed"}, "on a rail");
-        const RailStart start{optional("parameter"), optional("arc_length"), optional("speed").value_or(0.0)};
-        added = self.scene.add(body, std::get<Rail>(joint), start, called);
-    }
-    const std::string& given = self.scene.bodies()[static_cast<std::size_t>(added.index)].name;
-    return self.handles.bodies.emplace_back(BodyHandle{new_handle(Handle::Of::body, added.index, given)});
+    const Initial initial(given, called.empty() ? "Scene.add" : called);
+    const auto added = std::visit(
+        [&](const auto& b, const auto& j) -> rbdyn::BodyHandle {
+            if constexpr (requires { start_of(b, j, initial); }) {
+                return self.scene.add(b, j, start_of(b, j, initial), called);
+            } else {
+                throw InvalidInput(
+                    std::holds_alternative<Particle>(body)
+                        ? "Scene.add: a Particle has no attitude, and its joints are Free and Rail; this "
+                          "one is for a RigidBody"
+                        : "Scene.add: a Rail guides a Particle; a RigidBody has the joints Free, "
+                          "Spherical, Revolute and Prismatic");
+            }
+        },
+        body, joint);
+    const std::string& known = self.scene.bodies()[static_cast<std::size_t>(added.index)].name;
+    return self.handles.bodies.emplace_back(BodyHandle{new_handle(Handle::Of::body, added.index, known)});
 }
 
 rbdyn::End end_of(const BoundScene& self, const py::object& end, const char* which) {
     if (py::isinstance<Handle>(end)) return self.handles.body(end.cast<const Handle&>(), "Scene.connect");
+    if (py::isinstance<BodyPoint>(end)) {
+        const auto& point = end.cast<const BodyPoint&>();
+        return self.handles.body(point.body, "Scene.connect").point(point.point);
+    }
     return vector3(end, "Scene.connect", which);
 }
 
@@ -71,16 +130,18 @@ CouplingHandle connect(BoundScene& self, const rbdyn::Spring& coupling, const Ar
 }
 
 // the first of them can be made from nothing, as Python's arguments must
-using AnyLoad = std::variant<rbdyn::Drag, rbdyn::Force, rbdyn::Lorentz, rbdyn::Potential>;
+using AnyLoad =
+    std::variant<rbdyn::Drag, rbdyn::Force, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Torque, rbdyn::TorsionSpring>;
 
 rbdyn::Load load_from(const AnyLoad& load) {
     return std::visit([](const auto& l) { return rbdyn::Load(l); }, load);
 }
 
-LoadHandle apply(BoundScene& self, const AnyLoad& load, const Handle& handle) {
+LoadHandle apply(BoundScene& self, const AnyLoad& load, const Handle& handle, const std::optional<ArrayLike>& at) {
     const rbdyn::BodyHandle body = self.handles.body(handle, "Scene.apply");
-    const auto added = self.scene.apply(load_from(load), body);
-    const char* kinds[] = {"drag ", "force ", "Lorentz force ", "potential "};
+    const auto place = at ? std::optional(vector3(*at, "Scene.apply", "at")) : std::nullopt;
+    const auto added = self.scene.apply(load_from(load), body, place);
+    const char* kinds[] = {"drag ", "force ", "Lorentz force ", "potential ", "torque ", "torsion spring "};
     return self.handles.loads.emplace_back(
         LoadHandle{new_handle(Handle::Of::load, added.index, kinds[load.index()] + std::to_string(added.index + 1))});
 }
@@ -115,14 +176,19 @@ std::vector<H> handles_from(const py::handle& data, Handle::Of of) {
 py::tuple data(const BoundScene& s) {
     py::list bodies, loads, couplings, watches, integrals;
     for (const Scene::Body& b : s.scene.bodies()) {
-        const py::object start = b.rail() != nullptr ? py::object(py::make_tuple(b.parameter, b.speed))
-                                                     : py::make_tuple(to_python(b.position), to_python(b.velocity));
-        bodies.append(py::make_tuple(b.particle, b.joint, start, b.name));
+        const rbdyn::Quaternion& q = b.attitude;
+        bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
+                                     b.speed, py::make_tuple(q.w, q.x, q.y, q.z), tuple_of(b.angular_velocity)));
     }
-    for (const auto& l : s.scene.loads()) loads.append(py::make_tuple(l.load, l.body));
-    const auto end = [](const rbdyn::End& e) -> py::object {
-        if (const auto* body = std::get_if<rbdyn::BodyHandle>(&e)) return py::int_(body->index);
-        return to_python(std::get<Vector3>(e));
+    const auto point = [](const std::optional<Vector3>& p) -> py::object {
+        return p ? py::object(tuple_of(*p)) : py::none();
+    };
+    for (const auto& l : s.scene.loads()) loads.append(py::make_tuple(l.load, l.body, point(l.at)));
+    const auto end = [](const rbdyn::End& e) {
+        const auto* of_body = std::get_if<rbdyn::BodyPoint>(&e);
+        const auto* of_world = std::get_if<Vector3>(&e);
+        const Vector3* place = of_body != nullptr ? &of_body->point : of_world;
+        return py::make_tuple(body_of(e), place != nullptr ? py::object(tuple_of(*place)) : py::none());
     };
     for (const auto& c : s.scene.connections())
         couplings.append(py::make_tuple(std::get<rbdyn::Spring>(c.coupling), end(c.a), end(c.b)));
@@ -142,27 +208,53 @@ py::tuple data(const BoundScene& s) {
                                          data_of(s.handles.couplings), data_of(s.handles.watches)));
 }
 
+/// The start of a body as a scene keeps it, in the words of each joint.
+struct Started {
+    Vector3 position, velocity;
+    double parameter, speed;
+    rbdyn::Attitude attitude;
+    Vector3 angular_velocity;
+
+    FreeStart as(const Particle&, const Free&) const { return {position, velocity}; }
+    RailStart as(const Particle&, const Rail&) const { return {.parameter = parameter, .speed = speed}; }
+    BodyStart as(const RigidBody&, const Free&) const { return {position, velocity, attitude, angular_velocity}; }
+    rbdyn::SphericalStart as(const RigidBody&, const Spherical&) const { return {attitude, angular_velocity}; }
+    rbdyn::RevoluteStart as(const RigidBody&, const Revolute&) const { return {parameter, speed}; }
+    rbdyn::PrismaticStart as(const RigidBody&, const Prismatic&) const { return {parameter, speed}; }
+};
+
 BoundScene scene_from(const py::tuple& d) {
     BoundScene s{Scene(vector3(d[0], "Scene", "gravity")), {}};
     for (const py::handle item : d[1]) {
         const auto b = item.cast<py::tuple>();
-        const auto particle = b[0].cast<Particle>();
-        const auto start = b[2].cast<py::tuple>();
-        const auto name = b[3].cast<std::string>();
-        if (py::isinstance<Rail>(b[1]))
-            s.scene.add(particle, b[1].cast<const Rail&>(),
-                        {.parameter = start[0].cast<double>(), .speed = start[1].cast<double>()}, name);
-        else
-            s.scene.add(particle, Free{}, {vector3(start[0], name, "position"), vector3(start[1], name, "velocity")},
-                        name);
+        const auto q = b[7].cast<std::array<double, 4>>();
+        const Started at{.position = vector_from(b[3]),
+                         .velocity = vector_from(b[4]),
+                         .parameter = b[5].cast<double>(),
+                         .speed = b[6].cast<double>(),
+                         .attitude = rbdyn::Quaternion{q[0], q[1], q[2], q[3]},
+                         .angular_velocity = vector_from(b[8])};
+        const auto body = b[0].cast<AnyBody>();
+        const auto joint = b[1].cast<Joint>();
+        std::visit(
+            [&](const auto& one, const auto& held) {
+                if constexpr (requires { at.as(one, held); })
+                    s.scene.add(one, held, at.as(one, held), b[2].cast<std::string>());
+            },
+            body, joint);
     }
+    const auto point = [](const py::handle p) { return p.is_none() ? std::nullopt : std::optional(vector_from(p)); };
     for (const py::handle item : d[2]) {
         const auto l = item.cast<py::tuple>();
-        s.scene.apply(load_from(l[0].cast<AnyLoad>()), rbdyn::BodyHandle{l[1].cast<int>()});
+        s.scene.apply(load_from(l[0].cast<AnyLoad>()), rbdyn::BodyHandle{l[1].cast<int>()}, point(l[2]));
     }
-    const auto end = [](const py::object& e) -> rbdyn::End {
-        if (py::isinstance<py::int_>(e)) return rbdyn::BodyHandle{e.cast<int>()};
-        return vector3(e, "Scene.connect", "end");
+    const auto end = [&](const py::handle data) -> rbdyn::End {
+        const auto e = data.cast<py::tuple>();
+        const rbdyn::BodyHandle body{e[0].cast<int>()};
+        const auto place = point(e[1]);
+        if (!place) return body;
+        if (body.index < 0) return *place;
+        return body.point(*place);
     };
     for (const py::handle item : d[3]) {
         const auto c = item.cast<py::tuple>();
@@ -210,6 +302,23 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
     };
 
     py::class_<BodyHandle, Handle> body(m, "BodyHandle", "The handle of a body; run[handle] is a BodyMotion.");
+    py::class_<BodyPoint> point(m, "BodyPoint", "A point of a rigid body: an end of a coupling.");
+    point.def_readonly("body", &BodyPoint::body, "The handle of its body.")
+        .def_property_readonly(
+            "point", [](const BodyPoint& p) { return to_python(p.point); }, "In body axes (3,) [m].")
+        .def("__repr__",
+             [](const BodyPoint& p) { return "<BodyPoint: " + p.body.name + " at " + list_text(p.point) + ">"; });
+    as_data(
+        point, [](const BodyPoint& p) { return py::make_tuple(p.body, tuple_of(p.point)); },
+        [](const py::tuple& d) {
+            return BodyPoint{d[0].cast<BodyHandle>(), vector_from(d[1])};
+        });
+    body.def(
+        "point",
+        [](const BodyHandle& h, const ArrayLike& place) {
+            return BodyPoint{h, vector3(place, h.name, "point")};
+        },
+        py::arg("place"), "The point of the body at a place (3,) from the origin of its axes, body axes [m].");
     py::class_<LoadHandle, Handle> load(m, "LoadHandle", "The handle of a load.");
     py::class_<CouplingHandle, Handle> coupling(m, "CouplingHandle",
                                                 "The handle of a coupling; run[handle] is a SpringMotion.");
@@ -241,23 +350,34 @@ Everything is checked on entry. A run copies its scene; later changes do not tou
         .def_property_readonly(
             "couplings", [](const BoundScene& s) { return s.handles.couplings; },
             "Handles of the couplings, in order of addition.")
-        .def("add", &add, py::arg("body"), py::arg_v("joint", std::variant<Free, Rail>(Free{}), "Free()"),
-             py::kw_only(), py::arg("name") = py::none(),
+        .def("add", &add, py::arg("body"), py::arg_v("joint", Joint(Free{}), "Free()"), py::kw_only(),
+             py::arg("name") = py::none(),
              R"(Adds a body with the joint to the ground, and its initial state in the joint's words.
 
-Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and speed =
-ds/dt [m/s]. Zero by default. Returns a handle. Raises InvalidInput for numbers that break a rule, TypeError for
-another keyword.)")
-        .def("connect", &connect, py::arg("coupling"), py::arg("a"), py::arg("b"),
-             R"(Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.)")
-        .def("apply", &apply, py::arg("load"), py::arg("handle"), "Applies a load to a body. Returns a handle.")
+A Particle, Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and
+speed = ds/dt [m/s].
+
+A RigidBody, Free(): position, velocity of the origin of its axes, attitude, and angular_velocity (3,) [rad/s] in body
+axes or angular_velocity_world. Spherical(): attitude, angular_velocity or angular_velocity_world. Revolute(): angle
+[rad], rate [rad/s]. Prismatic(): displacement [m], rate [m/s]. An attitude is a quaternion (w, x, y, z), a rotation
+matrix (3, 3), EulerAngles or a SciPy Rotation.
+
+Zero by default, body axes along the world's. Returns a handle. Raises InvalidInput for numbers that break a rule and for
+a joint that cannot hold the body, TypeError for another keyword.)")
+        .def(
+            "connect", &connect, py::arg("coupling"), py::arg("a"), py::arg("b"),
+            R"(Joins two ends: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
+or one of them a point of the world (3,) [m]. Returns a handle.)")
+        .def(
+            "apply", &apply, py::arg("load"), py::arg("handle"), py::arg("at") = py::none(),
+            R"(Applies a load to a body. at (3,): the point of a rigid body where it acts, body axes [m]; by default the centre
+of mass. Returns a handle.)")
         .def("watch", &watch, py::arg("name"), py::arg("function"), py::kw_only(), py::arg("direction") = "either",
              py::arg("action") = "record", py::arg("trace") = py::none(),
              R"(Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
 
-function: function(now) -> number, with now.time [s] and now[handle].quantity for position, velocity, acceleration, force
-(all (3,), world axes), kinetic_energy; on a rail reaction, parameter, speed, tangential_force; of a spring length and
-force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+function: function(now) -> number, with now.time [s] and now[handle].quantity for the quantities of BodyNow and, of a
+spring, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
 with numbers, and its zeros are located but not certain (trace as for Force).
 
 direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that

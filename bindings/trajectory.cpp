@@ -30,7 +30,7 @@ struct BoundEvents {
 
 struct BoundMotion {
     BodyMotion motion;
-    bool on_rail;
+    const rbdyn::Scene::Body* body;  // of the run's scene, which the motion keeps
     std::string name;
 };
 struct BoundSpring {
@@ -213,19 +213,47 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
         .def("__repr__", [](const Statistics& s) { return "<Statistics: " + printed(s) + ">"; });
 }
 
+/// Names of the quantities a body has.
+std::vector<std::string> quantities_of(const rbdyn::Scene::Body& body) {
+    std::vector<std::string> names = {"position", "velocity", "acceleration", "force"};
+    const auto also = [&](std::initializer_list<const char*> more) {
+        names.insert(names.end(), more.begin(), more.end());
+    };
+    if (body.rail() != nullptr)
+        also({"parameter", "arc_length", "speed", "tangential_force", "reaction", "reaction_frenet"});
+    if (body.rigid() == nullptr) return names;
+    also({"center_of_mass", "center_of_mass_velocity", "center_of_mass_acceleration", "quaternion", "rotation_matrix",
+          "euler_angles", "euler_rates", "angular_velocity", "angular_velocity_world", "angular_acceleration",
+          "poisson_vector", "instantaneous_axis"});
+    if (!std::holds_alternative<rbdyn::Free>(body.joint)) also({"reaction", "reaction_torque"});
+    if (std::holds_alternative<rbdyn::Revolute>(body.joint)) also({"angle", "rate"});
+    if (std::holds_alternative<rbdyn::Prismatic>(body.joint)) also({"displacement", "rate"});
+    return names;
+}
+
+/// A pair of vectors at each time, as a named tuple of python/rbdyn/frames.py.
+template <class Named, class F>
+Named pair_over(const char* name, const ArrayLike& t, F&& f) {
+    std::vector<std::pair<Vector3, Vector3>> kept;
+    const auto first = over(t, "Trajectory", "time", [&](double x) { return kept.emplace_back(f(x)).first; });
+    auto next = kept.cbegin();
+    const auto second = over(t, "Trajectory", "time", [&](double) { return (next++)->second; });
+    return Named(py::module_::import("rbdyn.frames").attr(name)(first, second));
+}
+
 void bind_motions(py::module_& m) {
     using M = BodyMotion;
     py::class_<BoundMotion> body(m, "BodyMotion", R"(Motion of one body of a run. Each quantity is a method of time.
 
-t: [s], a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes. side: at a jump
-the value "after" it, or "before". Raises InvalidInput for a time outside the run, and for what belongs to rails if the
-body is free.)");
+t: [s], a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), matrices as (3, 3) or
+(n, 3, 3); world axes, but where body axes are named. side: at a jump the value "after" it, or "before". Raises
+InvalidInput for a time outside the run, and for what the body or its joint does not have.)");
     const auto define = [&](const char* name, auto quantity, const char* doc) {
         body.def(name, of_time<BoundMotion>(quantity), py::arg("t"), py::arg("side") = after(), doc);
     };
-    define("position", &M::position, "[m]");
-    define("velocity", &M::velocity, "[m/s]");
-    define("acceleration", &M::acceleration, "[m/s^2], from the model at the state.");
+    define("position", &M::position, "Of a particle, or of the origin of a rigid body's axes [m].");
+    define("velocity", &M::velocity, "Of the same [m/s].");
+    define("acceleration", &M::acceleration, "Of the same, from the model at the state [m/s^2].");
     define("force", &M::force, "Resultant of the active forces [N].");
     define("parameter", &M::parameter, "The curve's parameter. On a rail.");
     define("arc_length", &M::arc_length,
@@ -233,18 +261,53 @@ body is free.)");
     define("speed", &M::speed, "ds/dt along the curve as placed [m/s]. On a rail.");
     define("tangential_force", &M::tangential_force,
            "Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.");
-    define("reaction", &M::reaction, "Reaction of the rail on the body [N]. On a rail.");
+    define("reaction", &M::reaction, "Reaction of the rail or the joint on the body [N].");
     define("reaction_frenet", &M::reaction_frenet,
-           "The same along tangent, normal, binormal (eqs. 7.12-7.14) [N]. On a rail.");
-    body.def_property_readonly(
-            "quantities",
-            [](const BoundMotion& b) {
-                std::vector<std::string> names = {"position", "velocity", "acceleration", "force"};
-                if (b.on_rail)
-                    names.insert(names.end(), {"parameter", "arc_length", "speed", "tangential_force", "reaction",
-                                               "reaction_frenet"});
-                return names;
+           "That of a rail along tangent, normal, binormal (eqs. 7.12-7.14) [N].");
+    define("center_of_mass", &M::center_of_mass, "[m]");
+    define("center_of_mass_velocity", &M::center_of_mass_velocity, "[m/s]");
+    define("center_of_mass_acceleration", &M::center_of_mass_acceleration, "[m/s^2]");
+    define("quaternion", &M::quaternion, "(w, x, y, z), body axes to the world's: (4,) or (n, 4). Of a rigid body.");
+    define("rotation_matrix", &M::rotation_matrix,
+           "Body axes to the world's, its columns the body's axes. Of a rigid body.");
+    define("euler_angles", &M::euler_angles,
+           R"(theta, psi, phi, continuous in time from the start of the run [rad]. Of a rigid body.
+
+R = Rz(psi) Rx(theta) Rz(phi).)");
+    define("euler_rates", &M::euler_rates,
+           "Their rates [rad/s] (eq. 7.49); not finite where sin theta = 0. Of a rigid body.");
+    define("angular_velocity", &M::angular_velocity, "In body axes [rad/s]. Of a rigid body.");
+    define("angular_velocity_world", &M::angular_velocity_world, "In world axes [rad/s]. Of a rigid body.");
+    define("angular_acceleration", &M::angular_acceleration, "In body axes [rad/s^2]. Of a rigid body.");
+    define("poisson_vector", &M::poisson_vector, "The world's third axis in body axes (7.59). Of a rigid body.");
+    define("reaction_torque", &M::reaction_torque,
+           "Moment that the joint exerts on a rigid body, about the point it holds [N m].");
+    define("angle", &M::angle, "Of a hinge [rad].");
+    define("displacement", &M::displacement, "Of a slide [m].");
+    define("rate", &M::rate, "Of a hinge [rad/s] or a slide [m/s].");
+    body.def(
+            "instantaneous_axis",
+            [](const BoundMotion& self, const ArrayLike& t, const SideName& name) {
+                const Side side = side_of(name);
+                return pair_over<AxisObject>("Axis", t,
+                                             [&](double x) { return self.motion.instantaneous_axis(x, side); });
             },
+            py::arg("t"), py::arg("side") = after(),
+            R"(The instantaneous axis of rotation: (point, direction), of a rigid body.
+
+point: that of the axis nearest to the centre of mass [m]; direction: of unit length, zero while the body does not turn.)")
+        .def(
+            "point",
+            [](const BoundMotion& self, const ArrayLike& place, const ArrayLike& t, const SideName& name) {
+                const Side side = side_of(name);
+                const Vector3 p = vector3(place, self.name, "place");
+                return pair_over<PointObject>("PointMotion", t,
+                                              [&](double x) { return self.motion.point(p, x, side); });
+            },
+            py::arg("place"), py::arg("t"), py::arg("side") = after(),
+            "(position, velocity) of the point of a rigid body at a place in body axes (3,) [m, m/s].")
+        .def_property_readonly(
+            "quantities", [](const BoundMotion& b) { return quantities_of(*b.body); },
             "Names of the quantities this body has.")
         .def("__repr__", [](const BoundMotion& b) { return "<BodyMotion: " + b.name + ">"; });
 
@@ -267,7 +330,7 @@ body is free.)");
 BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle) {
     self.handles->require(handle, "Trajectory");
     const auto& body = self.run.scene().bodies()[static_cast<std::size_t>(handle.index)];
-    return {self.run[rbdyn::BodyHandle{handle.index}], body.rail() != nullptr, handle.name};
+    return {self.run[rbdyn::BodyHandle{handle.index}], &body, handle.name};
 }
 
 BoundSpring motion_of_spring(const BoundTrajectory& self, const CouplingHandle& handle) {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <rbdyn/rotation/attitude.hpp>
 
 #include "recording.hpp"
 
@@ -13,9 +15,17 @@ using rbdyn::Observable, rbdyn::Observe, rbdyn::Quantity, rbdyn::WatchFunction;
 
 namespace {
 
+/// Of a quantity in Python; none: a number.
+using Shape = std::vector<py::ssize_t>;
+using Asked = std::function<py::object(Quantity, int subject, const Shape& shape)>;
+
+int count_of(const Shape& shape) {
+    return static_cast<int>(std::accumulate(shape.begin(), shape.end(), py::ssize_t{1}, std::multiplies<>()));
+}
+
 /// What `now` is: gives what it is asked for, as long as the function it was made for runs.
 struct Present {
-    std::function<py::object(Quantity, int subject, bool is_vector)> ask;
+    Asked ask;
     Handles handles;
 };
 
@@ -24,20 +34,18 @@ struct PresentThing {
     int index;
     std::string name;
 };
-struct PresentBody : PresentThing {
-    bool on_rail;
-};
+struct PresentBody : PresentThing {};
 struct PresentCoupling : PresentThing {};
 
-py::object ask(const Present& now, Quantity quantity, int subject, bool is_vector) {
+py::object ask(const Present& now, Quantity quantity, int subject, const Shape& shape) {
     if (!now.ask)
         throw InvalidInput("Now: the function it was made for has returned; ask for quantities while it runs");
-    return now.ask(quantity, subject, is_vector);
+    return now.ask(quantity, subject, shape);
 }
 
 /// Calls f with a present moment that ends with the call.
 template <class F>
-auto with_present(std::function<py::object(Quantity, int, bool)> asked, const Handles& handles, F&& f) {
+auto with_present(Asked asked, const Handles& handles, F&& f) {
     const auto now = std::make_shared<Present>(Present{std::move(asked), handles});
     struct End {
         Present& now;
@@ -74,9 +82,22 @@ std::vector<rbdyn::StateChange> changes(const py::object& returned, const Handle
                 change.parameter = number(what, user, name);
             else if (name == "speed")
                 change.speed = number(what, user, name);
+            else if (name == "attitude")
+                change.attitude = attitude(what, user);
+            else if (name == "angular_velocity")
+                change.angular_velocity = vector3(what, user, name);
+            else if (name == "angular_velocity_world")
+                change.angular_velocity_world = vector3(what, user, name);
+            else if (name == "angle")
+                change.angle = number(what, user, name);
+            else if (name == "displacement")
+                change.displacement = number(what, user, name);
+            else if (name == "rate")
+                change.rate = number(what, user, name);
             else
                 throw InvalidInput(user + ": its action changes \"" + name +
-                                   "\"; a free body has position and velocity, one on a rail parameter and speed");
+                                   "\"; a free body has position and velocity, one on a rail parameter and speed, a "
+                                   "rigid body the words of its joint");
         }
         result.push_back(change);
     }
@@ -103,11 +124,11 @@ auto call_with_numbers(const Called& c, const Observe& observe, Read&& read) {
     const py::gil_scoped_acquire lock;
     const CallingBack here;
     return with_present(
-        [&](Quantity quantity, int subject, bool is_vector) -> py::object {
+        [&](Quantity quantity, int subject, const Shape& shape) -> py::object {
             c.scene.scene.require_observable({quantity, subject, 0}, c.user);
-            if (!is_vector) return py::float_(observe({quantity, subject, 0}));
-            py::array_t<double> result(3);
-            for (int i = 0; i < 3; ++i) result.mutable_at(i) = observe({quantity, subject, i});
+            if (shape.empty()) return py::float_(observe({quantity, subject, 0}));
+            py::array_t<double> result(shape);
+            for (int i = 0; i < count_of(shape); ++i) result.mutable_data()[i] = observe({quantity, subject, i});
             return result;
         },
         c.scene.handles, [&](const py::object& now) { return read(c.f(now)); });
@@ -124,8 +145,8 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
         std::vector<Observable> asked;
         std::exception_ptr refused;  // what the scene does not have is no reason to call back
         const auto now = std::make_shared<Present>(Present{nullptr, scene.handles});
-        const auto ask_in = [&](Recording& recording, Quantity quantity, int subject, bool is_vector) -> py::object {
-            const int count = is_vector ? 3 : 1;
+        const auto ask_in = [&](Recording& recording, Quantity quantity, int subject,
+                                const Shape& shape) -> py::object {
             try {
                 scene.scene.require_observable({quantity, subject, 0}, user);
             } catch (const InvalidInput&) {
@@ -135,14 +156,14 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
             const auto found = std::find(asked.begin(), asked.end(), Observable{quantity, subject, 0});
             const auto first = static_cast<int>(found - asked.begin());
             if (found == asked.end())
-                for (int i = 0; i < count; ++i) asked.push_back({quantity, subject, i});
-            return is_vector ? recording.inputs(first, {3}) : recording.input(first);
+                for (int i = 0; i < count_of(shape); ++i) asked.push_back({quantity, subject, i});
+            return shape.empty() ? recording.input(first) : recording.inputs(first, shape);
         };
         const Attempt a = attempt(
             f,
             [&](Recording& recording) {
-                now->ask = [&](Quantity quantity, int subject, bool is_vector) {
-                    return ask_in(recording, quantity, subject, is_vector);
+                now->ask = [&](Quantity quantity, int subject, const Shape& shape) {
+                    return ask_in(recording, quantity, subject, shape);
                 };
                 return py::make_tuple(now);
             },
@@ -204,34 +225,60 @@ WatchFunction watch_from(const py::handle& data) {
 }
 
 void bind_watch(py::module_& m) {
-    py::class_<PresentBody> body(m, "BodyNow", "A body at the present moment, for watched functions. World axes.");
-    const auto define = [](auto& type, const char* name, Quantity quantity, bool is_vector, const char* doc) {
+    py::class_<PresentBody> body(m, "BodyNow", R"(A body at the present moment, for watched functions.
+
+World axes, but where body axes are named.)");
+    const Shape number = {}, vector = {3}, matrix = {3, 3};
+    const auto define = [](auto& type, const char* name, Quantity quantity, const Shape& shape, const char* doc) {
         using Thing = typename std::decay_t<decltype(type)>::type;
         type.def_property_readonly(
-            name, [quantity, is_vector](const Thing& b) { return ask(*b.now, quantity, b.index, is_vector); }, doc);
+            name, [quantity, shape](const Thing& b) { return ask(*b.now, quantity, b.index, shape); }, doc);
     };
-    define(body, "position", Quantity::position, true, "(3,) [m]");
-    define(body, "velocity", Quantity::velocity, true, "(3,) [m/s]");
-    define(body, "acceleration", Quantity::acceleration, true, "(3,) [m/s^2]");
-    define(body, "force", Quantity::force, true, "Resultant of the active forces (3,) [N].");
-    define(body, "reaction", Quantity::reaction, true, "Of its rail (3,) [N].");
-    define(body, "parameter", Quantity::parameter, false, "The curve's parameter. On a rail.");
-    define(body, "speed", Quantity::speed, false, "ds/dt along the curve [m/s]. On a rail.");
-    define(body, "tangential_force", Quantity::tangential_force, false, "Q_s = F.t [N]. On a rail.");
-    define(body, "kinetic_energy", Quantity::kinetic_energy, false, "[J]");
+    define(body, "position", Quantity::position, vector,
+           "Of a particle, or of the origin of a rigid body's axes (3,) [m].");
+    define(body, "velocity", Quantity::velocity, vector, "Of the same (3,) [m/s].");
+    define(body, "acceleration", Quantity::acceleration, vector, "Of the same (3,) [m/s^2].");
+    define(body, "force", Quantity::force, vector, "Resultant of the active forces (3,) [N].");
+    define(body, "reaction", Quantity::reaction, vector, "Of its rail or joint (3,) [N].");
+    define(body, "kinetic_energy", Quantity::kinetic_energy, number, "[J]");
+    define(body, "parameter", Quantity::parameter, number, "The curve's parameter. On a rail.");
+    define(body, "speed", Quantity::speed, number, "ds/dt along the curve [m/s]. On a rail.");
+    define(body, "tangential_force", Quantity::tangential_force, number, "Q_s = F.t [N]. On a rail.");
+    define(body, "center_of_mass", Quantity::center_of_mass, vector, "Of a rigid body (3,) [m].");
+    define(body, "center_of_mass_velocity", Quantity::center_of_mass_velocity, vector, "Of a rigid body (3,) [m/s].");
+    define(body, "center_of_mass_acceleration", Quantity::center_of_mass_acceleration, vector,
+           "Of a rigid body (3,) [m/s^2].");
+    define(body, "quaternion", Quantity::quaternion, {4},
+           "(w, x, y, z), body axes to the world's (4,). Of a rigid body.");
+    define(body, "rotation_matrix", Quantity::rotation_matrix, matrix,
+           "Body axes to the world's (3, 3). Of a rigid body.");
+    define(body, "euler_angles", Quantity::euler_angles, vector,
+           "theta in [0, pi], psi and phi in [-pi, pi], with jumps there (3,) [rad]. Of a rigid body.");
+    define(body, "angular_velocity", Quantity::angular_velocity, vector, "In body axes (3,) [rad/s]. Of a rigid body.");
+    define(body, "angular_velocity_world", Quantity::angular_velocity_world, vector,
+           "In world axes (3,) [rad/s]. Of a rigid body.");
+    define(body, "angular_acceleration", Quantity::angular_acceleration, vector,
+           "In body axes (3,) [rad/s^2]. Of a rigid body.");
+    define(body, "poisson_vector", Quantity::poisson_vector, vector,
+           "The world's third axis in body axes (3,) (7.59). Of a rigid body.");
+    define(body, "reaction_torque", Quantity::reaction_torque, vector,
+           "Of its joint, about the point it holds (3,) [N m]. Of a rigid body.");
+    define(body, "angle", Quantity::angle, number, "Of a hinge [rad].");
+    define(body, "displacement", Quantity::displacement, number, "Of a slide [m].");
+    define(body, "rate", Quantity::rate, number, "Of a hinge [rad/s] or a slide [m/s].");
     py::class_<PresentCoupling> coupling(m, "CouplingNow", "A spring at the present moment, for watched functions.");
-    define(coupling, "length", Quantity::length, false, "[m]");
-    define(coupling, "force", Quantity::coupling_force, true, "On its first end (3,) [N].");
+    define(coupling, "length", Quantity::length, number, "[m]");
+    define(coupling, "force", Quantity::coupling_force, vector, "On its first end (3,) [N].");
 
     py::class_<Present, std::shared_ptr<Present>>(
         m, "Now", "The present moment of a motion: what watched functions are called with.")
         .def_property_readonly(
-            "time", [](const Present& now) { return ask(now, Quantity::time, -1, false); }, "[s]")
+            "time", [](const Present& now) { return ask(now, Quantity::time, -1, {}); }, "[s]")
         .def(
             "__getitem__",
             [](const std::shared_ptr<Present>& now, const BodyHandle& handle) {
                 now->handles.require(handle, "Now");
-                return PresentBody{{now, handle.index, handle.name}, true};
+                return PresentBody{{now, handle.index, handle.name}};
             },
             py::arg("handle"))
         .def(

@@ -1,4 +1,4 @@
-"""Frames of curves and of bodies, as named tuples."""
+"""What belongs together, as named tuples: (3,) each, or (n, 3), unless a tuple says otherwise; world axes."""
 
 from typing import NamedTuple
 
@@ -19,3 +19,17 @@ class PrincipalAxes(NamedTuple):
 
     moments: npt.NDArray[np.float64]
     axes: npt.NDArray[np.float64]
+
+
+class Axis(NamedTuple):
+    """An axis in the world: a point of it [m], and its direction."""
+
+    point: npt.NDArray[np.float64]
+    direction: npt.NDArray[np.float64]
+
+
+class PointMotion(NamedTuple):
+    """Position [m] and velocity [m/s] of a point."""
+
+    position: npt.NDArray[np.float64]
+    velocity: npt.NDArray[np.float64]

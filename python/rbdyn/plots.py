@@ -64,6 +64,18 @@ def plot_motion(run: Trajectory, path: str | os.PathLike[str] | None = None, han
         panels.append(("speed [m/s]", {"": motion.speed(times)}))
         names = ["tangent", "normal", "binormal"]
         panels.append(("reaction [N]", {name: reaction[:, i] for i, name in enumerate(names)}))
+    elif "rate" in motion.quantities:
+        names = ["angle [rad]", "rate [rad/s]"] if "angle" in motion.quantities else ["displacement [m]", "rate [m/s]"]
+        panels.append((names[0], {"": getattr(motion, names[0].split()[0])(times)}))
+        panels.append((names[1], {"": motion.rate(times)}))
+        reaction = motion.reaction(times)
+        panels.append(("reaction [N]", {name: reaction[:, i] for i, name in enumerate("xyz")}))
+    elif "quaternion" in motion.quantities:
+        position, angles = motion.center_of_mass(times), motion.euler_angles(times)
+        omega = motion.angular_velocity(times)
+        panels.append(("centre of mass [m]", {name: position[:, i] for i, name in enumerate("xyz")}))
+        panels.append(("angles [rad]", {name: angles[:, i] for i, name in enumerate(["theta", "psi", "phi"])}))
+        panels.append(("ang. velocity, body [rad/s]", {str(i + 1): omega[:, i] for i in range(3)}))
     else:
         position, velocity = motion.position(times), motion.velocity(times)
         panels.append(("position [m]", {name: position[:, i] for i, name in enumerate("xyz")}))

@@ -10,11 +10,21 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from rbdyn._core import Handle, Trajectory
 
+# dimensions of arrays, and the names along them; of a matrix: rows, columns
+AXES = {
+    "component": ["x", "y", "z"],
+    "body_axis": ["e1", "e2", "e3"],
+    "frenet": ["tangent", "normal", "binormal"],
+    "quaternion": ["w", "x", "y", "z"],
+    "euler": ["theta", "psi", "phi"],
+}
+
 
 class Sample:
     """All quantities of all bodies and springs of a run at times `t` (n,) [s].
 
-    sample[handle] is a dict: names of quantities to arrays, (n,) for scalars and (n, 3) for vectors, world axes.
+    sample[handle] is a dict: names of quantities to arrays, (n,) for scalars, (n, 3) for vectors, (n, 4) for
+    quaternions and (n, 3, 3) for matrices. Of a named tuple each field is an entry: "instantaneous_axis.point".
     """
 
     def __init__(self, run: Trajectory, times: npt.ArrayLike) -> None:
@@ -23,7 +33,13 @@ class Sample:
         motions: dict[Handle, Any] = {body: run[body] for body in run.bodies}
         motions |= {coupling: run[coupling] for coupling in run.couplings}
         for handle, motion in motions.items():
-            self._values[handle] = {name: getattr(motion, name)(self.t) for name in motion.quantities}
+            self._values[handle] = values = {}
+            for name in motion.quantities:
+                value = getattr(motion, name)(self.t)
+                if isinstance(value, tuple):
+                    values |= {f"{name}.{field}": part for field, part in zip(value._fields, value, strict=True)}
+                else:
+                    values[name] = value
 
     def __getitem__(self, handle: Handle) -> dict[str, npt.NDArray[np.float64]]:
         try:
@@ -46,28 +62,35 @@ class Sample:
         columns: dict[tuple[str, str, str], npt.NDArray[np.float64]] = {}
         for handle, values in self._values.items():
             for quantity, array in values.items():
-                if array.ndim == 1:
-                    columns[handle.name, quantity, ""] = array
-                else:
-                    parts = _components(quantity)
-                    columns.update({(handle.name, quantity, part): array[:, i] for i, part in enumerate(parts)})
+                labels = [AXES[axis] for axis in _axes(quantity, array)]
+                for index in np.ndindex(*array.shape[1:]):
+                    component = " ".join(label[i] for label, i in zip(labels, index, strict=True))
+                    columns[handle.name, quantity, component] = array[(slice(None), *index)]
         frame = pd.DataFrame(columns, index=pd.Index(self.t, name="t"))
         frame.columns.names = ["name", "quantity", "component"]
         return frame
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset over t; variables "name.quantity", vectors along "component" or "frenet" too."""
+        """An xarray.Dataset over t; variables "name.quantity", along the dimensions of AXES."""
         import xarray as xr
 
-        variables = {}
-        for handle, values in self._values.items():
-            for quantity, array in values.items():
-                along = "frenet" if quantity.endswith("_frenet") else "component"
-                variables[f"{handle.name}.{quantity}"] = (("t",) if array.ndim == 1 else ("t", along), array)
-        axes = {"component": _components(""), "frenet": _components("_frenet")}
+        variables = {
+            f"{handle.name}.{quantity}": (("t", *_axes(quantity, array)), array)
+            for handle, values in self._values.items()
+            for quantity, array in values.items()
+        }
         used = {dimension for dimensions, _ in variables.values() for dimension in dimensions}
-        return xr.Dataset(variables, {"t": self.t, **{axis: parts for axis, parts in axes.items() if axis in used}})
+        return xr.Dataset(variables, {"t": self.t, **{axis: AXES[axis] for axis in AXES if axis in used}})
 
 
-def _components(quantity: str) -> list[str]:
-    return ["tangent", "normal", "binormal"] if quantity.endswith("_frenet") else ["x", "y", "z"]
+def _axes(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:
+    """What an array runs along, after time."""
+    if array.ndim == 3:
+        return ("component", "body_axis")
+    if array.ndim == 1:
+        return ()
+    if quantity == "quaternion":
+        return ("quaternion",)
+    if quantity in ("euler_angles", "euler_rates"):
+        return ("euler",)
+    return ("frenet",) if quantity.endswith("_frenet") else ("component",)

@@ -88,7 +88,7 @@ def test_a_run_is_not_touched_by_what_happens_to_its_scene():
         (lambda: rb.Spring(-1.0), "stiffness is -1"),
         (lambda: rb.Drag(quadratic=-1.0), "quadratic is -1"),
         (lambda: rb.Force([1, 2]), r"Force: f has shape \(2,\)"),
-        (lambda: rb.Force([0, 0, 1], frame="body"), "frame"),
+        (lambda: rb.Force([0, 0, 1], frame="rail"), 'frame is "rail"; it is one of "world", "body"'),
         (lambda: rb.Rail(CIRCLE, drive=np.nan), "drive is nan"),
         (lambda: rb.Rail(CIRCLE, drive=[1, 2]), r"drive has shape \(2,\)"),
         (lambda: rb.Rail(CIRCLE, ends="bounce"), "ends"),

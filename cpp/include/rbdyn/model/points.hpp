@@ -20,6 +20,7 @@
 #include "rbdyn/model/point_equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/recorded_model.hpp"
+#include "rbdyn/model/rigid_change.hpp"
 
 namespace rbdyn {
 
@@ -485,6 +486,13 @@ private:
             const std::string user = "watch " + watch.name;
             require(i >= 0 && i < bodies(), user, "body", i, "its action changes bodies of this scene");
             const PointLaws::Body& b = laws_.body(i);
+            if (b.rigid) {
+                change_rigid(c, b, laws_.rigid_report(i, t, x), user, x);
+                continue;
+            }
+            if (c.attitude || c.angular_velocity || c.angular_velocity_world || c.angle || c.displacement || c.rate)
+                throw InvalidInput(user + ": its action changes of " + b.name +
+                                   ", a particle, what only rigid bodies have");
             const bool is_free = !b.curve || mode.slip[at(i)] == flies;
             if (is_free ? c.parameter || c.speed : c.position || c.velocity)
                 throw InvalidInput(

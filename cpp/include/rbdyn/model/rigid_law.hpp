@@ -306,6 +306,13 @@ public:
     static Vector3Of<S> constant(const Vector3& a) {
         return Vector3Of<S>(S(a[0]), S(a[1]), S(a[2]));
     }
+    template <class S>
+    static bool is_exactly_zero(const S& x) {
+        if constexpr (std::is_same_v<S, Expression>)
+            return x.is_zero();
+        else
+            return x == S(0.0);
+    }
 
 private:
     /// v turned about e3.
@@ -315,13 +322,6 @@ private:
         if (is_exactly_zero(a[0]) && is_exactly_zero(a[1])) return a;
         const S c = cos(angle), n = sin(angle);
         return Vector3Of<S>(c * a[0] - n * a[1], n * a[0] + c * a[1], a[2]);
-    }
-    template <class S>
-    static bool is_exactly_zero(const S& x) {
-        if constexpr (std::is_same_v<S, Expression>)
-            return x.is_zero();
-        else
-            return x == S(0.0);
     }
     template <class S>
     static QuaternionOf<S> unit(const QuaternionOf<S>& q) {

@@ -54,6 +54,9 @@ S observed(const RigidLaw& law, const RigidState<S>& s, const Wrench<S>& w, cons
         case Quantity::poisson_vector: return element(2, o.component);
         case Quantity::euler_angles: {
             const S x = element(0, 2), y = element(1, 2);
+            // upright, or upside down: psi is the whole turn, as in euler_angles()
+            if (RigidLaw::is_exactly_zero(x) && RigidLaw::is_exactly_zero(y))
+                return c == 0 ? atan2(S(0.0), element(2, 2)) : c == 1 ? atan2(element(1, 0), element(0, 0)) : S(0.0);
             if (c == 0) return atan2(sqrt(x * x + y * y), element(2, 2));
             return c == 1 ? atan2(x, -y) : atan2(element(2, 0), element(2, 1));
         }

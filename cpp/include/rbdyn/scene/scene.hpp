@@ -118,7 +118,7 @@ public:
                     .position = start.position,
                     .velocity = start.velocity,
                     .attitude = attitude,
-                    .angular_velocity = angular_velocity(start, attitude, name),
+                    .angular_velocity = joints::angular_velocity(start, attitude, name),
                     .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const BodyStart& start = {}, std::string name = {}) {
@@ -133,7 +133,7 @@ public:
         return add({.body = body,
                     .joint = joint,
                     .attitude = attitude,
-                    .angular_velocity = angular_velocity(start, attitude, name),
+                    .angular_velocity = joints::angular_velocity(start, attitude, name),
                     .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start = {},
@@ -248,12 +248,37 @@ public:
         const auto count = static_cast<int>(of_coupling ? connections_.size() : bodies_.size());
         require(o.subject >= 0 && o.subject < count, user, "handle", o.subject,
                 "it asks for what this scene has, by handles that add() or connect() returned");
-        const bool on_rail = of_coupling || bodies_[static_cast<std::size_t>(o.subject)].rail() != nullptr;
-        const bool of_rail = o.quantity == Quantity::reaction || o.quantity == Quantity::parameter ||
-                             o.quantity == Quantity::speed || o.quantity == Quantity::tangential_force;
-        if (of_rail && !on_rail)
-            throw InvalidInput(user + ": " + bodies_[static_cast<std::size_t>(o.subject)].name +
-                               " is free, and only a body on a rail has a parameter, a speed along it and a reaction");
+        if (of_coupling) return;
+        const Body& b = bodies_[static_cast<std::size_t>(o.subject)];
+        const auto refuse = [&](const std::string& why) { throw InvalidInput(user + ": " + b.name + why); };
+        const bool is_free = std::holds_alternative<Free>(b.joint);
+        switch (o.quantity) {
+            case Quantity::parameter:
+            case Quantity::speed:
+            case Quantity::tangential_force:
+                if (b.rigid() != nullptr) refuse(" is a rigid body, and only a particle on a rail has what is asked");
+                [[fallthrough]];
+            case Quantity::reaction:
+                if (!is_free) return;
+                if (b.rigid() != nullptr) refuse(" is free, and only a joint exerts a reaction");
+                refuse(" is free, and only a body on a rail has a parameter, a speed along it and a reaction");
+                return;
+            case Quantity::position:
+            case Quantity::velocity:
+            case Quantity::acceleration:
+            case Quantity::force:
+            case Quantity::kinetic_energy: return;
+            default: break;
+        }
+        if (b.rigid() == nullptr) refuse(" is a particle, and what is asked is of rigid bodies");
+        const bool has_angle = std::holds_alternative<Revolute>(b.joint),
+                   has_displacement = std::holds_alternative<Prismatic>(b.joint);
+        if (o.quantity == Quantity::reaction_torque && is_free) refuse(" is free, and only a joint exerts a reaction");
+        if (o.quantity == Quantity::angle && !has_angle) refuse(" has no angle; a body on a Revolute joint has");
+        if (o.quantity == Quantity::displacement && !has_displacement)
+            refuse(" has no displacement; a body on a Prismatic joint has");
+        if (o.quantity == Quantity::rate && !has_angle && !has_displacement)
+            refuse(" has no rate; a body on a Revolute or Prismatic joint has");
     }
 
 private:
@@ -263,21 +288,6 @@ private:
     BodyHandle add(Body body) {
         bodies_.push_back(std::move(body));
         return {static_cast<int>(bodies_.size()) - 1};
-    }
-    /// The angular velocity in body axes that a start gives.
-    template <class Start>
-    static Vector3 angular_velocity(const Start& start, const Quaternion& attitude, const std::string& name) {
-        if (start.angular_velocity && start.angular_velocity_world)
-            throw InvalidInput(name +
-                               ": both angular_velocity and angular_velocity_world are given; one of them says how it "
-                               "turns, in body axes or in the world's");
-        if (start.angular_velocity) {
-            joints::require_finite(name, "angular_velocity", *start.angular_velocity);
-            return *start.angular_velocity;
-        }
-        if (!start.angular_velocity_world) return Vector3::Zero();
-        joints::require_finite(name, "angular_velocity_world", *start.angular_velocity_world);
-        return to_body<double>(attitude, *start.angular_velocity_world);
     }
     /// A body turns freely about a point only if no moment there vanishes.
     static void require_turnable(const RigidBody& body, const Vector3& point, const std::string& name) {

@@ -16,7 +16,7 @@
 
 #include "rbdyn/basics/direction.hpp"
 #include "rbdyn/expression/function.hpp"
-#include "rbdyn/rotation/euler_angles.hpp"
+#include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/handles.hpp"
 
 namespace rbdyn {
@@ -216,11 +216,17 @@ private:
     std::shared_ptr<const Callback> counter_;
 };
 
-/// A new state of one body, in its joint's own words; what is not given stays as it is.
+/// A new state of one body, in its joint's own words; what is not given stays as it is: of a rigid body the origin's
+/// position and velocity, the attitude, and the angular velocity in body axes.
 struct StateChange {
     BodyHandle body;
     std::optional<Vector3> position = std::nullopt, velocity = std::nullopt;  // of a free body, world axes
     std::optional<double> parameter = std::nullopt, speed = std::nullopt;     // of a bead
+    std::optional<Attitude> attitude = std::nullopt;                          // of a rigid body that turns freely
+    std::optional<Vector3> angular_velocity = std::nullopt;                   // its own, body axes
+    std::optional<Vector3> angular_velocity_world = std::nullopt;             // or in the world's
+    std::optional<double> angle = std::nullopt, displacement = std::nullopt;  // of a hinge, of a slide
+    std::optional<double> rate = std::nullopt;                                // of either
 };
 
 /// What is done where a watched function passes zero: it is noted; the run ends; or states change.

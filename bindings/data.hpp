@@ -1,0 +1,24 @@
+// Values that are data: equality, hash and pickling by the tuple of what they are made of.
+#pragma once
+
+#include <array>
+
+#include "binding.hpp"
+
+namespace binding {
+
+template <class T, class... Options, class Parts, class Make>
+void as_data(py::class_<T, Options...>& type, Parts parts, Make make) {
+    type.def("__eq__", [](const T& a, const py::object& b) { return py::isinstance<T>(b) && a == b.cast<const T&>(); })
+        .def("__hash__", [parts](const T& a) { return py::hash(parts(a)); })
+        .def(py::pickle([parts](const T& a) { return parts(a); }, [make](const py::tuple& d) { return make(d); }));
+}
+
+/// A vector as plain data, and from it.
+inline py::tuple tuple_of(const Vector3& v) { return py::make_tuple(v[0], v[1], v[2]); }
+inline Vector3 vector_from(const py::handle& data) {
+    const auto d = data.cast<std::array<double, 3>>();
+    return {d[0], d[1], d[2]};
+}
+
+}  // namespace binding

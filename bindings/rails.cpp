@@ -1,0 +1,142 @@
+// Rails: the guides of particles, and their friction.
+#include <optional>
+#include <rbdyn/scene/joints.hpp>
+
+#include "binding.hpp"
+
+namespace binding {
+
+namespace {
+
+using rbdyn::TimeFunction;
+
+const Words<rbdyn::RailSide> sides = {
+    {"both", rbdyn::RailSide::both}, {"+", rbdyn::RailSide::plus}, {"-", rbdyn::RailSide::minus}};
+const Words<rbdyn::RailEnds> endings = {{"stop", rbdyn::RailEnds::stop}, {"release", rbdyn::RailEnds::release}};
+
+rbdyn::Function recorded(const UserFunction& f) { return f.function; }
+
+TimeFunction speed_of(const py::object& drive) {
+    const bool is_function = PyCallable_Check(drive.ptr()) != 0;
+    return is_function ? TimeFunction(recorded(user_time_function(drive, true, "Rail: drive")))
+                       : TimeFunction(number(drive, "Rail", "drive"));
+}
+
+py::typing::Union<rbdyn::Curve> curve_of(const rbdyn::Rail& rail) {
+    return py::reinterpret_steal<py::typing::Union<rbdyn::Curve>>(curve_object(rail.curve()).release());
+}
+
+}  // namespace
+
+void bind_rails(py::module_& m) {
+    using rbdyn::Coulomb, rbdyn::Curve, rbdyn::Rail, rbdyn::RailOptions, rbdyn::RigidMotion, rbdyn::text;
+
+    py::class_<Coulomb>(m, "Coulomb", R"(Coulomb-Morin friction (eq. 7.23).
+
+Sliding, the tangential reaction is mu_dynamic times the perpendicular one, against the slip; at rest it is whatever
+rest needs, up to mu_static times the perpendicular one.)")
+        .def(py::init([](double mu_static, std::optional<double> mu_dynamic) {
+                 const Coulomb friction{mu_static, mu_dynamic};
+                 friction.validate();
+                 return friction;
+             }),
+             py::arg("mu_static"), py::arg("mu_dynamic") = py::none(),
+             "mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.")
+        .def_readonly("mu_static", &Coulomb::mu_static)
+        .def_property_readonly("mu_dynamic", &Coulomb::dynamic)
+        .def("__eq__",
+             [](const Coulomb& a, const py::object& b) {
+                 if (!py::isinstance<Coulomb>(b)) return false;
+                 const auto& c = b.cast<const Coulomb&>();
+                 return a.mu_static == c.mu_static && a.dynamic() == c.dynamic();
+             })
+        .def(py::pickle([](const Coulomb& c) { return py::make_tuple(c.mu_static, c.dynamic()); },
+                        [](const py::tuple& d) {
+                            return Coulomb{d[0].cast<double>(), d[1].cast<double>()};
+                        }))
+        .def("__hash__", [](const Coulomb& c) { return py::hash(py::make_tuple(c.mu_static, c.dynamic())); })
+        .def("__repr__", [](const Coulomb& c) {
+            return "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(c.dynamic()) + ")";
+        });
+
+    py::class_<Rail>(m, "Rail", R"(A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
+
+A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
+it reverse, stick and slip events, is speed - drive.)")
+        .def(py::init([](const Curve& curve, const std::optional<Coulomb>& friction, const NumberOrFunction& drive,
+                         const MotionOrNone& motion, const std::string& side, const std::string& ends) {
+                 RailOptions options;
+                 options.drive = speed_of(drive);
+                 if (!motion.is_none())
+                     options.motion = RigidMotion(recorded(user_motion(motion, true, "Rail: motion")));
+                 options.side = one_of(side, sides, "Rail", "side");
+                 options.ends = one_of(ends, endings, "Rail", "ends");
+                 return Rail(curve, friction, options);
+             }),
+             py::arg("curve"), py::kw_only(), py::arg("friction") = py::none(), py::arg("drive") = 0.0,
+             py::arg("motion") = py::none(), py::arg("side") = "both", py::arg("ends") = "stop",
+             R"(friction: Coulomb, or none.
+
+drive: the speed with which the rail's surface slides along itself [m/s], a number or a function of time [s]; the curve
+stays.
+
+motion: a rigid motion of the rail itself, a function of time that returns a displacement (3,) [m], a rotation matrix
+(3, 3), a pair of them, or a homogeneous matrix (4, 4); the curve is where it was given for no displacement and no
+rotation. The reaction then has power, also without friction (Theorem 7.7 needs a rail at rest).
+
+side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: that of Frenet's axes
+where the body starts, carried on continuously. Pulled away, the body leaves ("detach") and flies; where it meets the
+curve again from that side it lands ("land") and keeps its velocity along the curve. For plane curves at rest.
+
+ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
+
+Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.)")
+        .def_property_readonly("curve", [](const Rail& rail) { return curve_of(rail); })
+        .def_property_readonly("friction", &Rail::friction, "Friction, if any of its coefficients is not zero.")
+        .def(
+            "drive",
+            [](const Rail& rail, const ArrayLike& t) {
+                return over(t, "Rail", "time", [&](double x) { return rail.drive()(x); });
+            },
+            py::arg("t"), "The speed of the rail's surface along itself at a time [m/s].")
+        .def_property_readonly(
+            "side", [](const Rail& rail) { return word_for(rail.side(), sides); }, R"("both", "+" or "-".)")
+        .def_property_readonly(
+            "ends", [](const Rail& rail) { return word_for(rail.ends(), endings); }, R"("stop" or "release".)")
+        .def_property_readonly(
+            "moves", [](const Rail& rail) { return rail.motion().present(); }, "Whether the rail itself moves.")
+        .def("__eq__",
+             [](const Rail& a, const py::object& b) { return py::isinstance<Rail>(b) && a == b.cast<const Rail&>(); })
+        .def("__hash__", [](const Rail& rail) { return py::hash(curve_object(rail.curve())); })
+        .def(py::pickle(
+            [](const Rail& rail) {
+                const py::object drive = rail.drive().is_constant() ? py::object(py::float_(rail.drive().constant()))
+                                                                    : py::cast(rail.drive().function());
+                const py::object motion = rail.motion().present() ? py::cast(rail.motion().function()) : py::none();
+                return py::make_tuple(curve_object(rail.curve()), rail.friction(), drive, motion,
+                                      word_for(rail.side(), sides), word_for(rail.ends(), endings));
+            },
+            [](const py::tuple& d) {
+                RailOptions options;
+                options.drive = py::isinstance<rbdyn::Function>(d[2]) ? TimeFunction(d[2].cast<rbdyn::Function>())
+                                                                      : TimeFunction(d[2].cast<double>());
+                if (!d[3].is_none()) options.motion = RigidMotion(d[3].cast<rbdyn::Function>());
+                options.side = one_of(d[4].cast<std::string>(), sides, "Rail", "side");
+                options.ends = one_of(d[5].cast<std::string>(), endings, "Rail", "ends");
+                return Rail(d[0].cast<const Curve&>(), d[1].cast<std::optional<Coulomb>>(), options);
+            }))
+        .def("__repr__", [](const Rail& rail) {
+            std::string result = "Rail(" + std::string(py::repr(curve_object(rail.curve())));
+            if (const auto friction = rail.friction())
+                result += ", friction=" + std::string(py::repr(py::cast(*friction)));
+            if (!rail.drive().is_zero())
+                result +=
+                    ", drive=" + (rail.drive().is_constant() ? text(rail.drive().constant()) : "function of time");
+            if (rail.motion().present()) result += ", motion=function of time";
+            if (rail.side() != rbdyn::RailSide::both) result += ", side=\"" + word_for(rail.side(), sides) + "\"";
+            if (rail.ends() != rbdyn::RailEnds::stop) result += ", ends=\"" + word_for(rail.ends(), endings) + "\"";
+            return result + ")";
+        });
+}
+
+}  // namespace binding
