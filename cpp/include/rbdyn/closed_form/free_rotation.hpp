@@ -56,16 +56,20 @@ public:
         const QuaternionOf<DoubleDouble> start = unit(given);
         start_ = {rounded(start), angular_velocity};
         speed_ = angular_velocity.norm();
-        const Vector3Of<DoubleDouble> omega = product(transposed(principal.axes), widened(angular_velocity));
         const Vector3Of<DoubleDouble>& moments = principal.moments;
+        Vector3Of<DoubleDouble> omega = product(transposed(principal.axes), widened(angular_velocity));
+        const Matrix3 nearest = rounded(principal.axes).array().round();
+        const bool along_axes = principal.axes == widened(nearest);
+        // what turning to principal axes leaves of nothing is nothing: a permanent rotation stays one
+        for (int i = 0; i < 3; ++i)
+            if (!along_axes && std::abs(omega[i].hi) < 0x1p-98 * speed_) omega[i] = 0.0;
         if (Polhode::constant(moments, omega)) {
             set_constant(omega, principal.axes, start);
             return;
         }
         const Polhode polhode(moments, omega);
         set_varying(polhode, principal.axes, start);
-        const Matrix3 nearest = rounded(principal.axes).array().round();
-        set_doubt(polhode, omega, principal.axes == widened(nearest));
+        set_doubt(polhode, omega, along_axes);
     }
     FreeRotation(const Matrix3Of<DoubleDouble>& inertia, const Quaternion& attitude, const Vector3& angular_velocity)
         : FreeRotation(principal_axes(inertia), attitude, angular_velocity) {}
@@ -93,7 +97,9 @@ public:
             // a flip too late or too early shows while it lasts, 2 exp(-|y|)
             const Phase::Reduced y = argument_.at({t, 0.0});
             const double late = defect_ * (1.0 + std::abs(y.steps));
-            error += 2.0 * late * std::exp(std::min(late - std::abs(y.rest.hi), 0.0));
+            const double shown = 2.0 * late * std::exp(std::min(late - std::abs(y.rest.hi), 0.0));
+            // early on no more than the first roundings have grown to
+            error += std::min(shown, 0x1p-100 * std::exp(argument_.rate().hi * std::abs(t)));
         }
         return std::min(error, std::numbers::pi);
     }
