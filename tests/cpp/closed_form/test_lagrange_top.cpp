@@ -112,6 +112,15 @@ TEST(LagrangeTop, asleep_stays_asleep) {
         }
 }
 
+TEST(LagrangeTop, asleep_along_any_vertical_stays_asleep) {
+    for (const double side : {1.0, -1.0}) {
+        const LagrangeTop top(0.5, 0.25, 4.0, side * Vector3::UnitX(), Quaternion{0.5, 0.5, 0.5, 0.5}, {0.0, 0.0, 5.0});
+        const LagrangeTop::State s = top.at({1e4, 0.0});
+        EXPECT_NEAR(to_world(s.attitude, up)[0], 1.0, limit);
+        EXPECT_EQ(s.angular_velocity, Vector3(0.0, 0.0, 5.0));
+    }
+}
+
 TEST(LagrangeTop, falls_asleep_on_the_separatrix) {
     // planar: the start at the bottom with just the speed that reaches the top
     const LagrangeTop top(1.0, 1.0, 1.0, up, Quaternion{0.0, 1.0, 0.0, 0.0}, {2.0, 0.0, 0.0});

@@ -48,7 +48,15 @@ public:
                  {angular_velocity[0].hi, angular_velocity[1].hi, angular_velocity[2].hi}} {
         const double side = weight_moment.hi < 0.0 ? -1.0 : 1.0;
         world_ = upright(up * side);
-        const DigitsQuaternion to_start = conjugate(world_) * attitude;
+        DigitsQuaternion to_start = conjugate(world_) * attitude;
+        // a vertical off the z axis is known to 1e-31: an axis along it to that is along it
+        if (up[0] != 0.0 || up[1] != 0.0) {
+            constexpr double none = 1e-61;
+            const double on = (to_start.w * to_start.w + to_start.z * to_start.z).hi;
+            const double off = (to_start.x * to_start.x + to_start.y * to_start.y).hi;
+            if (off < none * on) to_start.x = to_start.y = 0.0;
+            if (on < none * off) to_start.w = to_start.z = 0.0;
+        }
         const DoubleDouble size = sqrt(squared_norm(to_start));
         const Start s(across, along, weight_moment * side,
                       {to_start.w / size, to_start.x / size, to_start.y / size, to_start.z / size}, angular_velocity);
