@@ -106,6 +106,7 @@ TEST(LagrangeTop, asleep_stays_asleep) {
         for (double spin : {40.0, 5.0, 0.0}) {
             const LagrangeTop top(0.5, 0.25, weight, up, Quaternion{0.5, 0.0, 0.0, 0.7}, {0.0, 0.0, spin});
             const LagrangeTop::State s = top.at({1e6, 0.0});
+            EXPECT_NEAR(squared_norm(s.attitude), 1.0, limit);
             EXPECT_EQ(s.attitude.x, 0.0);
             EXPECT_EQ(s.attitude.y, 0.0);
             EXPECT_EQ(s.angular_velocity, Vector3(0.0, 0.0, spin));
