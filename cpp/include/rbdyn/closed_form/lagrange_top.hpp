@@ -19,6 +19,8 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <tuple>
+#include <utility>
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/instant.hpp"
