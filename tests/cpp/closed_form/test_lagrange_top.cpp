@@ -106,10 +106,20 @@ TEST(LagrangeTop, asleep_stays_asleep) {
         for (double spin : {40.0, 5.0, 0.0}) {
             const LagrangeTop top(0.5, 0.25, weight, up, Quaternion{0.5, 0.0, 0.0, 0.7}, {0.0, 0.0, spin});
             const LagrangeTop::State s = top.at({1e6, 0.0});
+            EXPECT_NEAR(squared_norm(s.attitude), 1.0, limit);
             EXPECT_EQ(s.attitude.x, 0.0);
             EXPECT_EQ(s.attitude.y, 0.0);
             EXPECT_EQ(s.angular_velocity, Vector3(0.0, 0.0, spin));
         }
+}
+
+TEST(LagrangeTop, asleep_along_any_vertical_stays_asleep) {
+    for (const double side : {1.0, -1.0}) {
+        const LagrangeTop top(0.5, 0.25, 4.0, side * Vector3::UnitX(), Quaternion{0.5, 0.5, 0.5, 0.5}, {0.0, 0.0, 5.0});
+        const LagrangeTop::State s = top.at({1e4, 0.0});
+        EXPECT_NEAR(to_world(s.attitude, up)[0], 1.0, limit);
+        EXPECT_EQ(s.angular_velocity, Vector3(0.0, 0.0, 5.0));
+    }
 }
 
 TEST(LagrangeTop, falls_asleep_on_the_separatrix) {

@@ -40,7 +40,7 @@ inline DoubleDouble arithmetic_geometric_mean(DoubleDouble a, DoubleDouble b) {
     if (b.hi == 0.0) return 0.0;
     // the difference squares at each step: from 1e-15 the next mean has all digits
     for (bool last = false; !last;) {
-        last = std::abs(a.hi - b.hi) < 1e-15 * a.hi;
+        last = !(std::abs(a.hi - b.hi) > 1e-15 * a.hi);
         const DoubleDouble mean = (a + b) * 0.5;
         b = sqrt(a * b);
         a = mean;

@@ -19,6 +19,8 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <tuple>
+#include <utility>
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/instant.hpp"
@@ -48,7 +50,13 @@ public:
                  {angular_velocity[0].hi, angular_velocity[1].hi, angular_velocity[2].hi}} {
         const double side = weight_moment.hi < 0.0 ? -1.0 : 1.0;
         world_ = upright(up * side);
-        const DigitsQuaternion to_start = conjugate(world_) * attitude;
+        DigitsQuaternion to_start = conjugate(world_) * attitude;
+        // a vertical off the z axis is known to 1e-31; along it, squares below 1e-250 would lose their digits
+        const double none = up[0] != 0.0 || up[1] != 0.0 ? 1e-61 : 1e-250;
+        const double on = (to_start.w * to_start.w + to_start.z * to_start.z).hi;
+        const double off = (to_start.x * to_start.x + to_start.y * to_start.y).hi;
+        if (off < none * on) to_start.x = to_start.y = 0.0;
+        if (on < none * off) to_start.w = to_start.z = 0.0;
         const DoubleDouble size = sqrt(squared_norm(to_start));
         const Start s(across, along, weight_moment * side,
                       {to_start.w / size, to_start.x / size, to_start.y / size, to_start.z / size}, angular_velocity);
@@ -166,7 +174,7 @@ private:
         const double c2 = std::cos(2.0 * spun), s2 = std::sin(2.0 * spun);
         const Vector3& omega = start_.angular_velocity;
         const Quaternion turned{std::cos(half), s * turn_axis_[0].hi, s * turn_axis_[1].hi, s * turn_axis_[2].hi};
-        return {start_.attitude * turned * Quaternion{std::cos(spun), 0.0, 0.0, std::sin(spun)},
+        return {normalized(start_.attitude) * turned * Quaternion{std::cos(spun), 0.0, 0.0, std::sin(spun)},
                 Vector3(omega[0] * c2 + omega[1] * s2, omega[1] * c2 - omega[0] * s2, omega[2])};
     }
 
