@@ -45,9 +45,9 @@ py::array_t<double> to_array(const Matrix3& m) {
 void bind_attitude(py::module_& m) {
     py::class_<EulerAngles>(m, "EulerAngles", R"(Nutation theta, precession psi, proper rotation phi [rad].
 
-R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the same
-attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second derivatives
-are in the order theta, psi, phi.)")
+R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the
+same attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second
+derivatives are in the order theta, psi, phi.)")
         .def(py::init([](double theta, double psi, double phi) {
                  return EulerAngles{theta, psi, phi};
              }),
@@ -64,10 +64,10 @@ are in the order theta, psi, phi.)")
             py::arg("attitude"), py::kw_only(), py::arg("previous") = py::none(),
             R"(The angles of an attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rotation.
 
-theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of the
-same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a quarter
-turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what is no
-rotation to within 1e-6.)")
+theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of
+the same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a
+quarter turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what
+is no rotation to within 1e-6.)")
         .def_property_readonly(
             "quaternion", [](const EulerAngles& a) { return to_array(Attitude(a).quaternion()); },
             "(w, x, y, z), unit. Raises InvalidInput unless the angles are finite.")
@@ -99,7 +99,8 @@ rotation to within 1e-6.)")
             py::arg("angular_velocity"),
             R"(theta', psi', phi' [rad/s] from omega in body axes (eq. 7.49).
 
-Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of nutation.)")
+Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of
+nutation.)")
         .def(
             "right_side",
             [](const EulerAngles& a, const ArrayLike& rates, const ArrayLike& moments, const ArrayLike& torque) {

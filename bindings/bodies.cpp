@@ -149,8 +149,8 @@ digits.)")
             py::arg_v("com", ArrayLike(py::make_tuple(0.0, 0.0, 0.0)), "(0, 0, 0)"), py::arg("inertia_about") = "com",
             R"(mass: [kg], positive.
 
-inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j off
-its diagonal (eq. 7.33) [kg m^2].
+inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j
+off its diagonal (eq. 7.33) [kg m^2].
 
 com: the centre of mass in the body's axes [m]. inertia_about: "com", or "origin" of the body's axes.
 
@@ -285,8 +285,8 @@ Its centre of mass is at 3/4 of its height; about it 3/10 m r^2 about the axis, 
 density: a number, or a function of x, y, z [m] that gives kg/m^3, zero or positive; it is called with arrays, and with
 floats if it cannot take arrays.
 
-bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x and y,
-which give (from, to).
+bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x
+and y, which give (from, to).
 
 error: relative, of mass, centre of mass and inertia. Raises InvalidInput if it is out of reach, as for a density that
 jumps: then give the bounds of each part as functions and add the parts.)");

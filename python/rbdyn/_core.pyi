@@ -7,8 +7,9 @@ import numpy
 import numpy.typing
 import rbdyn.frames
 import rbdyn.sample
+import scipy.spatial.transform
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'RailPotential', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'cost', 'equilibria', 'parameter', 'plan', 'rail_potential', 'simulate']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'EulerAngles', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'RailPotential', 'RigidBody', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -571,6 +572,172 @@ class Spline(Curve):
     @property
     def slopes(self) -> dict[int, numpy.typing.NDArray[numpy.float64]]:
         ...
+class EulerAngles:
+    """
+    Nutation theta, precession psi, proper rotation phi [rad].
+
+    R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the
+    same attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second
+    derivatives are in the order theta, psi, phi.
+    """
+    @staticmethod
+    def of(attitude: numpy.typing.ArrayLike | EulerAngles | scipy.spatial.transform.Rotation, *, previous: EulerAngles | None = None) -> EulerAngles:
+        """
+        The angles of an attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rotation.
+
+        theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of
+        the same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a
+        quarter turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what
+        is no rotation to within 1e-6.
+        """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, theta: typing.SupportsFloat | typing.SupportsIndex, psi: typing.SupportsFloat | typing.SupportsIndex, phi: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        theta, psi, phi [rad].
+        """
+    def __iter__(self) -> collections.abc.Iterator:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    def angular_acceleration(self, rates: numpy.typing.ArrayLike, second: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        omega' in body axes [rad/s^2] from the rates and theta'', psi'', phi'' (eq. 7.50).
+        """
+    def angular_velocity(self, rates: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        omega in body axes [rad/s] from theta', psi', phi' (eq. 7.49).
+        """
+    def rates(self, angular_velocity: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        theta', psi', phi' [rad/s] from omega in body axes (eq. 7.49).
+
+        Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of
+        nutation.
+        """
+    def right_side(self, rates: numpy.typing.ArrayLike, moments: numpy.typing.ArrayLike, torque: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        b of eq. 7.52 [rad/s^2], its sign corrected: A (theta'', psi'', phi'') = b.
+
+        moments: principal, about a fixed point or the centre of mass [kg m^2]. torque: about the same, body axes [N m].
+        """
+    @property
+    def matrix(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        A of eq. 7.51, (3, 3): omega in body axes = A (theta', psi', phi'); det A = sin(theta).
+        """
+    @property
+    def phi(self) -> float:
+        """
+        Proper rotation [rad].
+        """
+    @property
+    def psi(self) -> float:
+        """
+        Precession [rad].
+        """
+    @property
+    def quaternion(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (w, x, y, z), unit. Raises InvalidInput unless the angles are finite.
+        """
+    @property
+    def rotation_matrix(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        R, (3, 3): its columns are the body's axes in the world. Raises InvalidInput unless the angles are finite.
+        """
+    @property
+    def theta(self) -> float:
+        """
+        Nutation [rad].
+        """
+class RigidBody:
+    """
+    A rigid body: mass, centre of mass and inertia, in axes fixed in it.
+
+    Bodies in the same axes are added where they are welded: a + b. What derives from the numbers given is computed in 32
+    digits.
+    """
+    def __add__(self, arg0: RigidBody) -> RigidBody:
+        ...
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex, inertia: numpy.typing.ArrayLike, *, com: numpy.typing.ArrayLike = (0, 0, 0), inertia_about: str = 'com') -> None:
+        """
+        mass: [kg], positive.
+
+        inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j
+        off its diagonal (eq. 7.33) [kg m^2].
+
+        com: the centre of mass in the body's axes [m]. inertia_about: "com", or "origin" of the body's axes.
+
+        Raises InvalidInput if no distribution of mass has these properties: a moment below zero, or above the sum of the other
+        two. Discs, laminae and rods are bodies.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    def gyroscope_axis(self, rtol: typing.SupportsFloat | typing.SupportsIndex = 1e-09) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        The gyroscopic axis e_3, a unit vector in body axes, or None; the third axis if all moments are equal.
+        """
+    def inertia(self, about: str | numpy.typing.ArrayLike = 'com') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The matrix of inertia about "com", "origin" or a point (3,) [m]; body axes, (3, 3) [kg m^2].
+
+        Huygens-Steiner; elements -Int rho x_i x_j off the diagonal (eq. 7.33).
+        """
+    def is_gyroscope(self, rtol: typing.SupportsFloat | typing.SupportsIndex = 1e-09) -> bool:
+        """
+        Whether two principal moments about the centre of mass differ by at most rtol, relative (Def. 7.4).
+        """
+    def principal(self, about: str | numpy.typing.ArrayLike = 'com') -> rbdyn.frames.PrincipalAxes:
+        """
+        Principal moments (3,) [kg m^2] and axes about "com", "origin" or a point [m]: a named tuple.
+
+        The columns of axes (3, 3) are unit vectors in body axes, right-handed, each the one nearest to its body axis.
+        """
+    def rotated(self, attitude: numpy.typing.ArrayLike | EulerAngles | scipy.spatial.transform.Rotation) -> RigidBody:
+        """
+        Turned about the origin of its axes: what lay along v lies along R v.
+
+        attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rotation.
+        """
+    def shifted(self, r: numpy.typing.ArrayLike) -> RigidBody:
+        """
+        Moved by r in its own axes [m]: what was at the origin is at r.
+        """
+    @property
+    def com(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Centre of mass from the body's origin, body axes, (3,) [m].
+        """
+    @property
+    def inertia_about(self) -> str:
+        """
+        What the inertia was given about: "com" or "origin".
+        """
+    @property
+    def is_rod(self) -> bool:
+        """
+        Whether all mass lies on a line: nothing resists a spin about it.
+        """
+    @property
+    def mass(self) -> float:
+        """
+        [kg]
+        """
 class Particle:
     """
     A material point.
@@ -1645,12 +1812,34 @@ def _user_function(kind: str, f: typing.Any, trace: bool | None = None) -> UserF
     ...
 def _where(condition: typing.Any, a: typing.Any, b: typing.Any, name: str = 'where') -> typing.Any:
     ...
+def box(mass: typing.SupportsFloat | typing.SupportsIndex, size: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A block centred on the origin, its three edges along the body's axes: m (b^2 + c^2)/12 and so on.
+    """
+def cone(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, height: typing.SupportsFloat | typing.SupportsIndex, axis: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A solid cone with its apex at the origin, axis from there to the middle of its base.
+
+    Its centre of mass is at 3/4 of its height; about it 3/10 m r^2 about the axis, 3/80 m (4 r^2 + h^2) across.
+    """
 def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[str] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 10.0) -> Price:
     """
     What accuracy costs in time, for a scene: every engine over its tolerances.
 
     until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
     budget: time to spend, about [s]. Raises what simulate() raises.
+    """
+def cylinder(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, height: typing.SupportsFloat | typing.SupportsIndex, axis: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A solid cylinder centred on the origin: m r^2/2 about its axis, m (3 r^2 + h^2)/12 across.
+    """
+def disc(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, normal: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A thin disc centred on the origin: m r^2/2 about its normal, half of it across.
+    """
+def ellipsoid(mass: typing.SupportsFloat | typing.SupportsIndex, semi_axes: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A solid ellipsoid centred on the origin, semi-axes along the body's axes: m (b^2 + c^2)/5 and so on.
     """
 def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list[Equilibrium]:
     """
@@ -1675,12 +1864,28 @@ def plan(scene: Scene) -> Plan:
 
     Raises InvalidInput for a scene without bodies.
     """
+def points(masses: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    Points of mass (n,) [kg] at positions (n, 3) [m], held together.
+    """
 def rail_potential(scene: Scene, bead: BodyHandle) -> RailPotential:
     """
     The potential of a bead of a scene along its rail at rest (eq. 7.18), also where a force has none in space.
 
     Raises InvalidInput, naming what stands against it, unless the tangential force depends on the place alone: friction,
     drag, dampers, a rail that moves, springs to other bodies, forces that depend on velocity or time.
+    """
+def ring(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, normal: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A thin ring centred on the origin: m r^2 about its normal, half of it across.
+    """
+def rod(mass: typing.SupportsFloat | typing.SupportsIndex, length: typing.SupportsFloat | typing.SupportsIndex, along: numpy.typing.ArrayLike) -> RigidBody:
+    """
+    A thin straight rod centred on the origin: m l^2/12 across, 0 along it.
+    """
+def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex) -> RigidBody:
+    """
+    A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> Trajectory:
     """
@@ -1694,6 +1899,23 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
     cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
     Other threads run meanwhile.
+    """
+def solid(density: float | collections.abc.Callable, bounds: collections.abc.Sequence, *, error: typing.SupportsFloat | typing.SupportsIndex = 1e-12) -> RigidBody:
+    """
+    A body from its density, by quadrature (as in eqs. 7.28, 7.30b, 7.33 and 7.36).
+
+    density: a number, or a function of x, y, z [m] that gives kg/m^3, zero or positive; it is called with arrays, and with
+    floats if it cannot take arrays.
+
+    bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x
+    and y, which give (from, to).
+
+    error: relative, of mass, centre of mass and inertia. Raises InvalidInput if it is out of reach, as for a density that
+    jumps: then give the bounds of each part as functions and add the parts.
+    """
+def sphere(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex) -> RigidBody:
+    """
+    A solid ball centred on the origin: 2/5 m r^2.
     """
 __version__: str = '0.1.0'
 _functions: dict
