@@ -9,7 +9,7 @@ import rbdyn.frames
 import rbdyn.sample
 import scipy.spatial.transform
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'EulerAngles', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Rail', 'RailPotential', 'RigidBody', 'Scene', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'EulerAngles', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -576,19 +576,19 @@ class EulerAngles:
     """
     Nutation theta, precession psi, proper rotation phi [rad].
 
-    R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the
-    same attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second
-    derivatives are in the order theta, psi, phi.
+    R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the same
+    attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second derivatives
+    are in the order theta, psi, phi.
     """
     @staticmethod
     def of(attitude: numpy.typing.ArrayLike | EulerAngles | scipy.spatial.transform.Rotation, *, previous: EulerAngles | None = None) -> EulerAngles:
         """
         The angles of an attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rotation.
 
-        theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of
-        the same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a
-        quarter turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what
-        is no rotation to within 1e-6.
+        theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of the
+        same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a quarter
+        turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what is no
+        rotation to within 1e-6.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -618,8 +618,7 @@ class EulerAngles:
         """
         theta', psi', phi' [rad/s] from omega in body axes (eq. 7.49).
 
-        Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of
-        nutation.
+        Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of nutation.
         """
     def right_side(self, rates: numpy.typing.ArrayLike, moments: numpy.typing.ArrayLike, torque: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -676,8 +675,8 @@ class RigidBody:
         """
         mass: [kg], positive.
 
-        inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j
-        off its diagonal (eq. 7.33) [kg m^2].
+        inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j off
+        its diagonal (eq. 7.33) [kg m^2].
 
         com: the centre of mass in the body's axes [m]. inertia_about: "com", or "origin" of the body's axes.
 
@@ -738,45 +737,6 @@ class RigidBody:
         """
         [kg]
         """
-class Particle:
-    """
-    A material point.
-    """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> tuple[float]:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        """
-        mass [kg], positive and finite.
-        """
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple) -> None:
-        ...
-    @property
-    def mass(self) -> float:
-        """
-        [kg]
-        """
-class Free:
-    """
-    No constraint. A particle then starts with position [m] and velocity [m/s], world axes.
-    """
-    def __eq__(self, arg0: typing.Any) -> bool:
-        ...
-    def __getstate__(self) -> tuple:
-        ...
-    def __hash__(self) -> int:
-        ...
-    def __init__(self) -> None:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple) -> None:
-        ...
 class Coulomb:
     """
     Coulomb-Morin friction (eq. 7.23).
@@ -867,6 +827,151 @@ class Rail:
         """
         "both", "+" or "-".
         """
+class Particle:
+    """
+    A material point.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        mass [kg], positive and finite.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def mass(self) -> float:
+        """
+        [kg]
+        """
+class Free:
+    """
+    No constraint.
+
+    A particle then starts with position [m] and velocity [m/s], world axes; a rigid body with those of the origin of its
+    axes, attitude, and angular_velocity (body axes) or angular_velocity_world [rad/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+class Spherical:
+    """
+    A ball joint: one point of a rigid body is held, and it turns as it likes (7.57).
+
+    The body starts with attitude, and angular_velocity (body axes) or angular_velocity_world [rad/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple, tuple]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        at (3,): where in the world; point (3,): which point of the body, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the world (3,) [m].
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+class Revolute:
+    """
+    A hinge: a rigid body turns about a fixed axis (7.60).
+
+    The body starts with angle [rad] and rate [rad/s], right-handed about the axis. At angle 0 body axes and world axes
+    coincide, so that the axis is the same direction in both.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple, tuple, tuple]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        axis (3,): a direction, of any length; at (3,): where in the world it passes; point (3,): which
+        point of the body is held there, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the world (3,) [m].
+        """
+    @property
+    def axis(self) -> typing.Any:
+        """
+        Its direction as given (3,), world axes.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+class Prismatic:
+    """
+    A slide: a rigid body moves along an axis without turning.
+
+    The body starts with displacement [m] and rate [m/s] along the axis. Body axes are those of the world.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple, tuple, tuple]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        axis (3,): a direction, of any length; at (3,): where in the world the point is at displacement
+        0; point (3,): that point of the body, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the world (3,) [m].
+        """
+    @property
+    def axis(self) -> typing.Any:
+        """
+        Its direction as given (3,), world axes.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
 class Force:
     """
     A force on a body, constant or a function of time, position and velocity.
@@ -879,9 +984,12 @@ class Force:
         ...
     def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world', trace: bool | None = None) -> None:
         """
-        f: a vector [N], world axes, or f(t, position, velocity) that returns one; with seven parameters
-        f(t, x, y, z, vx, vy, vz). A C function, void (double t, double *position, double *velocity, double *force), is given as
-        a numba cfunc, a SciPy LowLevelCallable or a ctypes function pointer.
+        f: a vector [N], or f(t, position, velocity) that returns one; with seven parameters
+        f(t, x, y, z, vx, vy, vz). Position and velocity are those of the point it acts at, world axes. A C function,
+        void (double t, double *position, double *velocity, double *force), is given as a numba cfunc, a SciPy LowLevelCallable
+        or a ctypes function pointer.
+
+        frame: the axes the force is in, "world", or "body", those of the rigid body it acts on.
 
         trace: by default a function in Python is recorded, and then runs at native speed in every engine; if it cannot be, it is
         called back, and plan() says which line is why. True: it must be recorded, else InvalidInput. False: it is called back.
@@ -891,6 +999,11 @@ class Force:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    @property
+    def frame(self) -> str:
+        """
+        "world" or "body".
+        """
     @property
     def function(self) -> Function | None:
         """
@@ -905,6 +1018,83 @@ class Force:
     def traced(self) -> bool:
         """
         Whether its function is recorded.
+        """
+class Torque:
+    """
+    A torque on a rigid body, constant or a function of time, attitude and angular velocity.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'body', trace: bool | None = None) -> None:
+        """
+        f: a vector [N m], or f(t, rotation_matrix, angular_velocity) that returns one. The matrix (3, 3) turns body axes
+        into the world's; the angular velocity [rad/s] is in the axes of the torque. A C function, void (double t,
+        double *rotation_matrix, double *angular_velocity, double *torque) with the matrix row by row, is given as for Force.
+
+        frame: the axes the torque is in, "body" or "world". trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def frame(self) -> str:
+        """
+        "world" or "body".
+        """
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of t, the matrix row by row, and the angular velocity, if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
+class TorsionSpring:
+    """
+    A spring about a hinge, with a damper.
+
+    Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float, float, float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex, rest_angle: typing.SupportsFloat | typing.SupportsIndex = 0.0, damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+        """
+        stiffness [N m/rad] and damping [N m s], zero or positive; rest_angle [rad].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def damping(self) -> float:
+        """
+        [N m s]
+        """
+    @property
+    def rest_angle(self) -> float:
+        """
+        [rad]
+        """
+    @property
+    def stiffness(self) -> float:
+        """
+        [N m/rad]
         """
 class Potential:
     """
@@ -1051,6 +1241,34 @@ class BodyHandle(Handle):
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
+    def point(self, place: numpy.typing.ArrayLike) -> BodyPoint:
+        """
+        The point of the body at a place (3,) from the origin of its axes, body axes [m].
+        """
+class BodyPoint:
+    """
+    A point of a rigid body: an end of a coupling.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[BodyHandle, tuple]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple) -> None:
+        ...
+    @property
+    def body(self) -> BodyHandle:
+        """
+        The handle of its body.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
 class LoadHandle(Handle):
     """
     The handle of a load.
@@ -1098,21 +1316,30 @@ class Scene:
         ...
     def __setstate__(self, arg0: tuple) -> None:
         ...
-    def add(self, body: Particle, joint: Free | Rail = ..., *, name: str | None = None, **kwargs) -> BodyHandle:
+    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic = ..., *, name: str | None = None, **kwargs) -> BodyHandle:
         """
         Adds a body with the joint to the ground, and its initial state in the joint's words.
 
-        Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and speed =
-        ds/dt [m/s]. Zero by default. Returns a handle. Raises InvalidInput for numbers that break a rule, TypeError for
-        another keyword.
+        A Particle, Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and
+        speed = ds/dt [m/s].
+
+        A RigidBody, Free(): position, velocity of the origin of its axes, attitude, and angular_velocity (3,) [rad/s] in body
+        axes or angular_velocity_world. Spherical(): attitude, angular_velocity or angular_velocity_world. Revolute(): angle
+        [rad], rate [rad/s]. Prismatic(): displacement [m], rate [m/s]. An attitude is a quaternion (w, x, y, z), a rotation
+        matrix (3, 3), EulerAngles or a SciPy Rotation.
+
+        Zero by default, body axes along the world's. Returns a handle. Raises InvalidInput for numbers that break a rule and for
+        a joint that cannot hold the body, TypeError for another keyword.
         """
-    def apply(self, load: Drag | Force | Lorentz | Potential, handle: Handle) -> LoadHandle:
+    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring, handle: Handle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
         """
-        Applies a load to a body. Returns a handle.
+        Applies a load to a body. at (3,): the point of a rigid body where it acts, body axes [m]; by default the centre
+        of mass. Returns a handle.
         """
     def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> CouplingHandle:
         """
-        Joins two ends: handles of bodies, or one of them a point of the world (3,) [m]. Returns a handle.
+        Joins two ends: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
+        or one of them a point of the world (3,) [m]. Returns a handle.
         """
     def integral(self, name: str, function: typing.Any) -> None:
         """
@@ -1123,9 +1350,8 @@ class Scene:
         """
         Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
 
-        function: function(now) -> number, with now.time [s] and now[handle].quantity for position, velocity, acceleration, force
-        (all (3,), world axes), kinetic_energy; on a rail reaction, parameter, speed, tangential_force; of a spring length and
-        force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+        function: function(now) -> number, with now.time [s] and now[handle].quantity for the quantities of BodyNow and, of a
+        spring, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
         with numbers, and its zeros are located but not certain (trace as for Force).
 
         direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that
@@ -1158,12 +1384,59 @@ class Scene:
         """
 class BodyNow:
     """
-    A body at the present moment, for watched functions. World axes.
+    A body at the present moment, for watched functions.
+
+    World axes, but where body axes are named.
     """
     @property
     def acceleration(self) -> typing.Any:
         """
-        (3,) [m/s^2]
+        Of the same (3,) [m/s^2].
+        """
+    @property
+    def angle(self) -> typing.Any:
+        """
+        Of a hinge [rad].
+        """
+    @property
+    def angular_acceleration(self) -> typing.Any:
+        """
+        In body axes (3,) [rad/s^2]. Of a rigid body.
+        """
+    @property
+    def angular_velocity(self) -> typing.Any:
+        """
+        In body axes (3,) [rad/s]. Of a rigid body.
+        """
+    @property
+    def angular_velocity_world(self) -> typing.Any:
+        """
+        In world axes (3,) [rad/s]. Of a rigid body.
+        """
+    @property
+    def center_of_mass(self) -> typing.Any:
+        """
+        Of a rigid body (3,) [m].
+        """
+    @property
+    def center_of_mass_acceleration(self) -> typing.Any:
+        """
+        Of a rigid body (3,) [m/s^2].
+        """
+    @property
+    def center_of_mass_velocity(self) -> typing.Any:
+        """
+        Of a rigid body (3,) [m/s].
+        """
+    @property
+    def displacement(self) -> typing.Any:
+        """
+        Of a slide [m].
+        """
+    @property
+    def euler_angles(self) -> typing.Any:
+        """
+        theta in [0, pi], psi and phi in [-pi, pi], with jumps there (3,) [rad]. Of a rigid body.
         """
     @property
     def force(self) -> typing.Any:
@@ -1181,14 +1454,39 @@ class BodyNow:
         The curve's parameter. On a rail.
         """
     @property
+    def poisson_vector(self) -> typing.Any:
+        """
+        The world's third axis in body axes (3,) (7.59). Of a rigid body.
+        """
+    @property
     def position(self) -> typing.Any:
         """
-        (3,) [m]
+        Of a particle, or of the origin of a rigid body's axes (3,) [m].
+        """
+    @property
+    def quaternion(self) -> typing.Any:
+        """
+        (w, x, y, z), body axes to the world's (4,). Of a rigid body.
+        """
+    @property
+    def rate(self) -> typing.Any:
+        """
+        Of a hinge [rad/s] or a slide [m/s].
         """
     @property
     def reaction(self) -> typing.Any:
         """
-        Of its rail (3,) [N].
+        Of its rail or joint (3,) [N].
+        """
+    @property
+    def reaction_torque(self) -> typing.Any:
+        """
+        Of its joint, about the point it holds (3,) [N m]. Of a rigid body.
+        """
+    @property
+    def rotation_matrix(self) -> typing.Any:
+        """
+        Body axes to the world's (3, 3). Of a rigid body.
         """
     @property
     def speed(self) -> typing.Any:
@@ -1203,7 +1501,7 @@ class BodyNow:
     @property
     def velocity(self) -> typing.Any:
         """
-        (3,) [m/s]
+        Of the same (3,) [m/s].
         """
 class CouplingNow:
     """
@@ -1515,39 +1813,111 @@ class BodyMotion:
     """
     Motion of one body of a run. Each quantity is a method of time.
 
-    t: [s], a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes. side: at a jump
-    the value "after" it, or "before". Raises InvalidInput for a time outside the run, and for what belongs to rails if the
-    body is free.
+    t: [s], a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), matrices as (3, 3) or
+    (n, 3, 3); world axes, but where body axes are named. side: at a jump the value "after" it, or "before". Raises
+    InvalidInput for a time outside the run, and for what the body or its joint does not have.
     """
     def __repr__(self) -> str:
         ...
     def acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        [m/s^2], from the model at the state.
+        Of the same, from the model at the state [m/s^2].
+        """
+    def angle(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a hinge [rad].
+        """
+    def angular_acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In body axes [rad/s^2]. Of a rigid body.
+        """
+    def angular_velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In body axes [rad/s]. Of a rigid body.
+        """
+    def angular_velocity_world(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In world axes [rad/s]. Of a rigid body.
         """
     def arc_length(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
         """
         From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.
         """
+    def center_of_mass(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        [m]
+        """
+    def center_of_mass_acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s^2]
+        """
+    def center_of_mass_velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s]
+        """
+    def displacement(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a slide [m].
+        """
+    def euler_angles(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        theta, psi, phi, continuous in time from the start of the run [rad]. Of a rigid body.
+
+        R = Rz(psi) Rx(theta) Rz(phi).
+        """
+    def euler_rates(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Their rates [rad/s] (eq. 7.49); not finite where sin theta = 0. Of a rigid body.
+        """
     def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         Resultant of the active forces [N].
+        """
+    def instantaneous_axis(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> rbdyn.frames.Axis:
+        """
+        The instantaneous axis of rotation: (point, direction), of a rigid body.
+
+        point: that of the axis nearest to the centre of mass [m]; direction: of unit length, zero while the body does not turn.
         """
     def parameter(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
         """
         The curve's parameter. On a rail.
         """
+    def point(self, place: numpy.typing.ArrayLike, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> rbdyn.frames.PointMotion:
+        """
+        (position, velocity) of the point of a rigid body at a place in body axes (3,) [m, m/s].
+        """
+    def poisson_vector(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The world's third axis in body axes (7.59). Of a rigid body.
+        """
     def position(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        [m]
+        Of a particle, or of the origin of a rigid body's axes [m].
+        """
+    def quaternion(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (w, x, y, z), body axes to the world's: (4,) or (n, 4). Of a rigid body.
+        """
+    def rate(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a hinge [rad/s] or a slide [m/s].
         """
     def reaction(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        Reaction of the rail on the body [N]. On a rail.
+        Reaction of the rail or the joint on the body [N].
         """
     def reaction_frenet(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        The same along tangent, normal, binormal (eqs. 7.12-7.14) [N]. On a rail.
+        That of a rail along tangent, normal, binormal (eqs. 7.12-7.14) [N].
+        """
+    def reaction_torque(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Moment that the joint exerts on a rigid body, about the point it holds [N m].
+        """
+    def rotation_matrix(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Body axes to the world's, its columns the body's axes. Of a rigid body.
         """
     def speed(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
         """
@@ -1559,7 +1929,7 @@ class BodyMotion:
         """
     def velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        [m/s]
+        Of the same [m/s].
         """
     @property
     def quantities(self) -> list[str]:
@@ -1907,8 +2277,8 @@ def solid(density: float | collections.abc.Callable, bounds: collections.abc.Seq
     density: a number, or a function of x, y, z [m] that gives kg/m^3, zero or positive; it is called with arrays, and with
     floats if it cannot take arrays.
 
-    bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x
-    and y, which give (from, to).
+    bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x and y,
+    which give (from, to).
 
     error: relative, of mass, centre of mass and inertia. Raises InvalidInput if it is out of reach, as for a density that
     jumps: then give the bounds of each part as functions and add the parts.

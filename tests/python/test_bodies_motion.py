@@ -193,6 +193,16 @@ def test_euler_angles_are_continuous_and_their_rates_are_their_slopes(spinning):
     assert_allclose(motion.euler_rates(t[1:-1]), slopes, rtol=0, atol=1e-5)
 
 
+def test_a_run_that_kept_its_end_alone_has_the_angles_of_that_attitude(spinning):
+    _, motion, _ = spinning
+    scene, body = held(TOP, rb.Spherical(), attitude=rb.EulerAngles(0.9, 0.2, 0.1), angular_velocity=[0.3, 0.1, 7.0])
+    run = rb.simulate(scene, 5.0, error=1e-12, engine="taylor", keep="end")
+    angles = run[body].euler_angles(5.0)
+    assert abs(angles[1:]).max() <= np.pi
+    turns = (angles - motion.euler_angles(5.0)) / (2 * np.pi)
+    assert_allclose(turns, np.round(turns), rtol=0, atol=1e-11)
+
+
 def test_angular_velocity_and_acceleration_are_slopes_of_the_attitude(spinning):
     _, motion, t = spinning
     t, h = t[1:-1], 1e-4
@@ -461,8 +471,11 @@ def test_a_constant_torque_in_body_axes_turns_with_the_body():
 
 
 def test_what_a_torque_raises_arrives_unchanged_with_the_run():
+    calls = []
+
     def broken(t, r, w):
-        if t > 1.5:
+        calls.append(t)
+        if len(calls) > 200:
             raise ZeroDivisionError("no more")
         return [0, 0, 1]
 
@@ -470,7 +483,7 @@ def test_what_a_torque_raises_arrives_unchanged_with_the_run():
     scene.apply(rb.Torque(broken, trace=False), body)
     with pytest.raises(ZeroDivisionError, match="no more") as caught:
         rb.simulate(scene, 2.0)
-    assert 0 < caught.value.run.end <= 1.5
+    assert 0 < caught.value.run.end < 2.0
 
 
 # --- watched quantities ---

@@ -264,6 +264,8 @@ public:
     /// The body's own axes in the world.
     template <class S>
     AxesOf<S> body_axes(const RigidState<S>& s) const {
+        if (kind == Kind::prismatic)
+            return {constant<S>(Vector3::UnitX()), constant<S>(Vector3::UnitY()), constant<S>(Vector3::UnitZ())};
         const auto axis = [&](int i) { return s.to_world(from_body(s, constant<S>(Vector3::Unit(i)))); };
         return {axis(0), axis(1), axis(2)};
     }

@@ -19,14 +19,18 @@ namespace rbdyn {
 class EulerTrack {
 public:
     /// The angles of a body at time t, where its attitude is `now`. `motion`: attitude and |omega| at a time; times
-    /// that it does not have are passed over.
+    /// that it does not have are passed over. Where it has no start the angles are those of the attitude alone.
     template <class Motion>
     EulerAngles at(int body, double t, const Quaternion& now, double start, Motion&& motion) {
         const std::lock_guard lock(mutex_);
         std::vector<Step>& steps = steps_[body];
         if (steps.empty()) {
-            const auto [attitude, speed] = motion(start);
-            steps.push_back({start, speed, euler_angles(attitude)});
+            try {
+                const auto [attitude, speed] = motion(start);
+                steps.push_back({start, speed, euler_angles(attitude)});
+            } catch (const InvalidInput&) {
+                return euler_angles(now);
+            }
         }
         while (steps.back().time < t) {
             const Step last = steps.back();
@@ -44,8 +48,8 @@ public:
                 break;
             }
         }
-        const auto later = std::upper_bound(steps.begin(), steps.end(), t,
-                                            [](double time, const Step& s) { return time < s.time; });
+        const auto later =
+            std::upper_bound(steps.begin(), steps.end(), t, [](double time, const Step& s) { return time < s.time; });
         return continue_from(later == steps.begin() ? steps.front().angles : std::prev(later)->angles, now);
     }
 
