@@ -576,19 +576,19 @@ class EulerAngles:
     """
     Nutation theta, precession psi, proper rotation phi [rad].
 
-    R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the same
-    attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second derivatives
-    are in the order theta, psi, phi.
+    R(body to world) = Rz(psi) Rx(theta) Rz(phi). Any size; (-theta, psi + pi, phi + pi) and whole turns of each are the
+    same attitude. Where sin(theta) = 0 the rates fail and the motion does not. Arrays of angles, rates and second
+    derivatives are in the order theta, psi, phi.
     """
     @staticmethod
     def of(attitude: numpy.typing.ArrayLike | EulerAngles | scipy.spatial.transform.Rotation, *, previous: EulerAngles | None = None) -> EulerAngles:
         """
         The angles of an attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rotation.
 
-        theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of the
-        same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a quarter
-        turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what is no
-        rotation to within 1e-6.
+        theta in [0, pi], psi and phi in [-pi, pi], phi = 0 where theta is exactly 0 or pi; or with previous angles, those of
+        the same attitude that are nearest to them: continuous along a motion sampled so closely that no angle changes by a
+        quarter turn, through theta = 0 and pi too, where theta goes on and psi keeps its value. Raises InvalidInput for what
+        is no rotation to within 1e-6.
         """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -618,7 +618,8 @@ class EulerAngles:
         """
         theta', psi', phi' [rad/s] from omega in body axes (eq. 7.49).
 
-        Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of nutation.
+        Where theta is 0 or pi: psi' = 0, or psi' and phi' infinite if omega is not in the plane of e_3 and the axis of
+        nutation.
         """
     def right_side(self, rates: numpy.typing.ArrayLike, moments: numpy.typing.ArrayLike, torque: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -675,8 +676,8 @@ class RigidBody:
         """
         mass: [kg], positive.
 
-        inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j off
-        its diagonal (eq. 7.33) [kg m^2].
+        inertia: three principal moments along the body's axes, or the symmetric matrix (3, 3) with elements -Int rho x_i x_j
+        off its diagonal (eq. 7.33) [kg m^2].
 
         com: the centre of mass in the body's axes [m]. inertia_about: "com", or "origin" of the body's axes.
 
@@ -2277,8 +2278,8 @@ def solid(density: float | collections.abc.Callable, bounds: collections.abc.Seq
     density: a number, or a function of x, y, z [m] that gives kg/m^3, zero or positive; it is called with arrays, and with
     floats if it cannot take arrays.
 
-    bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x and y,
-    which give (from, to).
+    bounds: three ranges [m], as in [(0, 1), (0, 2), (0, 3)]; that of y may be a function of x, and that of z one of x
+    and y, which give (from, to).
 
     error: relative, of mass, centre of mass and inertia. Raises InvalidInput if it is out of reach, as for a density that
     jumps: then give the bounds of each part as functions and add the parts.
