@@ -105,8 +105,9 @@ public:
     double rate(double t, Side side = Side::after) const {
         const RigidReport r = rigid(t, side);
         if (data_->model->laws().body(body_).rigid->turns_freely())
-            throw InvalidInput(body().name + ": rate is asked for, and its joint has not one coordinate; Revolute and "
-                                             "Prismatic have");
+            throw InvalidInput(body().name +
+                               ": rate is asked for, and its joint has not one coordinate; Revolute and "
+                               "Prismatic have");
         return r.rate;
     }
     /// Theta, psi, phi [rad], continuous in time from the start of the run (rotation/euler_angles.hpp).
@@ -128,8 +129,7 @@ public:
         return data_->model->report(m.mode, body_, t, m.x);
     }
     RigidReport rigid(double t, Side side = Side::after) const {
-        if (!is_rigid())
-            throw InvalidInput(body().name + ": it is a particle, and only a rigid body has an attitude");
+        if (!is_rigid()) throw InvalidInput(body().name + ": it is a particle, and only a rigid body has an attitude");
         const Moment m(*data_, t, side);
         return data_->model->laws().rigid_report(body_, t, m.x);
     }
