@@ -250,6 +250,7 @@ std::string list_text(const Vector3& v);
 // --- one function a file ---
 
 void bind_attitude(py::module_& m);
+void bind_poinsot(py::module_& m);
 void bind_bodies(py::module_& m);
 void bind_curves(py::module_& m);
 void bind_expressions(py::module_& m);

@@ -25,6 +25,7 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_curves(m);
     binding::bind_attitude(m);
     binding::bind_bodies(m);
+    binding::bind_poinsot(m);
     binding::bind_rails(m);
     binding::bind_joints(m);
     binding::bind_loads(m);

@@ -3,7 +3,6 @@
 
 #include "rbdyn/body/momentum.hpp"
 #include "rbdyn/body/shapes.hpp"
-#include "rbdyn/body/solid.hpp"
 #include "rbdyn/cost.hpp"
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/statics/equilibria.hpp"

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 
 namespace rbdyn {

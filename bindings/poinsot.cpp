@@ -1,0 +1,75 @@
+// What can be said of a motion without torque before it is computed.
+#include <rbdyn/closed_form/poinsot_motion.hpp>
+
+#include "binding.hpp"
+
+namespace binding {
+
+using rbdyn::PoinsotMotion, rbdyn::RigidBody;
+
+namespace {
+
+py::array_t<double> rows_of(const std::vector<Vector3>& points) {
+    py::array_t<double> result({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
+    double* out = result.mutable_data();
+    for (const Vector3& p : points)
+        for (int i = 0; i < 3; ++i) *out++ = p[i];
+    return result;
+}
+
+}  // namespace
+
+void bind_poinsot(py::module_& m) {
+    py::class_<PoinsotMotion>(m, "PoinsotMotion", R"(The motion of a rigid body without torque (Def. 7.2, 7.53-7.56).
+
+About the centre of mass of a free body, or about a point of it that is held where no moment acts. Body axes; the
+world's are those of the body at the start.)")
+        .def(py::init(
+                 [](const RigidBody& body, const ArrayLike& angular_velocity, const std::optional<ArrayLike>& point) {
+                     std::optional<Vector3> at;
+                     if (point) at = vector3(*point, "PoinsotMotion", "point");
+                     return PoinsotMotion(body, vector3(angular_velocity, "PoinsotMotion", "angular_velocity"), at);
+                 }),
+             py::arg("body"), py::arg("angular_velocity"), py::kw_only(), py::arg("point") = py::none(),
+             R"(angular_velocity (3,) [rad/s], body axes; point (3,) [m], body axes: the centre of mass by default.
+
+Raises InvalidInput for a body without three moments of inertia there.)")
+        .def_property_readonly("kind", &PoinsotMotion::kind,
+                               "rest, permanent, symmetric (a regular precession), separatrix or generic.")
+        .def_property_readonly("is_permanent", &PoinsotMotion::is_permanent,
+                               "Whether the angular velocity stays as it is (Thm 7.12).")
+        .def_property_readonly("growth_rate", &PoinsotMotion::growth_rate,
+                               R"(The rate at which a small disturbance of a permanent rotation grows [1/s].
+
+Zero about a stable axis; nan for a rotation that is not permanent.)")
+        .def_property_readonly("period", &PoinsotMotion::period,
+                               "Of the angular velocity in body axes [s]; infinite where it has none.")
+        .def_property_readonly("precession_rate", &PoinsotMotion::precession_rate,
+                               "Mean rate at which the axis that K circles goes round K [rad/s] (Prop. 7.3).")
+        .def_property_readonly("proper_rotation_rate", &PoinsotMotion::proper_rotation_rate,
+                               "Mean rate at which the body turns about that axis [rad/s].")
+        .def_property_readonly("tilt", &PoinsotMotion::tilt, "Least and largest angle between that axis and K [rad].")
+        .def_property_readonly(
+            "angular_momentum", [](const PoinsotMotion& p) { return to_python(p.angular_momentum()); },
+            "K (3,) [kg m^2/s], body axes.")
+        .def_property_readonly("kinetic_energy", &PoinsotMotion::kinetic_energy, "[J]")
+        .def_property_readonly("plane_distance", &PoinsotMotion::plane_distance,
+                               "omega.K/|K|: where Poinsot's plane lies [rad/s] (Prop. 7.1).")
+        .def(
+            "polhode",
+            [](const PoinsotMotion& p, int count, const std::optional<double>& until) {
+                return rows_of(p.polhode(count, until));
+            },
+            py::arg("count") = 200, py::arg("until") = py::none(),
+            "The way of omega in the body (count, 3) [rad/s], up to a time [s], by default one period.")
+        .def(
+            "herpolhode",
+            [](const PoinsotMotion& p, int count, const std::optional<double>& until) {
+                return rows_of(p.herpolhode(count, until));
+            },
+            py::arg("count") = 200, py::arg("until") = py::none(),
+            "The way of omega in the world (count, 3) [rad/s], up to a time [s], by default one period.")
+        .def("__repr__", [](const PoinsotMotion& p) { return "<PoinsotMotion: " + std::string(p.kind()) + ">"; });
+}
+
+}  // namespace binding

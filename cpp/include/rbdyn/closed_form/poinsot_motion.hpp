@@ -1,0 +1,99 @@
+// What can be said of a rigid body's motion without torque before it is computed (Def. 7.2, 7.53-7.56, Prop. 7.1-7.3):
+// its kind, rates and angles, polhode and herpolhode.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "rbdyn/body/rigid_body.hpp"
+#include "rbdyn/closed_form/free_rotation.hpp"
+#include "rbdyn/closed_form/poinsot.hpp"
+
+namespace rbdyn {
+
+/// The Poinsot motion of a body that starts with an angular velocity, about its centre of mass or about a fixed point
+/// of it. Body axes; axes of the world as the body's at the start.
+class PoinsotMotion {
+public:
+    PoinsotMotion(const RigidBody& body, const Vector3& angular_velocity,
+                  const std::optional<Vector3>& point = std::nullopt)
+        : inertia_(point ? body.inertia(*point) : body.inertia()),
+          principal_(point ? body.principal(*point) : body.principal()),
+          omega_(angular_velocity),
+          rotation_(point ? body.principal_exact(*point) : body.principal_exact(), {}, angular_velocity) {
+        for (int i = 0; i < 3; ++i)
+            require(std::isfinite(omega_[i]), "PoinsotMotion",
+                    "component " + std::to_string(i) + " of angular_velocity", omega_[i],
+                    "it is finite; give it in rad/s");
+        require(principal_.moments.minCoeff() > 0.0, "PoinsotMotion", "least principal moment",
+                principal_.moments.minCoeff(), "a body that turns freely has three moments of inertia");
+    }
+
+    /// rest, permanent, symmetric (a regular precession), separatrix, generic.
+    std::string_view kind() const {
+        switch (rotation_.regime()) {
+            case FreeRotation::Regime::rest: return "rest";
+            case FreeRotation::Regime::permanent: return "permanent";
+            case FreeRotation::Regime::symmetric: return "symmetric";
+            case FreeRotation::Regime::separatrix: return "separatrix";
+            default: return "generic";
+        }
+    }
+    /// Whether omega stays as it is (Thm 7.12).
+    bool is_permanent() const {
+        return rotation_.regime() == FreeRotation::Regime::permanent ||
+               rotation_.regime() == FreeRotation::Regime::rest;
+    }
+    /// The rate at which a small disturbance of a permanent rotation grows [1/s]; zero about a stable axis. Not a
+    /// number for a rotation that is not permanent.
+    double growth_rate() const {
+        if (!is_permanent()) return std::numeric_limits<double>::quiet_NaN();
+        const Vector3 along = principal_.axes.transpose() * omega_;
+        Eigen::Index axis = 0;
+        along.cwiseAbs().maxCoeff(&axis);
+        return rbdyn::growth_rate(principal_.moments, static_cast<int>(axis), omega_.norm());
+    }
+    /// Of omega in body axes [s]; infinite where it is constant, and on the separatrix.
+    double period() const { return rotation_.period(); }
+    /// Mean rates [rad/s] at which the axis that K circles goes round K, and at which the body turns about that axis;
+    /// for a gyroscope those of its regular precession (Prop. 7.3).
+    double precession_rate() const { return rotation_.precession_rate(); }
+    double proper_rotation_rate() const { return rotation_.proper_rotation_rate(); }
+    /// Least and largest angle between that axis and K [rad].
+    std::pair<double, double> tilt() const { return rotation_.tilt(); }
+    /// K = I omega [kg m^2/s] and T = K.omega/2 [J]: constant (7.54, 7.55).
+    Vector3 angular_momentum() const { return inertia_ * omega_; }
+    double kinetic_energy() const { return 0.5 * omega_.dot(angular_momentum()); }
+    /// omega.K/|K|, the distance of the plane on which the ellipsoid of inertia rolls [rad/s].
+    double plane_distance() const { return poinsot_plane_distance(inertia_, omega_); }
+
+    /// The way of omega in the body, and in the world, at times from 0 to a time, by default one period [rad/s].
+    std::vector<Vector3> polhode(int count, std::optional<double> until = std::nullopt) const {
+        return way(count, until, false);
+    }
+    std::vector<Vector3> herpolhode(int count, std::optional<double> until = std::nullopt) const {
+        return way(count, until, true);
+    }
+
+private:
+    std::vector<Vector3> way(int count, const std::optional<double>& until, bool in_world) const {
+        require(count >= 2, "PoinsotMotion", "count", count, "a way has at least two points");
+        const double end = until.value_or(period());
+        require(std::isfinite(end), "PoinsotMotion", "until", end,
+                "this omega has no period; give the time up to which its way is wanted, in s");
+        std::vector<Vector3> points;
+        for (int i = 0; i < count; ++i) {
+            const FreeRotation::State s = rotation_.at(end * i / (count - 1));
+            points.push_back(in_world ? to_world<double>(s.attitude, s.angular_velocity) : s.angular_velocity);
+        }
+        return points;
+    }
+
+    Matrix3 inertia_;
+    PrincipalAxes principal_;
+    Vector3 omega_;
+    FreeRotation rotation_;
+};
+
+}  // namespace rbdyn
