@@ -147,7 +147,7 @@ inline std::string culprit(const HybridModel& model, const Record& record) {
         const double step = later * std::max(span, std::abs(t)) + (later > 0.0 && t == 0.0 ? later : 0.0);
         if (std::string name = model.not_finite(record.modes.back(), t + step, x); !name.empty()) return name;
     }
-    return {};
+    return model.grown(record.modes.front(), record.start, record.first_state, record.modes.back(), t, x);
 }
 
 /// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until it agrees with

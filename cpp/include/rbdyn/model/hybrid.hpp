@@ -84,6 +84,12 @@ public:
         return {};
     }
 
+    /// What has grown beyond all measure from one state to another, in words; empty if nothing has.
+    virtual std::string grown(const Mode& /*before*/, double /*t0*/, std::span<const double> /*x0*/,
+                              const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const {
+        return {};
+    }
+
     /// x' where the equations are not finite but the motion is; false if there is none. Positions come first in x.
     virtual bool slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/) const {
         return false;

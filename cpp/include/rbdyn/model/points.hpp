@@ -209,6 +209,23 @@ public:
         return watches_[at(guard.watch)].function(observing(mode, t, x));
     }
 
+    std::string grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode, double t,
+                      std::span<const double> x) const override {
+        const auto was = laws_.states(t0, x0, before.slip), is = laws_.states(t, x, mode.slip);
+        const auto size = [&](const Load& load, double time, const PointState<double>& p) {
+            return force_of<double>(load, time, laws_.in_world<double>(p.r), laws_.view().axes * p.v).norm();
+        };
+        for (int i = 0; i < bodies(); ++i)
+            for (const Load& load : laws_.body(i).functions) {
+                const double first = size(load, t0, was[at(i)]), last = size(load, t, is[at(i)]);
+                // no motion that goes on comes to this
+                if (last > 1e8 * first && first > 0.0)
+                    return title(load) + " on " + laws_.body(i).name + ", which has grown from " + text(first) +
+                           " to " + text(last) + " N";
+            }
+        return {};
+    }
+
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override {
         for (const double value : x)
             if (!std::isfinite(value)) return "the state itself";
@@ -221,12 +238,8 @@ public:
             for (const auto& load : b.functions) {
                 const Vector3 f = force_of<double>(load, t, r, v);
                 if (f.allFinite()) continue;
-                std::string name = "the force";
-                if (const Force* force = std::get_if<Force>(&load)) name = "force \"" + force->name() + "\"";
-                if (const Potential* u = std::get_if<Potential>(&load))
-                    name = "the slope of potential \"" + u->name() + "\"";
-                return name + " on " + b.name + ", which is [" + text(f[0]) + ", " + text(f[1]) + ", " + text(f[2]) +
-                       "]";
+                return title(load) + " on " + b.name + ", which is [" + text(f[0]) + ", " + text(f[1]) + ", " +
+                       text(f[2]) + "]";
             }
             if (b.rigid) {
                 for (const RigidLoad& load : b.loads) {
@@ -253,6 +266,12 @@ public:
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    static std::string title(const Load& load) {
+        if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
+        if (const Potential* u = std::get_if<Potential>(&load)) return "the slope of potential \"" + u->name() + "\"";
+        return "the force";
+    }
 
     /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
     void observe_rigid(int i, const Within& state, const Mode& mode, std::vector<Observed>& out) const {
