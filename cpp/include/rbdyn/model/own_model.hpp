@@ -12,7 +12,7 @@
 // It is recorded once for each side of its case distinctions (abs, where, min, max, floor ...), which are located as
 // events like those of scenes. What it may have besides: positions(), the number of variables at the front that are
 // measured by the extent of their motion; watched(t, x), a std::vector<std::pair<std::string, S>> of functions whose
-// zeros are noted.
+// zeros are noted; limits(t, x), another of functions that end the run where they fall through zero.
 #pragma once
 
 #include <algorithm>
@@ -87,11 +87,17 @@ private:
             std::fill(rate.begin(), rate.end(), Expression(0.0));
             model_(t, std::span<const Expression>(x), std::span<Expression>(rate));
             for (int i = 0; i < n; ++i) write.rate(i) = rate[static_cast<std::size_t>(i)];
+            [[maybe_unused]] int index = 0;
             if constexpr (requires { model_.watched(t, std::span<const Expression>(x)); }) {
-                int index = 0;
                 for (const auto& [name, value] : model_.watched(t, std::span<const Expression>(x)))
                     write.watch(
                         {.role = GuardRole::record, .direction = Direction::either, .name = name, .watch = index++},
+                        value);
+            }
+            if constexpr (requires { model_.limits(t, std::span<const Expression>(x)); }) {
+                for (const auto& [name, value] : model_.limits(t, std::span<const Expression>(x)))
+                    write.watch(
+                        {.role = GuardRole::stop, .direction = Direction::falling, .name = name, .watch = index++},
                         value);
             }
             int positions = 0;
