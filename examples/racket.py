@@ -7,6 +7,7 @@ over about the handle, again and again, at equal times: half periods of the elli
 
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 import rbdyn as rb
 
@@ -67,8 +68,6 @@ real = scene.add(racket, position=[0, 0, 1], velocity=[0, 0, 4.9], angular_veloc
 flight = rb.simulate(scene, until=1.0, error=1e-12)
 print(f"a throw of a second turns it over {np.count_nonzero(times < 1.0)} times")
 assert np.allclose(np.diff(flight[real].center_of_mass_velocity([0, 1.0])[:, 2]), -9.81)
-
-import matplotlib.pyplot as plt  # noqa: E402
 
 figure = plt.figure(figsize=(11, 4), layout="constrained")
 left, right = figure.add_subplot(121), figure.add_subplot(122, projection="3d")

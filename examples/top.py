@@ -6,6 +6,7 @@ compared with their closed forms; the picture shows the path of the axis from ab
 
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 import rbdyn as rb
 
@@ -68,8 +69,6 @@ assert abs(motion.reaction_torque(cusps)).max() < 1e-15
 
 print("first integrals, largest departure:", {name: f"{size:.1e}" for name, size in run.drift.items()})
 assert set(run.drift) == {"energy", "vertical angular momentum", "spin"} and max(run.drift.values()) < 1e-13
-
-import matplotlib.pyplot as plt  # noqa: E402
 
 figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4), layout="constrained")
 t = np.linspace(0, run.end, 4000)
