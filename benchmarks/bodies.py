@@ -9,9 +9,9 @@ N: heavy body without symmetry, I = (0.0022, 0.0019, 0.001) about the fixed poin
 Error: max(|d omega|/|omega|, |d q|) at the end. Time: the integration alone, no compilation, no plan, nothing kept but
 the end. Each integrates the seven equations of omega and the quaternion; heyoka also T in the frame that follows the
 axis without its spin, which the library chooses by itself. Tolerances by half powers of ten, from loose to tight; of
-those that reach an error the quickest counts. The chosen runs then take turns; the median of their times is shown, and
-the ratio to the quickest of heyoka's at that error. The program of bodies.cpp, if given, adds the closed forms: set-up
-with one state, and each further state.
+those that reach an error the quickest counts. The chosen runs then take turns; median and least of their times are
+shown, and how many times as long the quickest of heyoka's takes at that error, by the least times, which a busy machine
+does not spoil. The program of bodies.cpp, if given, adds the closed forms: set-up with one state, each further state.
 """
 
 import math
@@ -230,6 +230,54 @@ def calibrated(go, exact, tolerances):
     return {error: min(((s, tol, e) for e, s, tol in rows if e <= error), default=None) for error in ERRORS}
 
 
+def exact_end(name):
+    if name == "N":
+        return [float(x) for x in END_OF_N.split()]
+    scene, body = scene_of(name)
+    run = rb.simulate(scene, SCENES[name][4], error=1e-14)
+    assert run.engine == "closed form"
+    return end_of(run, body)
+
+
+def measured(goes, exact):
+    """For each run by name and error: (tolerance, error reached, microseconds); None where it is not reached."""
+    rows = {}
+    for label, go in goes.items():
+        # SciPy takes seconds
+        steps = TOLERANCES[::2] if label.startswith("SciPy") else TOLERANCES
+        for error, best in calibrated(go, exact, steps).items():
+            rows[label, error] = best and (*best[1:], [])
+    # all take turns; the slow ones a few times only
+    for turn in range(101):
+        for (label, _), row in rows.items():
+            if row and (turn < 3 or sum(row[2]) < 1e6):
+                row[2].append(goes[label](row[0])[1] * 1e6)
+    return rows
+
+
+def show(name, rows, closed):
+    rival = {
+        error: min(
+            (min(r[2]) for (label, at), r in rows.items() if r and at == error and "heyoka" in label), default=None
+        )
+        for error in ERRORS
+    }
+    for (label, error), row in rows.items():
+        head = f"{name:<6} {label:<22} {error:>6.0e}"
+        if row is None:
+            print(f"{head} {'not reached':>18}")
+            continue
+        tolerance, reached, times = row
+        ratio = f"{rival[error] / min(times):10.3g}" if rival[error] else ""
+        print(f"{head} {reached:>8.0e} {tolerance:>9.0e} {statistics.median(times):>11.1f} {min(times):>10.1f} {ratio}")
+    if closed:
+        setup, state = closed
+        for error in ERRORS:
+            ratio = f"{rival[error] / setup:10.3g}" if rival[error] else ""
+            print(f"{name:<6} {'rbdyn, closed form':<22} {error:>6.0e} {'':>8} {'':>9} {'':>11} {setup:>10.1f} {ratio}")
+        print(f"{name:<6} {'each further state':<22} {'':>36} {state:>10.2f}")
+
+
 def main():
     closed = {}
     if len(sys.argv) > 1:
@@ -237,54 +285,18 @@ def main():
             name, *values = line.split(";")
             closed[name] = [float(v) for v in values]
         print(f"calibration: {closed['calibration'][0]:.3f} us\n")
-    print(f"{'scene':<6} {'':<24} {'error':>6} {'reached':>8} {'tolerance':>9} {'time [us]':>10} {'to heyoka':>10}")
+    print(
+        f"{'scene':<29} {'error':>6} {'reached':>8} {'tolerance':>9} {'median [us]':>11} {'least':>10} {'heyoka':>10}"
+    )
     missing = set()
-    for name, (*_, until) in SCENES.items():
-        scene, body = scene_of(name)
-        if name == "N":
-            exact = [float(x) for x in END_OF_N.split()]
-        else:
-            run = rb.simulate(scene, until, error=1e-14)
-            assert run.engine == "closed form"
-            exact = end_of(run, body)
+    for name in SCENES:
         goes = {}
         for peer in (library, with_heyoka, with_numbalsoda, with_scipy):
             try:
                 goes |= peer(name)
             except ImportError as reason:
                 missing.add(reason.name)
-        chosen = {}
-        for label, go in goes.items():
-            steps = TOLERANCES[::2] if label.startswith("SciPy") else TOLERANCES
-            for error, best in calibrated(go, exact, steps).items():
-                if best:
-                    chosen[label, error] = best
-        # all take turns; the slow ones a few times only
-        times = {key: [] for key in chosen}
-        for turn in range(101):
-            for (label, error), (seconds, tolerance, _) in chosen.items():
-                if turn < 3 or turn * seconds < 0.5:
-                    times[label, error].append(goes[label](tolerance)[1] * 1e6)
-        medians = {key: statistics.median(t) for key, t in times.items()}
-        rival = {e: min((t for (label, at), t in medians.items() if at == e and "heyoka" in label), default=None)
-                 for e in ERRORS}  # fmt: skip
-
-        def show(label, error, reached, tolerance, microseconds, name=name, rival=rival):
-            ratio = f"{rival[error] / microseconds:10.2f}" if rival[error] else ""
-            print(f"{name:<6} {label:<24} {error:>6.0e} {reached:>8} {tolerance:>9} {microseconds:10.1f} {ratio}")
-
-        for label in goes:
-            for error in ERRORS:
-                if (label, error) in chosen:
-                    _, tolerance, reached = chosen[label, error]
-                    show(label, error, f"{reached:.0e}", f"{tolerance:.0e}", medians[label, error])
-                else:
-                    print(f"{name:<6} {label:<24} {error:>6.0e}   not reached")
-        if name in closed:
-            setup, state = closed[name]
-            for error in ERRORS:
-                show("rbdyn, closed form", error, "", "", setup)
-            print(f"{name:<6} {'each further state':<24} {state:>37.2f} us")
+        show(name, measured(goes, exact_end(name)), closed.get(name))
     for package in sorted(missing):
         print(f"{package} is not installed; pip install {package} brings it in")
 
