@@ -56,8 +56,9 @@ public:
         if (!(unit_ > 0.0)) unit_ = power_of_two(span);
         double length = 0.0;
         for (int attempt = 0;; ++attempt) {
-            if (!expand(n)) return StepStatus::not_finite;
-            const bool is_finite = finite(n);
+            const int orders = expand(n);
+            if (orders == 0) return StepStatus::not_finite;
+            const bool is_finite = orders == order_;
             length = is_finite ? step_length() : 0.0;
             natural_ = length;
             if (length * unit_ > span) length = span / unit_;
@@ -135,29 +136,17 @@ private:
         return *evaluators_.back().second;
     }
 
-    /// Coefficients 0 .. order of the state, and of the guards where there are any.
-    bool expand(int n) {
+    /// Coefficients 0 .. order of the state, and of the guards where there are any; how many orders are finite.
+    int expand(int n) {
         series_->begin(t_.hi, unit_);
         for (int i = 0; i < n; ++i) series_->set_input(i, 0, x_[static_cast<std::size_t>(i)]);
         for (int k = 0; k < order_; ++k) {
             series_->advance(k);
-            const double factor = unit_ / (k + 1);
-            for (int i = 0; i < n; ++i) {
-                const double derivative = series_->output(i)[k];
-                if (k == 0 && !std::isfinite(derivative)) return false;
-                series_->set_input(i, k + 1, derivative * factor);
-            }
+            if (!series_->integrate(k)) return k;
         }
         work_.right_hand_sides += order_;
         if (!equations_->guards.empty()) series_->advance(order_);
-        return true;
-    }
-
-    bool finite(int n) const {
-        for (int i = 0; i < n; ++i)
-            for (int k = order_; k > 0; --k)
-                if (!std::isfinite(series_->coefficients(i)[k])) return false;
-        return true;
+        return order_;
     }
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.

@@ -166,8 +166,8 @@ private:
             if (wanted != keep_.times.end() && *wanted <= hi) kept_ = record.entries().size();
             return;
         }
+        if (keep_.what == Keep::What::end) record.clear();
         record.append(piece, length, mode, fresh);
-        if (keep_.what == Keep::What::end) record.keep_last();
     }
 
     /// Past a point where the equations are not finite but the motion is (a spring through its anchor): a parabola so

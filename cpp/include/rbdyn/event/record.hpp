@@ -28,7 +28,7 @@ public:
         double unit, length;  // s; in units
         int order;
         int mode;
-        std::size_t offset;
+        std::size_t block, offset;
         bool after_event;  // begins where a mode began
     };
 
@@ -48,31 +48,29 @@ public:
 
     Piece piece(std::size_t index) const {
         const Entry& e = entries_[index];
-        return {e.start, e.unit, e.length, variables, e.order, coefficients_.data() + e.offset, e.order + 1};
+        return {e.start, e.unit, e.length, variables, e.order, blocks_[e.block].data() + e.offset, e.order + 1};
     }
     const Mode& mode(std::size_t index) const { return modes[static_cast<std::size_t>(entries_[index].mode)]; }
 
     void append(const Piece& piece, double length, int mode, bool after_event) {
-        const std::size_t offset = coefficients_.size();
-        for (int i = 0; i < variables; ++i)
-            coefficients_.insert(coefficients_.end(), piece.variable(i), piece.variable(i) + piece.order + 1);
-        entries_.push_back({piece.start, piece.unit, length, piece.order, mode, offset, after_event});
+        const auto row = static_cast<std::size_t>(piece.order + 1), count = static_cast<std::size_t>(variables) * row;
+        std::vector<double>& block = block_for(count);
+        const std::size_t offset = block.size();
+        for (int i = 0; i < variables; ++i) block.insert(block.end(), piece.variable(i), piece.variable(i) + row);
+        entries_.push_back(
+            {piece.start, piece.unit, length, piece.order, mode, blocks_.size() - 1, offset, after_event});
     }
     /// The state at the end of the last piece.
     void last_state(std::span<double> x) const { piece(entries_.size() - 1).state(entries_.back().length, x); }
-    /// Forgets all pieces but the last.
-    void keep_last() {
-        if (entries_.size() < 2) return;
-        Entry last = entries_.back();
-        const auto count = static_cast<std::size_t>(variables * (last.order + 1));
-        std::vector<double> kept(coefficients_.begin() + static_cast<std::ptrdiff_t>(last.offset),
-                                 coefficients_.begin() + static_cast<std::ptrdiff_t>(last.offset + count));
-        coefficients_ = std::move(kept);
-        last.offset = 0;
-        entries_.assign(1, last);
+    /// Forgets all pieces.
+    void clear() {
+        entries_.clear();
+        if (blocks_.size() > 1) blocks_.erase(blocks_.begin(), blocks_.end() - 1);
+        if (!blocks_.empty()) blocks_.back().clear();
     }
     void drop_last() {
-        coefficients_.resize(entries_.back().offset);
+        blocks_[entries_.back().block].resize(entries_.back().offset);
+        blocks_.resize(entries_.back().block + 1);
         entries_.pop_back();
     }
 
@@ -93,8 +91,21 @@ public:
     }
 
 private:
+    // doubles in a block: never moved, for coefficients are most of what a run writes; small at first, and not so large
+    // that memory comes from the system a block at a time
+    static constexpr std::size_t first_block = 512, largest_block = 1 << 21;
+
+    /// The last block, or a new one if it has no room for `count` more.
+    std::vector<double>& block_for(std::size_t count) {
+        if (blocks_.empty() || blocks_.back().capacity() - blocks_.back().size() < count) {
+            const std::size_t next = blocks_.empty() ? first_block : 4 * blocks_.back().capacity();
+            blocks_.emplace_back().reserve(std::max(count, std::min(next, largest_block)));
+        }
+        return blocks_.back();
+    }
+
     std::vector<Entry> entries_;
-    std::vector<double> coefficients_;
+    std::vector<std::vector<double>> blocks_;
 };
 
 /// The index of the entry that holds time t; none if the record has no pieces. Throws InvalidInput for a time it does

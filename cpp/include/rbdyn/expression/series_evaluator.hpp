@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -12,12 +13,13 @@
 
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/packed_products.hpp"
 
 namespace rbdyn {
 
 class SeriesEvaluator {
 public:
-    /// Room for series of orders 0 .. max_order.
+    /// Room for series of orders 0 .. max_order, at most series::most_packed.
     SeriesEvaluator(const Program& program, int max_order)
         : program_(&program),
           top_(max_order),
@@ -33,10 +35,18 @@ public:
     /// Doubles from one slot's coefficients to the next one's.
     int stride() const { return stride_; }
 
-    void set_parameters(std::span<const double> parameters) { program_->set_parameters(parameters, scalars_); }
+    void set_parameters(std::span<const double> parameters) {
+        program_->set_parameters(parameters, scalars_);
+        for (std::size_t i = 0; i < packed_.size(); ++i) {
+            const auto& [first, second] = lane_weights_[i];
+            packed_[i].weight = series::Pair{first.factor * scalars_[static_cast<std::size_t>(first.scalar)],
+                                             second.factor * scalars_[static_cast<std::size_t>(second.scalar)]};
+        }
+    }
 
     /// Starts at time t with a unit of time; state coefficients are given with set_input().
     void begin(double t, double unit) {
+        unit_ = unit;
         for (int& m : valuations_) m = -1;
         if (program_->uses_time()) {
             const series::View time = slot(program_->time_slot());
@@ -48,9 +58,22 @@ public:
 
     void set_input(int variable, int order, double value) { slot(variable).set(order, value); }
 
+    /// Gives the inputs their coefficient k + 1 if output i is the derivative of input i; false if a derivative is not
+    /// finite.
+    bool integrate(int k) {
+        const double factor = unit_ / (k + 1);
+        double check = 0.0;
+        for (const auto& [input, rate] : motion_) {
+            check += 0.0 * rate[k];
+            input.set(k + 1, rate[k] * factor);
+        }
+        return check == 0.0;
+    }
+
     /// Computes coefficient k of every slot from coefficients 0..k of the inputs.
     void advance(int k) {
         const double* w = scalars_.data();
+        const series::PackedSum packed_sum = series::packed_sums[static_cast<std::size_t>(k)];
         for (const Step& i : steps_) {
             const series::View& out = i.out;
             switch (i.code) {
@@ -58,9 +81,7 @@ public:
                     double sum = k == 0 && i.weight >= 0 ? w[i.weight] : 0.0;
                     for (const ResolvedTerm *t = i.terms, *end = t + i.term_count; t != end; ++t)
                         sum += w[t->weight] * t->series[k];
-                    for (const ResolvedProduct *p = i.products, *end = p + i.product_count; p != end; ++p)
-                        sum += w[p->weight] * (p->a.forward == p->b.forward ? series::square(p->a, k)
-                                                                            : series::product(p->a, p->b, k));
+                    if (i.packed != i.packed_end) sum += k > 0 ? packed_sum(i.packed, i.packed_end) : products(i);
                     out.set(k, sum);
                     break;
                 }
@@ -181,9 +202,14 @@ private:
         const double* series;
         int weight;
     };
-    struct ResolvedProduct {
-        series::View a, b;
-        int weight;
+    // a lane of a packed product: factor times a scalar
+    struct LaneWeight {
+        int scalar;
+        double factor;
+    };
+    struct Motion {
+        series::View input;
+        const double* rate;
     };
     struct Step {
         Code code;
@@ -193,14 +219,25 @@ private:
         int* valuation;
         double value;
         const ResolvedTerm* terms;
-        const ResolvedProduct* products;
-        int term_count, product_count;
+        series::PackedProduct *packed, *packed_end;
+        int term_count;
+        const Instruction* source;
         const Program::Call* call;
     };
 
     series::View slot(int index) {
         double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
         return {start, start + top_ + 1, top_};
+    }
+
+    /// Coefficient 0 of the products of a combination.
+    double products(const Step& i) {
+        double sum = 0.0;
+        const ProductTerm* p = program_->products(*i.source);
+        for (const ProductTerm* end = p + i.source->products; p != end; ++p)
+            sum += scalars_[static_cast<std::size_t>(p->weight)] * (coefficients(p->a)[0] * coefficients(p->b)[0]);
+        for (series::PackedProduct* q = i.packed; q != i.packed_end; ++q) q->take(0);
+        return sum;
     }
 
     /// A function of the user's has a value and no more.
@@ -243,7 +280,8 @@ private:
             products += static_cast<std::size_t>(i.products);
         }
         terms_.reserve(terms);
-        products_.reserve(products);
+        packed_.reserve(products);
+        lanes_.resize(products * lanes_each());
         for (const Instruction& i : program_->instructions()) {
             Step s{i.code,
                    i.weight,
@@ -256,9 +294,10 @@ private:
                    nullptr,
                    i.value,
                    terms_.data() + terms_.size(),
-                   products_.data() + products_.size(),
+                   packed_.data() + packed_.size(),
+                   nullptr,
                    i.terms,
-                   i.products,
+                   &i,
                    i.code == Code::call ? &program_->calls()[static_cast<std::size_t>(i.extra)] : nullptr};
             if (i.code == Code::norm)
                 s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
@@ -268,22 +307,56 @@ private:
                 const Term& t = program_->terms(i)[j];
                 terms_.push_back({slot(t.slot).forward, t.weight});
             }
-            for (int j = 0; j < i.products; ++j) {
-                const ProductTerm& p = program_->products(i)[j];
-                products_.push_back({slot(p.a), slot(p.b), p.weight});
-            }
+            pack(program_->products(i), program_->products(i) + i.products);
+            s.packed_end = packed_.data() + packed_.size();
             steps_.push_back(s);
         }
+        for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i)
+            motion_.push_back({slot(i), output(i)});
+    }
+
+    std::size_t lanes_each() const { return static_cast<std::size_t>(top_ / 2 + 1 + top_ + 1); }
+
+    /// Packs the products of a combination; a square without another one has a lane of zeros beside it.
+    void pack(const ProductTerm* first, const ProductTerm* last) {
+        const ProductTerm* square = nullptr;  // waits for another one
+        for (const ProductTerm* p = first; p != last; ++p) {
+            if (p->a != p->b) {
+                pack({p->a, p->b}, {p->b, p->a}, {{{p->weight, 1.0}, {p->weight, 1.0}}});
+            } else if (square == nullptr) {
+                square = p;
+            } else {
+                pack({square->a, p->a}, {square->a, p->a}, {{{square->weight, 2.0}, {p->weight, 2.0}}});
+                square = nullptr;
+            }
+        }
+        if (square)
+            pack({square->a, square->a}, {square->a, square->a}, {{{square->weight, 2.0}, {square->weight, 0.0}}});
+    }
+
+    void pack(std::array<int, 2> x, std::array<int, 2> y, const std::array<LaneWeight, 2>& weights) {
+        series::Pair* low = lanes_.data() + packed_.size() * lanes_each();
+        packed_.push_back({{coefficients(x[0]), coefficients(x[1])},
+                           {coefficients(y[0]), coefficients(y[1])},
+                           series::Pair{},
+                           low,
+                           low + top_ / 2 + 1,
+                           top_ / 2});
+        lane_weights_.push_back(weights);
     }
 
     const Program* program_;
     int top_, stride_;
+    double unit_ = 1.0;
     std::vector<double> storage_;
     std::vector<double> scalars_;
     std::vector<int> valuations_;
     std::vector<Step> steps_;
+    std::vector<Motion> motion_;
     std::vector<ResolvedTerm> terms_;
-    std::vector<ResolvedProduct> products_;
+    std::vector<series::PackedProduct> packed_;
+    std::vector<std::array<LaneWeight, 2>> lane_weights_;
+    std::vector<series::Pair> lanes_;
 };
 
 }  // namespace rbdyn

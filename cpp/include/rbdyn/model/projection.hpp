@@ -55,7 +55,7 @@ public:
         const Now now = look(x, none);
         if (is_heavy_) {
             force_size_ = norm(force_);
-            side_ = to_frame(now, force_)[2] < 0.0L ? -1.0L : 1.0L;
+            side_ = now.force[2] < 0.0L ? -1.0L : 1.0L;
         }
         energy_ = energy(now);
         if (is_heavy_) {
@@ -98,6 +98,7 @@ private:
         std::array<Real, 4> q;
         Real norm;     // |q|^2
         Vector omega;  // in the frame
+        Vector force;  // there too, of a heavy body
     };
 
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -117,6 +118,7 @@ private:
             now.norm += now.q[at(i)] * now.q[at(i)];
         }
         for (int i = 0; i < 3; ++i) now.omega[at(i)] = value(omega_ + i);
+        if (is_heavy_) now.force = to_frame(now, force_);
         return now;
     }
     /// v in the world for v in the frame, and back, by the unit quaternion.
@@ -138,7 +140,7 @@ private:
     Real energy(const Now& now) const {
         const Real kinetic = 0.5L * dot(momentum(now), now.omega);
         if (!is_heavy_) return kinetic;
-        const Vector f = to_frame(now, force_);
+        const Vector& f = now.force;
         if (!follows_axis_) return kinetic - dot(f, arm_);
         // short of constants: nothing is left of them for a top that all but sleeps
         const Real across = 0.5L * moment_[0] * (now.omega[0] * now.omega[0] + now.omega[1] * now.omega[1]);
@@ -157,7 +159,7 @@ private:
     }
     /// K along the force, times its size.
     Real vertical(const Now& now) const {
-        const Vector f = to_frame(now, force_), k = momentum(now);
+        const Vector &f = now.force, k = momentum(now);
         return follows_axis_ ? k[0] * f[0] + k[1] * f[1] - k[2] * side_ * away(f) : dot(k, f);
     }
 
@@ -187,7 +189,7 @@ private:
     }
 
     void hold_heavy(const Now& now, Vector& change, Vector& turn) const {
-        const Vector f = to_frame(now, force_), k = momentum(now);
+        const Vector &f = now.force, k = momentum(now);
         // in (omega / speed, turn): a turn t changes f by f x t
         const Vector e_turn = cross(f, arm_), v_turn = cross(k, f);
         const int free = follows_axis_ ? 2 : 3;
