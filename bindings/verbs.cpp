@@ -244,8 +244,8 @@ void bind_verbs(py::module_& m) {
           R"(Runs a scene, as accurately as asked for.
 
 until, start: times [s]. error: global, of each quantity relative to its own scale in the motion; the scene is run again
-more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "taylor",
-"dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
+more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "closed form",
+"taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
 integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
 
 Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion

@@ -64,6 +64,9 @@ def test_of_a_run_only_the_end_or_some_times_may_be_kept():
     assert end[mass].position(100.0)[0] == pytest.approx(np.cos(200.0), abs=1e-8)
     with pytest.raises(rb.InvalidInput, match="keep"):
         end[mass].position(1.0)
+    # the start is known, and the drift between the two
+    assert end[mass].position(0.0)[0] == 1.0
+    assert 0.0 <= end.drift["energy"] < 1e-8
     times = rb.simulate(scene, 100.0, keep=[70.0, 20.0])
     np.testing.assert_allclose(times[mass].position([20.0, 70.0])[:, 0], np.cos([40.0, 140.0]), atol=1e-8)
     assert times.t.size < rb.simulate(scene, 100.0).t.size

@@ -118,6 +118,8 @@ inline std::optional<std::size_t> entry_at(const Record& record, double t, Side 
                            text(record.end.hi) + " s");
     if (record.modes.empty()) throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
     if (record.empty() || (record.closed && record.modes.size() == 1)) return std::nullopt;
+    // the state at the start is kept always
+    if (t <= record.start && t < record.piece(0).start.hi) return std::nullopt;
     const std::size_t index = record.find(t, side);
     const Piece piece = record.piece(index);
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);

@@ -256,6 +256,7 @@ inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     list("  conserved   ", plan.integrals, "nothing");
     out << "  engine      " << plan.engine << ": " << plan.reason << '\n';
     out << "  left out    ";
+    if (plan.omissions.empty()) out << "nothing\n";
     for (std::size_t i = 0; i < plan.omissions.size(); ++i)
         out << (i == 0 ? "" : "              ") << plan.omissions[i].what << ": " << plan.omissions[i].why << '\n';
     return out;
