@@ -235,6 +235,22 @@ TEST(HardRotation, angles_are_continuous_through_nutation_zero_and_pi) {
     }
 }
 
+TEST(HardRotation, a_touch_too_slight_for_its_digits_leaves_what_came_before_certain) {
+    // omega2 returns to -1 at half its period; a hair before it, the time is known to the root of rounding only
+    Scene scene = thrown({1, 2, 3}, {0.1, 1, 0});
+    scene.watch("touch", [](const Now& now) { return now[only].angular_velocity()[1] + (1.0 - 1e-12); });
+    const double touch = 0.5 * 25.510977876634716929;
+    for (const std::string engine : both_engines) {
+        try {
+            simulate(scene, {.until = 20.0, .error = 1e-13, .engine = engine});
+            FAIL() << engine;
+        } catch (const AccuracyError& e) {
+            EXPECT_GT(e.run.certain_until(), 0.9 * touch) << engine;
+            EXPECT_LT(e.run.certain_until(), 1.001 * touch) << engine;
+        }
+    }
+}
+
 /// Gravity 8, mass 1, G at 1/8: M g l = 1.
 Scene top(double across, double along, const EulerAngles& attitude, double spin) {
     Scene scene(Vector3(0, 0, -8));
@@ -295,15 +311,17 @@ TEST(HardRotation, a_sleeping_top_sleeps_above_its_threshold_and_wakes_below) {
         }
 }
 
-TEST(HardRotation, a_million_seconds_of_integration_lose_nothing) {
+TEST(HardRotation, long_integration_loses_next_to_nothing) {
+    // RBDYN_TEST_LONG=1: a million seconds
+    const bool is_long = setting("RBDYN_TEST_LONG", 0) != 0;
     const Scene scene = thrown({1, 2, 3}, {0.01, 1, 0.02});
-    const double until = 1e6;
+    const double until = is_long ? 1e6 : 1e5, asked = is_long ? 1e-11 : 1e-12;
     std::vector<double> times = spread(until, 200);
     times.insert(times.begin(), 0.0);
     const Trajectory closed = simulate(scene, {.until = until, .error = 1e-12});
     const Trajectory run = simulate(
         scene,
-        {.until = until, .rtol = 1e-15, .engine = "taylor", .keep = {.what = Keep::What::times, .times = times}});
+        {.until = until, .error = asked, .engine = "taylor", .keep = {.what = Keep::What::times, .times = times}});
     double error = 0.0;
     for (const double t : times) {
         error =
@@ -313,8 +331,9 @@ TEST(HardRotation, a_million_seconds_of_integration_lose_nothing) {
     const auto [energy, momentum] = changes(run, times);
     if (table)
         std::cout << "error " << error << ", drift of energy " << energy << ", of momentum " << momentum << ", steps "
-                  << run.statistics().steps << ", " << run.statistics().seconds << " s\n";
-    EXPECT_LE(error, 1e-11);
+                  << run.statistics().steps << ", one integration " << run.statistics().integration_seconds << " s\n";
+    EXPECT_LE(error, asked);
+    EXPECT_LE(error, 10.0 * *run.error());
     EXPECT_LE(energy, 1e-14);
     EXPECT_LE(momentum, 1e-14);
 }

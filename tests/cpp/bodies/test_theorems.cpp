@@ -237,5 +237,21 @@ TEST(RandomBodies, move_as_an_integration_of_their_own_says_and_know_their_error
     EXPECT_LE(ratios[ratios.size() / 2], 30.0);
 }
 
+TEST(RandomBodies, tops_and_free_bodies_have_the_digits_that_closed_forms_promise) {
+    Random random(28);
+    double worst = 0.0;
+    for (int k = 0; k < 40; ++k) {
+        const Truth truth = k % 2 == 0 ? Truth::top(random) : Truth::random(random, true, false);
+        const Trajectory run = simulate(truth.scene(), {.until = 3.0, .error = 1e-13});
+        ASSERT_EQ(run.engine(), "closed form") << k;
+        const double actual = truth.error(run, 20);
+        worst = std::max(worst, actual);
+        EXPECT_LE(actual, 10.0 * *run.error()) << k;
+        // the start's quaternion, of unit length to rounding, is normalised by one and not by the other
+        EXPECT_LE(actual, 1e-14) << k;
+    }
+    if (table) std::cout << "closed forms of random bodies: " << worst << '\n';
+}
+
 }  // namespace
 }  // namespace rbdyn::test

@@ -44,6 +44,17 @@ public:
         return t;
     }
 
+    /// A symmetric body held on its axis, upright or hanging, fast or slow, in a field of any direction.
+    static Truth top(Random& random) {
+        Truth t = Truth::random(random, false, false);
+        const double across = random.uniform(0.5, 1.0);
+        t.inertia_ = Vector3(across, across, random.uniform(0.1, 1.9) * across).asDiagonal();
+        t.com_ = Vector3(0, 0, random.uniform(-0.5, 0.5));
+        t.point_ = Vector3(0, 0, random.uniform(-1.0, 1.0));
+        t.omega_[2] = random.uniform(-20.0, 20.0);
+        return t;
+    }
+
     Scene scene() const {
         Scene scene(gravity_);
         const RigidBody body(mass_, inertia_, {.com = com_});

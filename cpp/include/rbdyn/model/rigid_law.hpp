@@ -40,7 +40,7 @@ public:
     Vector3 moments = Vector3::Ones();    // about o: on the principal axes; on a hinge [2] is I_33
     Vector3 coupling = Vector3::Zero();   // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
     Vector3 moments_rest = Vector3::Zero(), coupling_rest = Vector3::Zero();  // what these are short of 32 digits
-    Matrix3 inertia = Matrix3::Zero();    // about G, in the frame
+    Matrix3 inertia = Matrix3::Zero();                                        // about G, in the frame
 
     /// Of a body of a scene.
     RigidLaw(const Scene& scene, int index) {
