@@ -287,7 +287,7 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
     const auto run = [&](double tolerance, int order) {
         return integrate(model, x, options, "", tolerance, {}, {.order = order}, form).record;
     };
-    double error = 0.0;
+    Comparison events{.error = 0.0, .certain_until = options.until};
     std::vector<double> first = x;
     const Mode mode = model.begin(options.start, first);
     if (mode.equations->guards.empty()) {
@@ -303,7 +303,7 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
             const Record better = run(0.1 * least_tolerance("taylor"), other_order);
             ++result.runs;
             if (!better.thrown && !result.record.thrown)
-                error = AccuracyCheck(model, options.error, {}, options.monitor)(result.record, better).error;
+                events = AccuracyCheck(model, options.error, {}, options.monitor)(result.record, better);
         }
     }
     Record& record = result.record;
@@ -317,8 +317,8 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
         return result;
     }
     if (options.rtol) return result;
-    const auto error_at = [&](double t) { return std::max(error, form->error(t - options.start)); };
-    result.error = error_at(record.end.hi);
+    const auto error_at = [&](double t) { return form->error(t - options.start); };
+    result.error = std::max(events.error, error_at(record.end.hi));
     if (*result.error <= options.error) return result;
     // errors of a closed form grow with time
     double good = options.start, bad = record.end.hi;
@@ -326,6 +326,8 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
         const double middle = 0.5 * (good + bad);
         (error_at(middle) <= options.error ? good : bad) = middle;
     }
+    if (error_at(record.end.hi) <= options.error) good = record.end.hi;
+    good = std::min(good, events.certain_until);
     result.certain_until = good;
     result.outcome = Outcome::inaccurate;
     record.status = Status::accuracy_not_reached;

@@ -60,4 +60,29 @@ inline RigidBody random_top(Random& random, const Vector3& through) {
     return upright.rotated(random_attitude(random)).shifted(through);
 }
 
+/// The scene of a run as it is at a time: where another run takes it up.
+inline Scene taken_up(const Trajectory& run, double t) {
+    const Scene& scene = run.scene();
+    Scene result(scene.gravity());
+    for (int i = 0; i < static_cast<int>(scene.bodies().size()); ++i) {
+        const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(i)];
+        const RigidReport r = run[BodyHandle{i}].rigid(t);
+        if (std::holds_alternative<Free>(b.joint))
+            result.add(*b.rigid(), Free{},
+                       {.position = r.position,
+                        .velocity = r.velocity,
+                        .attitude = r.attitude,
+                        .angular_velocity = r.angular_velocity});
+        else if (const Spherical* ball = std::get_if<Spherical>(&b.joint))
+            result.add(*b.rigid(), *ball, {.attitude = r.attitude, .angular_velocity = r.angular_velocity});
+        else if (const Revolute* hinge = std::get_if<Revolute>(&b.joint))
+            result.add(*b.rigid(), *hinge, {.angle = r.coordinate, .rate = r.rate});
+        else
+            result.add(*b.rigid(), std::get<Prismatic>(b.joint), {.displacement = r.coordinate, .rate = r.rate});
+    }
+    for (const Scene::AppliedLoad& load : scene.loads()) result.apply(load.load, {load.body}, load.at);
+    for (const Scene::Connection& c : scene.connections()) result.connect(c.coupling, c.a, c.b);
+    return result;
+}
+
 }  // namespace rbdyn::test

@@ -95,7 +95,7 @@ public:
             x_[index] = sum.hi;
             low_[index] = sum.lo;
         }
-        if (projection_) projection_->apply(x_, low_);
+        if (projection_) projection_->apply(x_, low_, h);
         t_ = end;
         scales_.widen(x_);
         if (drop_start_flags(*equations_, parameters_)) series_->set_parameters(parameters_);

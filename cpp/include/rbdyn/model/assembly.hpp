@@ -116,6 +116,11 @@ public:
     }
 
     const JointMotion& motion(int body) const { return motions_[at(body)]; }
+    /// Moment of all that acts, about a point of the world.
+    Vector3 moment(int body, const Vector3& pole) const {
+        const JointMotion::Six& w = wrenches_[at(body)];
+        return Vector3(w.head(3)) + (motions_[at(body)].position - pole).cross(Vector3(w.tail(3)));
+    }
 
     AssembledBody body(int index) const {
         using Six = JointMotion::Six;

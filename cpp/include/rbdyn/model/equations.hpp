@@ -73,8 +73,9 @@ struct VariableGroup {
 class Projection {
 public:
     virtual ~Projection() = default;
-    /// Moves the state x + low, low its compensation, to where its first integrals are what they were.
-    virtual void apply(std::span<double> x, std::span<double> low) const = 0;
+    /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
+    /// time since it was moved last [s].
+    virtual void apply(std::span<double> x, std::span<double> low, double step) const = 0;
 };
 
 /// x' = f(t, x; p) with its guards, as one program: outputs 0 .. n-1 are x', the rest guards.

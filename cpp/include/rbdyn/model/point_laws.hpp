@@ -297,7 +297,9 @@ public:
     /// Whether nothing acts on a rigid body that turns but its weight.
     bool is_conservative(int index) const {
         const Body& b = bodies_[at(index)];
-        const auto touches = [&](const ConnectedSpring& c) { return c.a.body == index || c.b.body == index; };
+        const auto touches = [&](const ConnectedSpring& c) {
+            return c.spring.present() && (c.a.body == index || c.b.body == index);
+        };
         return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
                std::none_of(springs_.begin(), springs_.end(), touches);
     }
@@ -378,7 +380,7 @@ public:
             }
         }
         for (const ConnectedSpring& c : springs_) {
-            if ((c.a.body != i && c.b.body != i) || (c.spring.stiffness == 0.0 && c.spring.damping == 0.0)) continue;
+            if ((c.a.body != i && c.b.body != i) || !c.spring.present()) continue;
             const Vector3Of<S> force = spring_force(c, states);
             if (c.a.body == i)
                 f.force += force;
@@ -409,7 +411,7 @@ public:
         w.add(s, RigidLaw::constant<S>(b.force), RigidLaw::constant<S>(b.rigid->center));
         for (const RigidLoad& load : b.loads) add_load(w, *b.rigid, s, load, t, b.name);
         for (const ConnectedSpring& c : springs_) {
-            if ((c.a.body != i && c.b.body != i) || (c.spring.stiffness == 0.0 && c.spring.damping == 0.0)) continue;
+            if ((c.a.body != i && c.b.body != i) || !c.spring.present()) continue;
             const Vector3Of<S> force = spring_force(c, states);
             if (c.a.body == i) w.add(s, force, RigidLaw::constant<S>(c.a.point));
             if (c.b.body == i) w.add(s, Vector3Of<S>(-force), RigidLaw::constant<S>(c.b.point));

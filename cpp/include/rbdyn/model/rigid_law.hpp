@@ -39,7 +39,8 @@ public:
     Vector3 at = Vector3::Zero();         // where o is held, or slides from, in the world
     Vector3 moments = Vector3::Ones();    // about o: on the principal axes; on a hinge [2] is I_33
     Vector3 coupling = Vector3::Zero();   // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
-    Matrix3 inertia = Matrix3::Zero();    // about G, in the frame
+    Vector3 moments_rest = Vector3::Zero(), coupling_rest = Vector3::Zero();  // what these are short of 32 digits
+    Matrix3 inertia = Matrix3::Zero();                                        // about G, in the frame
 
     /// Of a body of a scene.
     RigidLaw(const Scene& scene, int index) {
@@ -373,9 +374,13 @@ private:
         // a ball turns about any of its axes: that through G
         if (is_ball && !to_center.isZero(0.0)) frame = hinge_frame(to_center, to_center);
         follows_axis = axis >= 0 && acts_on_axis(scene, index, frame.col(2));
-        moments = rounded(m);
-        for (int i = 0; i < 3; ++i) coupling[i] = double((m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i]);
-        if (follows_axis) coupling.fill(double(m[2] / m[0]));
+        for (int i = 0; i < 3; ++i) {
+            const DoubleDouble c = follows_axis ? m[2] / m[0] : (m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i];
+            moments[i] = m[i].hi;
+            moments_rest[i] = m[i].lo;
+            coupling[i] = c.hi;
+            coupling_rest[i] = c.lo;
+        }
     }
 
     /// Whether all that acts on a body acts at points of the axis e through o, and not along axes of the body.
@@ -393,11 +398,13 @@ private:
                 !is_on_axis(load.at.value_or(body.com())))
                 return false;
         }
-        for (const Scene::Connection& c : scene.connections())
+        for (const Scene::Connection& c : scene.connections()) {
+            if (!is_present(c.coupling)) continue;
             for (const End* end : {&c.a, &c.b})
                 if (const BodyPoint* point = std::get_if<BodyPoint>(end);
                     point != nullptr && point->body == index && !is_on_axis(point->point))
                     return false;
+        }
         return true;
     }
 };

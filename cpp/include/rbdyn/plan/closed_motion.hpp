@@ -313,7 +313,8 @@ inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion
     bool any_rigid = false;
     for (const Scene::Body& b : scene.bodies()) any_rigid = any_rigid || b.rigid() != nullptr;
     if (!any_rigid) return {nullptr, ""};
-    if (!scene.connections().empty()) return {nullptr, "bodies joined by springs have none here"};
+    for (const Scene::Connection& c : scene.connections())
+        if (is_present(c.coupling)) return {nullptr, "bodies joined by springs have none here"};
     for (const Scene::Watch& w : scene.watches())
         if (w.options.action.kind == WatchAction::Kind::change)
             return {nullptr, "\"" + w.name + "\" changes the state on the way"};

@@ -79,6 +79,7 @@ inline Remaining remaining_of(const Scene& scene) {
         left.energy = left.energy && !rail->friction() && !rail->motion().present() && rail->side() == RailSide::both;
     }
     for (const auto& c : scene.connections()) {
+        if (!is_present(c.coupling)) continue;
         left.energy = left.energy && std::get<Spring>(c.coupling).damping == 0.0;
         left.known = left.known && body_of(c.a) >= 0 && body_of(c.b) >= 0;
     }

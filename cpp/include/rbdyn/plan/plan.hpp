@@ -67,9 +67,11 @@ inline Placement view_of(const Scene& scene) {
     for (const auto& load : scene.loads())
         if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->is_constant())
             take(force->constant());
-    for (const auto& c : scene.connections())
+    for (const auto& c : scene.connections()) {
+        if (!is_present(c.coupling)) continue;
         for (const End* e : {&c.a, &c.b})
             if (const Vector3* point = std::get_if<Vector3>(e)) take(*point - view.origin);
+    }
     if (across.isZero(0.0)) return view;
     Matrix3 axes;
     axes.col(0) = x;
@@ -202,7 +204,7 @@ inline Plan make_plan(const Scene& scene) {
         const Spring& s = std::get<Spring>(c.coupling);
         spring = spring || s.stiffness > 0.0;
         damper = damper || s.damping > 0.0;
-        if (s.stiffness == 0.0 && s.damping == 0.0) leave_out("a spring", "its stiffness and damping are zero");
+        if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
     }
     const std::pair<bool, const char*> effects[] = {
         {gravity, "gravity"},    {rotation, "rotation"},        {spring, "spring"},          {damper, "damper"},

@@ -18,6 +18,7 @@ struct Spring {
     double rest_length = 0.0;
     double damping = 0.0;
 
+    bool present() const { return stiffness != 0.0 || damping != 0.0; }
     bool operator==(const Spring&) const = default;
     void validate() const {
         for (auto [name, value] :
@@ -63,5 +64,10 @@ private:
 };
 
 using Coupling = std::variant<Spring>;
+
+/// Whether a coupling does anything.
+inline bool is_present(const Coupling& coupling) {
+    return std::visit([](const auto& c) { return c.present(); }, coupling);
+}
 
 }  // namespace rbdyn

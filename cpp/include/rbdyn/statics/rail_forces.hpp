@@ -58,7 +58,7 @@ inline Scene alone(const Scene& scene, BodyHandle bead, const std::string& user)
         if (load.body == bead.index) result.apply(load.load, one);
     for (const Scene::Connection& c : scene.connections()) {
         const int a = body_of(c.a), b = body_of(c.b);
-        if (a != bead.index && b != bead.index) continue;
+        if ((a != bead.index && b != bead.index) || !is_present(c.coupling)) continue;
         if (a >= 0 && b >= 0) {
             const int other = a == bead.index ? b : a;
             throw InvalidInput(user + ": a spring joins " + body.name + " with " +
