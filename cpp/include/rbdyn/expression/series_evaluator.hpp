@@ -81,7 +81,8 @@ public:
                     double sum = k == 0 && i.weight >= 0 ? w[i.weight] : 0.0;
                     for (const ResolvedTerm *t = i.terms, *end = t + i.term_count; t != end; ++t)
                         sum += w[t->weight] * t->series[k];
-                    if (i.packed != i.packed_end) sum += k > 0 ? packed_sum(i.packed, i.packed_end) : products(i);
+                    if (i.packed != i.packed_end)
+                        sum = k > 0 ? packed_sum(sum, i.packed, i.packed_end) : sum + products(i);
                     out.set(k, sum);
                     break;
                 }

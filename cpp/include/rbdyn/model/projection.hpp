@@ -28,7 +28,14 @@ namespace rbdyn {
 
 namespace projecting {
 
-/// x + low changed, the sum compensated.
+/// x + low changed by no more than a few roundings of it, the sum compensated.
+inline void add(std::span<double> x, std::span<double> low, int index, double change) {
+    const auto i = static_cast<std::size_t>(index);
+    const Instant sum = exact_sum(x[i], low[i] + change);
+    x[i] = sum.hi;
+    low[i] = sum.lo;
+}
+/// The same by any change.
 inline void add(std::span<double> x, std::span<double> low, int index, long double change) {
     const auto i = static_cast<std::size_t>(index);
     const long double value = static_cast<long double>(x[i]) + change;
@@ -73,26 +80,26 @@ public:
     }
 
     void apply(std::span<double> x, std::span<double> low, double step) const override {
-        const Vector w = look(x, low).omega;
+        const double o[3] = {x[at(omega_)], x[at(omega_ + 1)], x[at(omega_ + 2)]};
         if (follows_axis_) {
-            projecting::add(x, low, omega_, -step * rest_[0] * w[2] * w[1]);
-            projecting::add(x, low, omega_ + 1, step * rest_[0] * w[2] * w[0]);
+            projecting::add(x, low, omega_, -step * rest_[0] * o[2] * o[1]);
+            projecting::add(x, low, omega_ + 1, step * rest_[0] * o[2] * o[0]);
         } else {
             for (int i = 0; i < 3; ++i)
-                projecting::add(x, low, omega_ + i, step * rest_[at(i)] * w[at((i + 1) % 3)] * w[at((i + 2) % 3)]);
+                projecting::add(x, low, omega_ + i, step * rest_[at(i)] * o[(i + 1) % 3] * o[(i + 2) % 3]);
         }
         const Now now = look(x, low);
-        const Real shrink = -0.5L * (now.norm - 1.0L);
-        Vector turn{}, change{};
+        const auto shrink = static_cast<double>(-0.5L * (now.norm - 1.0L));
+        Correction turn{}, change{};
         if (is_heavy_)
             hold_heavy(now, change, turn);
         else if (square_ > 0.0L)
             hold_free(now, change, turn);
-        const auto& [d, a, b, c] = now.q;
+        const double w = x[at(attitude_)], a = x[at(attitude_ + 1)], b = x[at(attitude_ + 2)], c = x[at(attitude_ + 3)];
         // q (1, turn/2), turn in the frame
-        const Real h[3] = {0.5L * turn[0], 0.5L * turn[1], 0.5L * turn[2]};
-        const Real dq[4] = {d * shrink - a * h[0] - b * h[1] - c * h[2], a * shrink + d * h[0] + b * h[2] - c * h[1],
-                            b * shrink + d * h[1] + c * h[0] - a * h[2], c * shrink + d * h[2] + a * h[1] - b * h[0]};
+        const double h[3] = {0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2]};
+        const double dq[4] = {w * shrink - a * h[0] - b * h[1] - c * h[2], a * shrink + w * h[0] + b * h[2] - c * h[1],
+                              b * shrink + w * h[1] + c * h[0] - a * h[2], c * shrink + w * h[2] + a * h[1] - b * h[0]};
         for (int i = 0; i < 4; ++i) projecting::add(x, low, attitude_ + i, dq[i]);
         for (int i = 0; i < (follows_axis_ ? 2 : 3); ++i) projecting::add(x, low, omega_ + i, change[at(i)]);
         // a spin within two turns keeps its digits
@@ -105,6 +112,7 @@ public:
 private:
     using Real = long double;
     using Vector = std::array<Real, 3>;
+    using Correction = std::array<double, 3>;  // a small one, and what it is made of
 
     struct Now {
         std::array<Real, 4> q;
@@ -114,10 +122,17 @@ private:
     };
 
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-    static Real dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+    template <class T>
+    static T dot(const std::array<T, 3>& a, const std::array<T, 3>& b) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    }
     static Real norm(const Vector& a) { return std::sqrt(dot(a, a)); }
-    static Vector cross(const Vector& a, const Vector& b) {
+    template <class T>
+    static std::array<T, 3> cross(const std::array<T, 3>& a, const std::array<T, 3>& b) {
         return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    }
+    static Correction rounded(const Vector& v) {
+        return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
     }
     Real least() const { return std::min({moment_[0], moment_[1], moment_[2]}); }
 
@@ -175,58 +190,63 @@ private:
         return follows_axis_ ? k[0] * f[0] + k[1] * f[1] - k[2] * side_ * away(f) : dot(k, f);
     }
 
-    void hold_free(const Now& now, Vector& change, Vector& turn) const {
+    void hold_free(const Now& now, Correction& change, Correction& turn) const {
         int axis = 0;
         for (int i = 1; i < 3; ++i)
             if (moment_[at(i)] * now.omega[at(i)] * now.omega[at(i)] >
                 moment_[at(axis)] * now.omega[at(axis)] * now.omega[at(axis)])
                 axis = i;
-        const Vector k = momentum(now);
-        Vector slope{};  // of D
-        for (int i = 0; i < 3; ++i) slope[at(i)] = 2.0L * (moment_[at(i)] - moment_[at(axis)]) * k[at(i)];
-        const Real e = energy_ - energy(now), d = defect_[at(axis)] - defect(now, axis);
+        const Correction k = rounded(momentum(now));
+        Correction slope;  // of D
+        for (int i = 0; i < 3; ++i)
+            slope[at(i)] = static_cast<double>(2.0L * (moment_[at(i)] - moment_[at(axis)])) * k[at(i)];
+        const auto e = static_cast<double>(energy_ - energy(now)),
+                   d = static_cast<double>(defect_[at(axis)] - defect(now, axis)),
+                   moment = static_cast<double>(moment_[at(axis)]);
         // the smallest change of omega with k.change = e and slope.change = d
-        const Real kk = dot(k, k), ks = dot(k, slope), ss = dot(slope, slope), det = kk * ss - ks * ks;
-        Real a = e / kk, b = 0.0L;
-        if (det > 1e-30L * kk * kk * moment_[at(axis)] * moment_[at(axis)]) {
+        const double kk = dot(k, k), ks = dot(k, slope), ss = dot(slope, slope), det = kk * ss - ks * ks;
+        double a = e / kk, b = 0.0;
+        if (det > 1e-30 * kk * kk * moment * moment) {
             a = (ss * e - ks * d) / det;
             b = (kk * d - ks * e) / det;
         }
         for (int i = 0; i < 3; ++i) change[at(i)] = a * k[at(i)] + b * slope[at(i)];
         // the turn that brings K back to where it was
         Now then = now;
-        for (int i = 0; i < 3; ++i) then.omega[at(i)] += change[at(i)];
+        for (int i = 0; i < 3; ++i) then.omega[at(i)] += static_cast<Real>(change[at(i)]);
         const Vector off = cross(momentum(then), to_frame(now, momentum_));
-        for (int i = 0; i < 3; ++i) turn[at(i)] = off[at(i)] / square_;
+        for (int i = 0; i < 3; ++i) turn[at(i)] = static_cast<double>(off[at(i)] / square_);
     }
 
-    void hold_heavy(const Now& now, Vector& change, Vector& turn) const {
-        const Vector &f = now.force, k = momentum(now);
+    void hold_heavy(const Now& now, Correction& change, Correction& turn) const {
+        const Correction f = rounded(now.force), k = rounded(momentum(now)), moment = rounded(moment_);
+        const auto speed = static_cast<double>(speed_);
         // in (omega / speed, turn): a turn t changes f by f x t
-        const Vector e_turn = cross(f, arm_), v_turn = cross(k, f);
+        const Correction e_turn = cross(f, rounded(arm_)), v_turn = cross(k, f);
         const int free = follows_axis_ ? 2 : 3;
-        Vector e_omega{}, v_omega{};
+        Correction e_omega{}, v_omega{};
         for (int i = 0; i < free; ++i) {
-            e_omega[at(i)] = k[at(i)] * speed_;
-            v_omega[at(i)] = moment_[at(i)] * f[at(i)] * speed_;
+            e_omega[at(i)] = k[at(i)] * speed;
+            v_omega[at(i)] = moment[at(i)] * f[at(i)] * speed;
         }
-        const Real e = energy_ - energy(now), v = vertical_ - vertical(now);
-        const Real ee = dot(e_omega, e_omega) + dot(e_turn, e_turn), vv = dot(v_omega, v_omega) + dot(v_turn, v_turn),
-                   ev = dot(e_omega, v_omega) + dot(e_turn, v_turn), det = ee * vv - ev * ev;
-        Real a = ee > 0.0L ? e / ee : 0.0L, b = 0.0L;
-        if (det > 1e-12L * ee * vv) {
+        const auto e = static_cast<double>(energy_ - energy(now)), v = static_cast<double>(vertical_ - vertical(now));
+        const double ee = dot(e_omega, e_omega) + dot(e_turn, e_turn), vv = dot(v_omega, v_omega) + dot(v_turn, v_turn),
+                     ev = dot(e_omega, v_omega) + dot(e_turn, v_turn), det = ee * vv - ev * ev;
+        double a = ee > 0.0 ? e / ee : 0.0, b = 0.0;
+        if (det > 1e-12 * ee * vv) {
             a = (vv * e - ev * v) / det;
             b = (ee * v - ev * e) / det;
         }
         for (int i = 0; i < 3; ++i) {
-            change[at(i)] = (a * e_omega[at(i)] + b * v_omega[at(i)]) * speed_;
+            change[at(i)] = (a * e_omega[at(i)] + b * v_omega[at(i)]) * speed;
             turn[at(i)] = a * e_turn[at(i)] + b * v_turn[at(i)];
         }
     }
 
     bool follows_axis_, is_heavy_ = false;
+    std::array<double, 3> rest_{};  // of the coefficients of Euler's equations
     int attitude_, omega_;
-    Vector moment_{}, rest_{}, arm_{}, force_{}, momentum_{}, defect_{};
+    Vector moment_{}, arm_{}, force_{}, momentum_{}, defect_{};
     Real energy_ = 0.0L, vertical_ = 0.0L, force_size_ = 0.0L, side_ = 1.0L, speed_ = 1.0L, square_ = 0.0L;
 };
 

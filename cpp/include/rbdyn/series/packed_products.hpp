@@ -40,28 +40,28 @@ struct PackedProduct {
 /// The highest order that there is code for.
 inline constexpr int most_packed = 32;
 
-/// Coefficient k > 0 of the sum of the products from first to last, which have taken all orders below it and take it.
+/// `sum` and coefficient k > 0 of the products from first to last, which have taken all orders below it and take it.
 template <int k>
-double packed_sum(const PackedProduct* first, const PackedProduct* last) {
-    Pair even{}, odd{};
+double packed_sum(double sum, const PackedProduct* first, const PackedProduct* last) {
+    // nothing waits for the newest coefficients but their own products
+    Pair even{}, odd{}, fresh{};
     for (const PackedProduct* p = first; p != last; ++p) {
-        // what was stored a moment ago is slow to load again in lanes
         const Pair newest{p->y[0][k], p->y[1][k]};
         const Pair *low = p->low, *high = p->high + k;
         p->high[k] = newest;
         if (k <= p->half) p->low[k] = p->weight * Pair{p->x[0][k], p->x[1][k]};
-        even += low[0] * newest;
+        fresh += low[0] * newest;
         [&]<int... j>(std::integer_sequence<int, j...>) {
             (((j % 2 == 0 ? odd : even) += low[j + 1] * high[-(j + 1)]), ...);
         }
         (std::make_integer_sequence<int, (k - 1) / 2>{});
-        if constexpr (k % 2 == 0) odd += Pair{0.5, 0.5} * low[k / 2] * high[-k / 2];
+        if constexpr (k % 2 == 0) even += Pair{0.5, 0.5} * low[k / 2] * high[-k / 2];
     }
-    even += odd;
-    return even[0] + even[1];
+    fresh += even += odd;
+    return sum + (fresh[0] + fresh[1]);
 }
 
-using PackedSum = double (*)(const PackedProduct*, const PackedProduct*);
+using PackedSum = double (*)(double, const PackedProduct*, const PackedProduct*);
 
 /// packed_sum() of every order from 1.
 inline constexpr auto packed_sums = []<int... k>(std::integer_sequence<int, k...>) {
