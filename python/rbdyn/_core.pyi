@@ -9,7 +9,7 @@ import rbdyn.frames
 import rbdyn.sample
 import scipy.spatial.transform
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'EulerAngles', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'EulerAngles', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -737,6 +737,81 @@ class RigidBody:
     def mass(self) -> float:
         """
         [kg]
+        """
+class PoinsotMotion:
+    """
+    The motion of a rigid body without torque (Def. 7.2, 7.53-7.56).
+
+    About the centre of mass of a free body, or about a point of it that is held where no moment acts. Body axes; the
+    world's are those of the body at the start.
+    """
+    def __init__(self, body: RigidBody, angular_velocity: numpy.typing.ArrayLike, *, point: numpy.typing.ArrayLike | None = None) -> None:
+        """
+        angular_velocity (3,) [rad/s], body axes; point (3,) [m], body axes: the centre of mass by default.
+
+        Raises InvalidInput for a body without three moments of inertia there.
+        """
+    def __repr__(self) -> str:
+        ...
+    def herpolhode(self, count: typing.SupportsInt | typing.SupportsIndex = 200, until: typing.SupportsFloat | typing.SupportsIndex | None = None) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The way of omega in the world (count, 3) [rad/s], up to a time [s], by default one period.
+        """
+    def polhode(self, count: typing.SupportsInt | typing.SupportsIndex = 200, until: typing.SupportsFloat | typing.SupportsIndex | None = None) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The way of omega in the body (count, 3) [rad/s], up to a time [s], by default one period.
+        """
+    @property
+    def angular_momentum(self) -> typing.Any:
+        """
+        K (3,) [kg m^2/s], body axes.
+        """
+    @property
+    def growth_rate(self) -> float:
+        """
+        The rate at which a small disturbance of a permanent rotation grows [1/s].
+
+        Zero about a stable axis; nan for a rotation that is not permanent.
+        """
+    @property
+    def is_permanent(self) -> bool:
+        """
+        Whether the angular velocity stays as it is (Thm 7.12).
+        """
+    @property
+    def kind(self) -> str:
+        """
+        rest, permanent, symmetric (a regular precession), separatrix or generic.
+        """
+    @property
+    def kinetic_energy(self) -> float:
+        """
+        [J]
+        """
+    @property
+    def period(self) -> float:
+        """
+        Of the angular velocity in body axes [s]; infinite where it has none.
+        """
+    @property
+    def plane_distance(self) -> float:
+        """
+        omega.K/|K|: where Poinsot's plane lies [rad/s] (Prop. 7.1).
+        """
+    @property
+    def precession_rate(self) -> float:
+        """
+        Mean rate at which the axis that K circles goes round K [rad/s] (Prop. 7.3).
+        """
+    @property
+    def proper_rotation_rate(self) -> float:
+        """
+        Mean rate at which the body turns about that axis [rad/s].
+        """
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """
+        Least and largest angle between that axis and K [rad].
         """
 class Coulomb:
     """
@@ -2263,8 +2338,8 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Runs a scene, as accurately as asked for.
 
     until, start: times [s]. error: global, of each quantity relative to its own scale in the motion; the scene is run again
-    more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "taylor",
-    "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
+    more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "closed form",
+    "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
     integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
 
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
