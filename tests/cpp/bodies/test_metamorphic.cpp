@@ -156,7 +156,7 @@ std::vector<Motion> motions() {
 }
 
 /// How far two reports are apart, the second told back into the world of the first; relative to what they are.
-double distance(const RigidReport& a, const RigidReport& b, const Telling& w, const Vector3& com, bool is_guided) {
+double distance(const RigidReport& a, const RigidReport& b, const Telling& w, bool is_guided) {
     const Matrix3 back = w.turn.transpose(), body = w.of_body(is_guided).transpose();
     const double sense = w.sense();
     const auto off = [](const Vector3& x, const Vector3& y, double size) { return (x - y).norm() / size; };
@@ -172,7 +172,6 @@ double distance(const RigidReport& a, const RigidReport& b, const Telling& w, co
     const double size = 1.0 + a.force_effort;
     see(off(a.reaction, back * b.reaction / force, size));
     see(off(a.reaction_torque, sense * (back * b.reaction_torque) / (force * w.m), size + a.torque_effort));
-    (void)com;
     return worst;
 }
 bool is_guided(const Trajectory& run) { return !run.data()->model->laws().body(0).rigid->turns_freely(); }
@@ -182,7 +181,7 @@ double distance(const Trajectory& a, const Trajectory& b, const Telling& w) {
     double worst = 0.0;
     for (int k = 0; k <= 20; ++k) {
         const double t = a.start() + (a.end() - a.start()) * k / 20;
-        worst = std::max(worst, distance(a[first].rigid(t), b[first].rigid(t * w.s), w, {}, is_guided(a)));
+        worst = std::max(worst, distance(a[first].rigid(t), b[first].rigid(t * w.s), w, is_guided(a)));
     }
     return worst;
 }
@@ -289,7 +288,7 @@ TEST(Metamorphic, a_motion_with_reversed_velocities_goes_back_the_way_it_came) {
             RigidReport was = there[first].rigid(t), is = back[first].rigid(motion.until - t);
             is.velocity = -is.velocity;
             is.angular_velocity = -is.angular_velocity;
-            const double off = distance(was, is, {}, {}, is_guided(there));
+            const double off = distance(was, is, {}, is_guided(there));
             worst = std::max(worst, off);
             EXPECT_LE(off, 1e-12) << motion.name << " at " << t;
         }
@@ -306,7 +305,7 @@ TEST(Metamorphic, a_motion_taken_up_in_the_middle_goes_on_as_it_would_have) {
             const Trajectory rest = simulate(taken_up(whole, t), {.until = motion.until, .start = t, .error = 1e-13});
             for (int k = 0; k <= 10; ++k) {
                 const double now = std::min(motion.until, t + (motion.until - t) * k / 10);
-                const double off = distance(whole[first].rigid(now), rest[first].rigid(now), {}, {}, is_guided(whole));
+                const double off = distance(whole[first].rigid(now), rest[first].rigid(now), {}, is_guided(whole));
                 worst = std::max(worst, off);
                 EXPECT_LE(off, 1e-12) << motion.name << " at " << now;
             }
@@ -345,7 +344,7 @@ TEST(Metamorphic, the_order_in_which_bodies_are_told_changes_nothing) {
         const Trajectory other = simulate(again, options);
         for (std::size_t i = 0; i < 4; ++i)
             for (const double t : {0.5, 1.0, 2.0})
-                EXPECT_LE(distance(one[handles[i]].rigid(t), other[others[i]].rigid(t), {}, {}, false), 2e-12) << i;
+                EXPECT_LE(distance(one[handles[i]].rigid(t), other[others[i]].rigid(t), {}, false), 2e-12) << i;
     }
 }
 

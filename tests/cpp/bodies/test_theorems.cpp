@@ -1,7 +1,6 @@
 // The theorems of the chapter along motions, and motions of random bodies against an integration of their own.
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <iostream>
 
 #include "bodies/random_bodies.hpp"

@@ -7,8 +7,8 @@
 // of K in the world. Heavy, with a fixed point (7.58): the energy and the angular momentum about the vertical. And
 // |q| = 1 always.
 //
-// The coefficients of Euler's equations are rounded, the same way in every step: what the steps lack for it is added,
-// too, or the motion would keep its integrals and fall behind by 1e-17 of its time.
+// The coefficients of Euler's equations are rounded, the same way in every step: what the steps of a body free of
+// moments lack for it is added, too, or it would keep its integrals and fall behind by 1e-17 of its time.
 //
 // Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.4. Residuals are computed in long double, and the
 // corrections go into the compensation of the state's sums, so that they are not rounded away.
@@ -80,14 +80,7 @@ public:
     }
 
     void apply(std::span<double> x, std::span<double> low, double step) const override {
-        const double o[3] = {x[at(omega_)], x[at(omega_ + 1)], x[at(omega_ + 2)]};
-        if (follows_axis_) {
-            projecting::add(x, low, omega_, -step * rest_[0] * o[2] * o[1]);
-            projecting::add(x, low, omega_ + 1, step * rest_[0] * o[2] * o[0]);
-        } else {
-            for (int i = 0; i < 3; ++i)
-                projecting::add(x, low, omega_ + i, step * rest_[at(i)] * o[(i + 1) % 3] * o[(i + 2) % 3]);
-        }
+        if (!is_heavy_) catch_up(x, low, step);
         const Now now = look(x, low);
         const auto shrink = static_cast<double>(-0.5L * (now.norm - 1.0L));
         Correction turn{}, change{};
@@ -133,6 +126,17 @@ private:
     }
     static Correction rounded(const Vector& v) {
         return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+    }
+    /// Adds what the rounded coefficients left out in a step.
+    void catch_up(std::span<double> x, std::span<double> low, double step) const {
+        const double o[3] = {x[at(omega_)], x[at(omega_ + 1)], x[at(omega_ + 2)]};
+        if (follows_axis_) {
+            projecting::add(x, low, omega_, -step * rest_[0] * o[2] * o[1]);
+            projecting::add(x, low, omega_ + 1, step * rest_[0] * o[2] * o[0]);
+            return;
+        }
+        for (int i = 0; i < 3; ++i)
+            projecting::add(x, low, omega_ + i, step * rest_[at(i)] * o[(i + 1) % 3] * o[(i + 2) % 3]);
     }
     Real least() const { return std::min({moment_[0], moment_[1], moment_[2]}); }
 
