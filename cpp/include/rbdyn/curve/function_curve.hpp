@@ -227,8 +227,8 @@ private:
             if (all || is_first) require_finite(p, u);
             is_first = false;
             if (!finite) continue;
-            low = low ? low->cwiseMin(p.position).eval() : p.position;
-            high = high ? high->cwiseMax(p.position).eval() : p.position;
+            low = low ? lesser(*low, p.position) : p.position;
+            high = high ? greater(*high, p.position) : p.position;
             const Components first = rounded(point_, 3, u);
             if (turning(first, rounded(point_, 6, u))) looked.straight = false;
             const double speed = may_vanish(first) ? 0.0 : curves::norm(p.first);

@@ -323,7 +323,7 @@ private:
         if (law.kind != RigidLaw::Kind::prismatic) {
             // axes of unit length: together they show the angle between two attitudes
             const Matrix3 axes = rotation_matrix(r.attitude);
-            for (int k = 0; k < 3; ++k) out.push_back({axes.col(k), false, 1.0, 1.0});
+            for (int k = 0; k < 3; ++k) out.push_back({column(axes, k), false, 1.0, 1.0});
             out.push_back({r.angular_velocity, false, 0.0, r.angular_velocity.norm()});
         }
         if (law.kind == RigidLaw::Kind::free) return;

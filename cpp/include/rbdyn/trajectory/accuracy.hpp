@@ -145,8 +145,8 @@ private:
         for (std::size_t k = 0; k < fine_.size(); ++k) {
             Scale& s = scales_[k];
             const Observed& o = fine_[k];
-            s.low = s.low.cwiseMin(o.value);
-            s.high = s.high.cwiseMax(o.value);
+            s.low = lesser(s.low, o.value);
+            s.high = greater(s.high, o.value);
             s.size = std::max({s.size, o.value.norm(), o.size});
             s.whole = std::max(s.whole, o.whole);
             s.is_position = o.is_position;
