@@ -95,6 +95,7 @@ inline Vector3 lesser(const Vector3& a, const Vector3& b) {
 inline Vector3 greater(const Vector3& a, const Vector3& b) {
     return {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])};
 }
+inline bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 /// Which component is least, and which greatest: the first of those.
 inline int least(const Vector3& v) { return static_cast<int>(std::min_element(v.data(), v.data() + 3) - v.data()); }
 inline int greatest(const Vector3& v) { return static_cast<int>(std::max_element(v.data(), v.data() + 3) - v.data()); }

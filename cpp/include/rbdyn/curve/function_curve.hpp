@@ -223,7 +223,7 @@ private:
         bool is_first = true;
         for (const double u : samples()) {
             const CurvePoint<double> p = at(u);
-            const bool finite = p.position.allFinite() && p.first.allFinite() && p.second.allFinite();
+            const bool finite = is_finite(p.position) && is_finite(p.first) && is_finite(p.second);
             if (all || is_first) require_finite(p, u);
             is_first = false;
             if (!finite) continue;

@@ -215,11 +215,11 @@ public:
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
             const PointState<double>& p = all[at(i)];
-            if (!p.r.allFinite() || !p.v.allFinite()) return "the curve or the motion of the rail of " + b.name;
+            if (!is_finite(p.r) || !is_finite(p.v)) return "the curve or the motion of the rail of " + b.name;
             const Vector3 r = laws_.in_world<double>(p.r), v = laws_.view().axes * p.v;
             for (const auto& load : b.functions) {
                 const Vector3 f = force_of<double>(load, t, r, v);
-                if (f.allFinite()) continue;
+                if (is_finite(f)) continue;
                 std::string name = "the force";
                 if (const Force* force = std::get_if<Force>(&load)) name = "force \"" + force->name() + "\"";
                 if (const Potential* u = std::get_if<Potential>(&load))
@@ -231,7 +231,7 @@ public:
                 for (const RigidLoad& load : b.loads) {
                     Wrench<double> w;
                     add_load(w, *b.rigid, *p.rigid, load, t, b.name);
-                    if (!w.force.allFinite() || !w.moment.allFinite()) return "a load on " + b.name;
+                    if (!is_finite(w.force) || !is_finite(w.moment)) return "a load on " + b.name;
                 }
                 continue;
             }
@@ -244,7 +244,7 @@ public:
                     return "the rail of " + b.name + " at u = " + text(x[at(b.first)]) + ", where it has a cusp";
             }
             const PointReport report = laws_.report(i, mode.slip, t, x);
-            if (!report.acceleration.allFinite()) return "the acceleration of " + b.name;
+            if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
         }
         return {};
     }

@@ -37,8 +37,9 @@ public:
     Attitude(const Matrix3& matrix) {
         Matrix3 square = matrix.transpose() * matrix;
         for (int i = 0; i < 3; ++i) square(i, i) -= 1.0;
-        const double off = largest(square);
-        require(matrix.allFinite() && off <= near_enough, "attitude", "departure of the matrix from a rotation", off,
+        const bool finite = std::all_of(matrix.data(), matrix.data() + 9, [](double x) { return std::isfinite(x); });
+        const double off = finite ? largest(square) : std::numeric_limits<double>::quiet_NaN();
+        require(off <= near_enough, "attitude", "departure of the matrix from a rotation", off,
                 "the columns of a rotation matrix are orthonormal: they are the body's axes in world components");
         const double volume = column(matrix, 0).dot(column(matrix, 1).cross(column(matrix, 2)));
         require(volume > 0.0, "attitude", "determinant of the matrix", volume,

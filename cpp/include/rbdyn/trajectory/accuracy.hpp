@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
@@ -173,10 +174,9 @@ private:
         for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
             for (last = first + 1; last < events.size(); ++last)
                 if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - r.start)) break;
-            std::stable_sort(events.begin() + static_cast<std::ptrdiff_t>(first),
-                             events.begin() + static_cast<std::ptrdiff_t>(last), [](const Event& a, const Event& b) {
-                                 return std::tie(a.kind, a.subject, a.name) < std::tie(b.kind, b.subject, b.name);
-                             });
+            sort_few(std::span(events).subspan(first, last - first), [](const Event& a, const Event& b) {
+                return std::tie(a.kind, a.subject, a.name) < std::tie(b.kind, b.subject, b.name);
+            });
         }
         return events;
     }
