@@ -64,7 +64,11 @@ M operator*(const M& a, const M& b) {
 }
 template <Transposed M>
 Matrix3 operator*(const M& back, const Matrix3& b) {
-    return Matrix3(back) * b;
+    const Matrix3& a = back.nestedExpression();
+    Matrix3 result;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) result(i, j) = a(0, i) * b(0, j) + (a(1, i) * b(1, j) + a(2, i) * b(2, j));
+    return result;
 }
 template <std::same_as<Matrix3> M>
 bool operator==(const M& a, const M& b) {
