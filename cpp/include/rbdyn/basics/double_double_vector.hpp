@@ -1,25 +1,48 @@
-// Vectors and matrices of 32 digits: Eigen's, to hold and to add; products written out.
+// Vectors and matrices of 32 digits.
 #pragma once
 
-#include <limits>
+#include <type_traits>
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-/// What Eigen asks of a number type.
-template <>
-struct Eigen::NumTraits<rbdyn::DoubleDouble> : Eigen::NumTraits<double> {
-    using Real = rbdyn::DoubleDouble;
-    using NonInteger = rbdyn::DoubleDouble;
-    using Nested = rbdyn::DoubleDouble;
-    enum { RequireInitialization = 1, ReadCost = 2, AddCost = 20, MulCost = 10 };
-};
-
 namespace rbdyn {
 
-/// A matrix whose elements are of any number type a model may be evaluated with.
+/// Three columns of three numbers, zero to begin with.
+class WideMatrix3 {
+public:
+    using Column = Triple<DoubleDouble>;
+
+    const DoubleDouble& operator()(int i, int j) const { return columns_[j][i]; }
+    DoubleDouble& operator()(int i, int j) { return columns_[j][i]; }
+    const Column& col(int j) const { return columns_[j]; }
+    Column& col(int j) { return columns_[j]; }
+    WideMatrix3 transpose() const {
+        WideMatrix3 result;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) result(i, j) = (*this)(j, i);
+        return result;
+    }
+
+    WideMatrix3& operator+=(const WideMatrix3& b) {
+        for (int j = 0; j < 3; ++j) columns_[j] += b.columns_[j];
+        return *this;
+    }
+    WideMatrix3& operator-=(const WideMatrix3& b) {
+        for (int j = 0; j < 3; ++j) columns_[j] -= b.columns_[j];
+        return *this;
+    }
+    friend WideMatrix3 operator+(WideMatrix3 a, const WideMatrix3& b) { return a += b; }
+    friend WideMatrix3 operator-(WideMatrix3 a, const WideMatrix3& b) { return a -= b; }
+    bool operator==(const WideMatrix3&) const = default;
+
+private:
+    Column columns_[3];
+};
+
+/// A matrix of the machine's numbers, or of 32 digits.
 template <class S>
-using Matrix3Of = Eigen::Matrix<S, 3, 3>;
+using Matrix3Of = std::conditional_t<std::is_same_v<S, DoubleDouble>, WideMatrix3, Eigen::Matrix<S, 3, 3>>;
 
 /// Doubles as they are, in numbers of 32 digits.
 inline Vector3Of<DoubleDouble> widened(const Vector3& v) { return {v[0], v[1], v[2]}; }
@@ -54,7 +77,7 @@ inline Vector3Of<DoubleDouble> product(const Matrix3Of<DoubleDouble>& m, const V
 /// a b
 inline Matrix3Of<DoubleDouble> product(const Matrix3Of<DoubleDouble>& a, const Matrix3Of<DoubleDouble>& b) {
     Matrix3Of<DoubleDouble> result;
-    for (int j = 0; j < 3; ++j) result.col(j) = product(a, Vector3Of<DoubleDouble>(b.col(j)));
+    for (int j = 0; j < 3; ++j) result.col(j) = product(a, b.col(j));
     return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <type_traits>
@@ -42,11 +43,71 @@ V operator*(const M& m, const V& v) {
     const auto row = [&](int i) { return m(i, 0) * v[0] + (m(i, 1) * v[1] + m(i, 2) * v[2]); };
     return {row(0), row(1), row(2)};
 }
-template <std::same_as<Matrix3> M, std::same_as<Vector3> V>
-V operator*(const Eigen::Transpose<const M>& back, const V& v) {
-    const M& m = back.nestedExpression();
+template <std::same_as<Vector3> V>
+bool operator==(const V& a, const V& b) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+template <class M>
+concept Transposed = std::same_as<M, Eigen::Transpose<Matrix3>> || std::same_as<M, Eigen::Transpose<const Matrix3>>;
+template <Transposed M, std::same_as<Vector3> V>
+V operator*(const M& back, const V& v) {
+    const Matrix3& m = back.nestedExpression();
     const auto column = [&](int j) { return m(0, j) * v[0] + (m(1, j) * v[1] + m(2, j) * v[2]); };
     return {column(0), column(1), column(2)};
+}
+template <std::same_as<Matrix3> M>
+M operator*(const M& a, const M& b) {
+    M result;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) result(i, j) = a(i, 0) * b(0, j) + (a(i, 1) * b(1, j) + a(i, 2) * b(2, j));
+    return result;
+}
+template <Transposed M>
+Matrix3 operator*(const M& back, const Matrix3& b) {
+    const Matrix3& a = back.nestedExpression();
+    Matrix3 result;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) result(i, j) = a(0, i) * b(0, j) + (a(1, i) * b(1, j) + a(2, i) * b(2, j));
+    return result;
+}
+template <std::same_as<Matrix3> M>
+bool operator==(const M& a, const M& b) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(a(i, j) == b(i, j))) return false;
+    return true;
+}
+
+/// Column j, as a vector of its own.
+inline Vector3 column(const Matrix3& m, int j) { return {m(0, j), m(1, j), m(2, j)}; }
+inline Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z) {
+    Matrix3 m;
+    for (int i = 0; i < 3; ++i) {
+        m(i, 0) = x[i];
+        m(i, 1) = y[i];
+        m(i, 2) = z[i];
+    }
+    return m;
+}
+/// v/|v|, v not zero.
+inline Vector3 direction(const Vector3& v) { return v / v.norm(); }
+/// The sizes of the components, and of two vectors the lesser and the greater of each.
+inline Vector3 sizes(const Vector3& v) { return {std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}; }
+inline Vector3 lesser(const Vector3& a, const Vector3& b) {
+    return {std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])};
+}
+inline Vector3 greater(const Vector3& a, const Vector3& b) {
+    return {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])};
+}
+inline bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
+/// Which component is least, and which greatest: the first of those.
+inline int least(const Vector3& v) { return static_cast<int>(std::min_element(v.data(), v.data() + 3) - v.data()); }
+inline int greatest(const Vector3& v) { return static_cast<int>(std::max_element(v.data(), v.data() + 3) - v.data()); }
+/// The largest size of an element.
+inline double largest(const Matrix3& m) {
+    double size = 0.0;
+    for (int i = 0; i < 9; ++i) size = std::max(size, std::abs(m.data()[i]));
+    return size;
 }
 
 /// Three components in numbers of type S.
@@ -72,6 +133,7 @@ public:
     Triple& operator-=(const Triple& v) { return *this = *this - v; }
     Triple& operator*=(const S& s) { return *this = *this * s; }
     Triple& operator/=(const S& s) { return *this = *this / s; }
+    bool operator==(const Triple&) const = default;
     friend Triple operator+(const Triple& a, const Triple& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
     friend Triple operator-(const Triple& a, const Triple& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
     friend Triple operator-(const Triple& v) { return {-v[0], -v[1], -v[2]}; }
@@ -94,11 +156,9 @@ private:
     S c_[3]{};
 };
 
-struct DoubleDouble;
-
-/// Numbers whose vectors are Eigen's: the machine's, and those of twice their digits.
+/// Numbers whose vectors are Eigen's: the machine's.
 template <class S>
-concept EigenNumber = std::floating_point<S> || std::same_as<S, DoubleDouble>;
+concept EigenNumber = std::floating_point<S>;
 
 /// A vector whose components are of any number type a model may be evaluated with.
 template <class S>

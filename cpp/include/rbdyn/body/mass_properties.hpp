@@ -50,14 +50,16 @@ inline Matrix3Of<DoubleDouble> exact_rotation(const Quaternion& q) {
     const AxesOf<DoubleDouble> e = axes(wide);
     const DoubleDouble inverse = 1.0 / squared_norm(wide);
     Matrix3Of<DoubleDouble> result;
-    result << scaled(e.e1, inverse), scaled(e.e2, inverse), scaled(e.e3, inverse);
+    result.col(0) = scaled(e.e1, inverse);
+    result.col(1) = scaled(e.e2, inverse);
+    result.col(2) = scaled(e.e3, inverse);
     return result;
 }
 
 /// Turned about the body's origin by R(q).
 inline MassProperties turned(const MassProperties& body, const Quaternion& q) {
     const Matrix3Of<DoubleDouble> r = exact_rotation(q);
-    Matrix3Of<DoubleDouble> inertia = product(product(r, body.inertia), Matrix3Of<DoubleDouble>(r.transpose()));
+    Matrix3Of<DoubleDouble> inertia = product(product(r, body.inertia), r.transpose());
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) inertia(i, j) = inertia(j, i);
     return {body.mass, product(r, body.com), inertia};

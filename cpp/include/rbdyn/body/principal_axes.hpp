@@ -52,8 +52,11 @@ inline void jacobi_turn(Matrix3Of<DoubleDouble>& a, Matrix3Of<DoubleDouble>& e, 
 
 /// Of a symmetric tensor of finite elements.
 inline PrincipalAxesOf<DoubleDouble> principal_axes(Matrix3Of<DoubleDouble> a) {
-    Matrix3Of<DoubleDouble> e = widened(Matrix3::Identity().eval());
-    const double size = rounded(a).cwiseAbs().maxCoeff();
+    Matrix3Of<DoubleDouble> e;
+    for (int i = 0; i < 3; ++i) e(i, i) = 1.0;
+    double size = 0.0;
+    for (int j = 0; j < 3; ++j)
+        for (const DoubleDouble& x : a.col(j)) size = std::max(size, std::abs(double(x)));
     // an element that no longer shows in 106 bits of the largest
     const double negligible = 0x1p-110 * size;
     // each sweep squares what is left beside the diagonal: five or six suffice
@@ -84,7 +87,8 @@ inline PrincipalAxesOf<DoubleDouble> principal_axes(Matrix3Of<DoubleDouble> a) {
         result.axes.col(i) = e.col(k);
         if (i < 2 && result.axes(i, i).hi < 0.0) result.axes.col(i) = -result.axes.col(i);
     }
-    if (rounded(result.axes).determinant() < 0.0) result.axes.col(2) = -result.axes.col(2);
+    const auto& x = result.axes;
+    if (x.col(0).cross(x.col(1)).dot(x.col(2)).hi < 0.0) result.axes.col(2) = -x.col(2);
 
     // what the turns' rounding may have set apart: some twenty of them, each good to 2^-104
     const double rounding = 0x1p-98 * size;

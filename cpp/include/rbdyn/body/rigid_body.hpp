@@ -30,7 +30,8 @@ struct Inertia {
     template <class Derived>
     Inertia(const Eigen::MatrixBase<Derived>& given) {
         if constexpr (Derived::IsVectorAtCompileTime) {
-            tensor = Vector3(given).asDiagonal();
+            tensor.setZero();
+            for (int i = 0; i < 3; ++i) tensor(i, i) = given[i];
         } else {
             tensor = given;
         }
@@ -105,7 +106,7 @@ public:
             const double difference = a == b ? 0.0 : std::abs(a - b) / std::max(std::abs(a), std::abs(b));
             if (difference > closest || (axis && difference == closest)) continue;
             closest = difference;
-            axis = p.axes.col(k);
+            axis = column(p.axes, k);
         }
         return axis;
     }
@@ -114,13 +115,16 @@ public:
     /// a line, and nothing resists a spin about it.
     bool is_rod() const { return rod_axis().has_value(); }
     /// Whether all three are: all mass lies in a point.
-    bool is_point() const { return principal().moments.maxCoeff() <= bodies::no_moment * given_size(); }
+    bool is_point() const {
+        const Vector3 moments = principal().moments;
+        return moments[greatest(moments)] <= bodies::no_moment * given_size();
+    }
     /// The line's direction, body axes; of a point any.
     std::optional<Vector3> rod_axis() const {
         const PrincipalAxes p = principal();
-        Eigen::Index smallest = 0;
-        if (p.moments.minCoeff(&smallest) > bodies::no_moment * given_size()) return std::nullopt;
-        return p.axes.col(smallest);
+        const int smallest = least(p.moments);
+        if (p.moments[smallest] > bodies::no_moment * given_size()) return std::nullopt;
+        return column(p.axes, smallest);
     }
 
     /// Moved by r in its own axes [m]: what was at the origin is at r.
@@ -154,7 +158,7 @@ private:
         return {mass, widened(options.com), tensor};
     }
 
-    double given_size() const { return rounded(given_.inertia).cwiseAbs().maxCoeff(); }
+    double given_size() const { return largest(rounded(given_.inertia)); }
 
     MassProperties given_;
     InertiaAbout about_ = InertiaAbout::com;

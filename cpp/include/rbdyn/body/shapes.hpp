@@ -28,7 +28,7 @@ inline DoubleDouble positive(const std::string& shape, const std::string& what, 
 inline Vector3Of<DoubleDouble> unit(const std::string& shape, const std::string& what, const Vector3& v) {
     for (int i = 0; i < 3; ++i)
         require(std::isfinite(v[i]), shape, what + "[" + std::to_string(i) + "]", v[i], "a direction is finite");
-    const double size = v.cwiseAbs().maxCoeff();
+    const double size = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
     require(size > 0.0, shape, "length of " + what, 0.0, "a direction is a vector of any other length");
     // a power of two, so that squares neither overflow nor vanish
     int exponent = 0;
@@ -57,7 +57,7 @@ inline RigidBody three_planes(const std::string& shape, double mass, const Vecto
             positive(shape, (shape == "box" ? "size[" : "semi_axes[") + std::to_string(i) + "]", size[i]);
         square[i] = a * a;
     }
-    Matrix3Of<DoubleDouble> inertia = widened(Matrix3(Matrix3::Zero()));
+    Matrix3Of<DoubleDouble> inertia;
     for (int i = 0; i < 3; ++i) inertia(i, i) = m * share * (square[(i + 1) % 3] + square[(i + 2) % 3]);
     return RigidBody(MassProperties{m, widened(Vector3(0, 0, 0)), inertia}, InertiaAbout::com, shape);
 }
@@ -133,7 +133,7 @@ inline RigidBody points(const std::vector<double>& masses, const std::vector<Vec
     if (masses.size() != positions.size() || masses.empty())
         throw InvalidInput("points: masses has " + std::to_string(masses.size()) + " numbers and positions " +
                            std::to_string(positions.size()) + "; a mass for each point, and one point at least");
-    MassProperties whole{0.0, widened(Vector3(0, 0, 0)), widened(Matrix3(Matrix3::Zero()))};
+    MassProperties whole{0.0, widened(Vector3(0, 0, 0)), {}};
     for (std::size_t k = 0; k < masses.size(); ++k) {
         const std::string index = "[" + std::to_string(k) + "]";
         whole.mass += detail::positive("points", "masses" + index, masses[k], "kg");

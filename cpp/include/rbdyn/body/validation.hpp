@@ -33,7 +33,7 @@ inline void require_mass(const std::string& body, double mass) {
 }
 
 inline void require_symmetric(const std::string& body, const Matrix3& inertia) {
-    const double size = inertia.cwiseAbs().maxCoeff();
+    const double size = largest(inertia);
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const std::string ij = std::to_string(i) + "][" + std::to_string(j) + "]";
@@ -50,9 +50,7 @@ inline void require_symmetric(const std::string& body, const Matrix3& inertia) {
 /// Throws InvalidInput unless a body may have these moments, principal about its centre of mass. `given`: the largest
 /// element of the tensor they derive from. `derived`: how, for the message.
 inline void require_moments(const std::string& body, const Vector3& moments, double given, const std::string& derived) {
-    Eigen::Index smallest = 0, largest = 0;
-    moments.minCoeff(&smallest);
-    moments.maxCoeff(&largest);
+    const int smallest = least(moments), largest = greatest(moments);
     const std::string what =
         "among the principal moments about the centre of mass, " + vector_text(moments) + " kg m^2" + derived + ", one";
     const std::string fix =

@@ -57,9 +57,11 @@ public:
         start_ = {rounded(start), angular_velocity};
         speed_ = angular_velocity.norm();
         const Vector3Of<DoubleDouble>& moments = principal.moments;
-        Vector3Of<DoubleDouble> omega = product(transposed(principal.axes), widened(angular_velocity));
-        const Matrix3 nearest = rounded(principal.axes).array().round();
-        const bool along_axes = principal.axes == widened(nearest);
+        Vector3Of<DoubleDouble> omega = product(principal.axes.transpose(), widened(angular_velocity));
+        bool along_axes = true;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                along_axes = along_axes && principal.axes(i, j) == DoubleDouble(std::round(principal.axes(i, j).hi));
         // what turning to principal axes leaves of nothing is nothing: a permanent rotation stays one
         for (int i = 0; i < 3; ++i)
             if (!along_axes && std::abs(omega[i].hi) < 0x1p-98 * speed_) omega[i] = 0.0;
@@ -155,12 +157,6 @@ private:
         const DoubleDouble n = sqrt(squared_norm(q));
         return {q.w / n, q.x / n, q.y / n, q.z / n};
     }
-    static Matrix3Of<DoubleDouble> transposed(const Matrix3Of<DoubleDouble>& m) {
-        Matrix3Of<DoubleDouble> result;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) result(i, j) = m(j, i);
-        return result;
-    }
 
     /// The attitude whose axes are the columns of a rotation matrix.
     static QuaternionOf<DoubleDouble> attitude_of(const Matrix3Of<DoubleDouble>& m) {
@@ -231,8 +227,8 @@ private:
 
         Matrix3Of<DoubleDouble> axes;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vector3Of<DoubleDouble> e = principal.col(p.axis[i]);
-            axes.col(static_cast<int>(i)) = p.reversed[i] ? Vector3Of<DoubleDouble>(-e) : e;
+            const Vector3Of<DoubleDouble>& e = principal.col(p.axis[i]);
+            axes.col(static_cast<int>(i)) = p.reversed[i] ? -e : e;
         }
         axes_ = rounded(axes);
         const QuaternionOf<DoubleDouble> from_body = conjugate(attitude_of(axes));

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/closed_form/carlson.hpp"
 
 namespace rbdyn {
@@ -46,7 +47,7 @@ struct Polhode {
     Polhode(const Vector3Of<DoubleDouble>& moments, const Vector3Of<DoubleDouble>& omega) {
         const auto square = [](const DoubleDouble& x) { return x * x; };
         std::array<int, 3> order{0, 1, 2};
-        std::sort(order.begin(), order.end(), [&](int i, int j) { return moments[i] < moments[j]; });
+        sort_few<int>(order, [&](int i, int j) { return moments[i] < moments[j]; });
         const auto [a, b, c] = order;
         const DoubleDouble by_a = moments[a] * (moments[b] - moments[a]) * square(omega[a]);
         const DoubleDouble by_c = moments[c] * (moments[c] - moments[b]) * square(omega[c]);

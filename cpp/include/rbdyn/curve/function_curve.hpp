@@ -223,12 +223,12 @@ private:
         bool is_first = true;
         for (const double u : samples()) {
             const CurvePoint<double> p = at(u);
-            const bool finite = p.position.allFinite() && p.first.allFinite() && p.second.allFinite();
+            const bool finite = is_finite(p.position) && is_finite(p.first) && is_finite(p.second);
             if (all || is_first) require_finite(p, u);
             is_first = false;
             if (!finite) continue;
-            low = low ? low->cwiseMin(p.position).eval() : p.position;
-            high = high ? high->cwiseMax(p.position).eval() : p.position;
+            low = low ? lesser(*low, p.position) : p.position;
+            high = high ? greater(*high, p.position) : p.position;
             const Components first = rounded(point_, 3, u);
             if (turning(first, rounded(point_, 6, u))) looked.straight = false;
             const double speed = may_vanish(first) ? 0.0 : curves::norm(p.first);

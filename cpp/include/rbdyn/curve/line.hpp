@@ -43,7 +43,7 @@ struct Line {
     bool regular_at(double) const { return true; }
     bool straight() const { return true; }
     /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
-    std::optional<Vector3> straight_binormal(double) const { return Vector3::UnitZ(); }
+    std::optional<Vector3> straight_binormal(double) const { return Vector3(0, 0, 1); }
 
     bool operator==(const Line&) const = default;
 };

@@ -34,7 +34,7 @@ struct OwnAxes {
 /// The plane of two axes of the world: x y (missing = 2), x z (1) or y z (0).
 inline Matrix3 axes_without(int missing) {
     if (missing == 2) return Matrix3::Identity();
-    return axes_of_plane(missing == 1 ? Vector3::UnitX() : Vector3::UnitY(), Vector3::UnitZ());
+    return axes_of_plane(missing == 1 ? Vector3(1, 0, 0) : Vector3(0, 1, 0), {0, 0, 1});
 }
 
 /// Axes of the line or plane that all vectors lie in, the first of which is not zero; what is nearer to it than `slack`
@@ -60,14 +60,14 @@ inline OwnAxes own_axes(const std::vector<Vector3>& vectors, double slack) {
             return {axes_without(i), 2};
     const Matrix3 axes = axes_of_plane(vectors.front(), *farthest);
     const bool plane = std::all_of(vectors.begin(), vectors.end(),
-                                   [&](const Vector3& v) { return std::abs(axes.col(2).dot(v)) <= tolerated(v); });
+                                   [&](const Vector3& v) { return std::abs(column(axes, 2).dot(v)) <= tolerated(v); });
     if (plane) return {axes, 2};
     return {Matrix3::Identity(), 3};
 }
 
 /// The binormal of a straight line, for a curve that bends nowhere near: tangent and result in the curve's own axes.
 inline Vector3 binormal_of_line(const Matrix3& axes, const Vector3& tangent) {
-    return axes.transpose() * axes_of_line(turned<double>(axes, tangent)).col(2);
+    return axes.transpose() * column(axes_of_line(turned<double>(axes, tangent)), 2);
 }
 
 }  // namespace rbdyn::curves

@@ -26,7 +26,7 @@ public:
         : position_(std::move(coefficients)), sizes_(std::move(sizes)) {
         while (position_.size() > 2 && position_.back().isZero(0.0)) position_.pop_back();
         if (sizes_.empty())
-            for (const Vector3& c : position_) sizes_.emplace_back(c.cwiseAbs());
+            for (const Vector3& c : position_) sizes_.push_back(rbdyn::sizes(c));
         sizes_.resize(position_.size(), Vector3::Zero());
         first_ = derivative(position_);
         second_ = derivative(first_);
@@ -120,7 +120,7 @@ private:
     double noise() const { return 4.0 * degree() * std::numeric_limits<double>::epsilon(); }
 
     static double rounding_of_cross(const Term& a, const Term& b) {
-        const Vector3 x = a.value.cwiseAbs(), y = b.value.cwiseAbs();
+        const Vector3 x = rbdyn::sizes(a.value), y = rbdyn::sizes(b.value);
         const auto sum = [](const Vector3& p, const Vector3& q) {
             return Vector3(p[1] * q[2] + p[2] * q[1], p[2] * q[0] + p[0] * q[2], p[0] * q[1] + p[1] * q[0]);
         };

@@ -150,8 +150,7 @@ public:
             size[k] = std::max({curves::norm(chord[k]), curves::norm(m[k]), largest});
         for (std::size_t k = 1; k < stretches; ++k) size[k] = std::max(size[k], 0.3 * size[k - 1]);
         for (std::size_t k = stretches - 1; k-- > 0;) size[k] = std::max(size[k], 0.3 * size[k + 1]);
-        Vector3 present = Vector3::Zero();
-        present.head(axes.dimension).setOnes();
+        const Vector3 present(1, axes.dimension > 1 ? 1 : 0, axes.dimension > 2 ? 1 : 0);
         for (std::size_t k = 0; k < stretches; ++k) {
             const Vector3 &d = chord[k], &a = m[k], &b = m[k + 1], s = size[k] * present;
             pieces_.emplace_back(std::vector<Vector3>{p[k], a, 3.0 * d - 2.0 * a - b, a + b - 2.0 * d},

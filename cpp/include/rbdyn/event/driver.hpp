@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 
+#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
@@ -127,7 +128,7 @@ private:
                     if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
             }
             mode = std::move(after);
-            std::stable_sort(happenings.begin(), happenings.end(), [](const Happening& a, const Happening& b) {
+            sort_few<Happening>(happenings, [](const Happening& a, const Happening& b) {
                 return std::pair(a.kind, a.subject) < std::pair(b.kind, b.subject);
             });
             for (const Happening& h : happenings) note(record, h, t);

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/expression/evaluate.hpp"
@@ -59,8 +60,7 @@ public:
         for (const Found& f : found_)
             if (interrupts(guards[f.guard], f)) first = std::min(first, f.place);
         const double together = first + 1e-13 + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
-        std::stable_sort(found_.begin(), found_.end(),
-                         [](const Found& a, const Found& b) { return a.place < b.place; });
+        sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
         for (const Found& f : found_) {
             const Guard& guard = guards[f.guard];
             if (guard.is_watched()) {

@@ -518,7 +518,7 @@ private:
             require(off <= 1e-9 * (r.norm() + span), name, "distance of its rail from a plane", off,
                     "a rail that holds on one side only is a plane curve; use side \"both\", or flatten the curve");
         }
-        const double tilt = 1.0 - std::abs(curve.placement().axes.col(2).dot(binormal));
+        const double tilt = 1.0 - std::abs(column(curve.placement().axes, 2).dot(binormal));
         require(
             tilt <= 1e-9, name, "angle of its rail's plane with that found for it, squared and halved", tilt,
             "the plane of a rail that holds on one side only is one of the world's, or that of a kind of curve that "

@@ -233,11 +233,11 @@ public:
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
             const PointState<double>& p = all[at(i)];
-            if (!p.r.allFinite() || !p.v.allFinite()) return "the curve or the motion of the rail of " + b.name;
+            if (!is_finite(p.r) || !is_finite(p.v)) return "the curve or the motion of the rail of " + b.name;
             const Vector3 r = laws_.in_world<double>(p.r), v = laws_.view().axes * p.v;
             for (const auto& load : b.functions) {
                 const Vector3 f = force_of<double>(load, t, r, v);
-                if (f.allFinite()) continue;
+                if (is_finite(f)) continue;
                 return title(load) + " on " + b.name + ", which is [" + text(f[0]) + ", " + text(f[1]) + ", " +
                        text(f[2]) + "]";
             }
@@ -245,7 +245,7 @@ public:
                 for (const RigidLoad& load : b.loads) {
                     Wrench<double> w;
                     add_load(w, *b.rigid, *p.rigid, load, t, b.name);
-                    if (!w.force.allFinite() || !w.moment.allFinite()) return "a load on " + b.name;
+                    if (!is_finite(w.force) || !is_finite(w.moment)) return "a load on " + b.name;
                 }
                 continue;
             }
@@ -258,7 +258,7 @@ public:
                     return "the rail of " + b.name + " at u = " + text(x[at(b.first)]) + ", where it has a cusp";
             }
             const PointReport report = laws_.report(i, mode.slip, t, x);
-            if (!report.acceleration.allFinite()) return "the acceleration of " + b.name;
+            if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
         }
         return {};
     }
@@ -286,7 +286,7 @@ private:
         if (law.kind != RigidLaw::Kind::prismatic) {
             // axes of unit length: together they show the angle between two attitudes
             const Matrix3 axes = rotation_matrix(r.attitude);
-            for (int k = 0; k < 3; ++k) out.push_back({axes.col(k), false, 1.0, 1.0});
+            for (int k = 0; k < 3; ++k) out.push_back({column(axes, k), false, 1.0, 1.0});
             out.push_back({r.angular_velocity, false, 0.0, r.angular_velocity.norm()});
         }
         if (law.kind == RigidLaw::Kind::free) return;

@@ -260,7 +260,7 @@ class HingeProjection : public Projection {
 public:
     HingeProjection(const RigidLaw& law, int q, int v, const Vector3& force, std::span<const double> x)
         : angle_(q), rate_(v), moment_(law.moments[2]) {
-        const Real along = force.dot(law.frame.col(0)), across = force.dot(law.frame.col(1));
+        const Real along = force.dot(column(law.frame, 0)), across = force.dot(column(law.frame, 1));
         depth_ = static_cast<Real>(law.center[0]) * std::hypot(along, across);
         lowest_ = std::atan2(across, along);
         if (depth_ < 0.0L) {

@@ -24,7 +24,7 @@ public:
     RailLanding(const Curve& curve, const Vector3& binormal, const Placement& view, int parameter, int position)
         : curve_(curve),
           finder_(curve, curve.closed() ? curve.period() : 0.0),
-          side_(curve.placement().axes.col(2).dot(binormal) > 0.0 ? 1 : -1),
+          side_(column(curve.placement().axes, 2).dot(binormal) > 0.0 ? 1 : -1),
           turn_(curve.placement().axes.transpose() * view.axes),
           shift_(curve.placement().axes.transpose() * (view.origin - curve.placement().origin)),
           parameter_(parameter),
@@ -37,7 +37,8 @@ public:
         for (int k = 0; k <= order; ++k) {
             const Vector3 c{piece.variable(position_)[k], piece.variable(position_ + 1)[k],
                             piece.variable(position_ + 2)[k]};
-            const Vector3 own = turn_ * c + (k == 0 ? shift_ : Vector3::Zero());
+            Vector3 own = turn_ * c;
+            if (k == 0) own += shift_;
             x[static_cast<std::size_t>(k)] = own.x();
             y[static_cast<std::size_t>(k)] = own.y();
         }

@@ -72,12 +72,12 @@ public:
             frame = hinge_frame(
                 kind == Kind::revolute ? std::get<Revolute>(b.joint).axis : std::get<Prismatic>(b.joint).axis,
                 rounded(to_center));
-            const Vector3Of<DoubleDouble> e3 = widened(Vector3(frame.col(2)));
+            const Vector3Of<DoubleDouble> e3 = widened(column(frame, 2));
             moments[2] = double(dot<DoubleDouble>(e3, product(about_o, e3)) / dot<DoubleDouble>(e3, e3));
         }
         frame_attitude = Attitude(frame).quaternion();
-        center = kind == Kind::free ? Vector3::Zero().eval() : in_frame(rounded(to_center));
-        inertia = frame.transpose() * rounded(exact.inertia) * frame;
+        center = kind == Kind::free ? Vector3(0, 0, 0) : in_frame(rounded(to_center));
+        inertia = frame.transpose() * (rounded(exact.inertia) * frame);
     }
 
     bool turns_freely() const { return kind == Kind::free || kind == Kind::spherical; }
@@ -171,13 +171,13 @@ public:
             case Kind::revolute: {
                 using std::cos, std::sin;
                 const S c = cos(q[0]), n = sin(q[0]);
-                const Vector3Of<S> x = constant<S>(frame.col(0)), y = constant<S>(frame.col(1));
-                s.axes = {x * c + y * n, y * c - x * n, constant<S>(frame.col(2))};
+                const Vector3Of<S> x = constant<S>(column(frame, 0)), y = constant<S>(column(frame, 1));
+                s.axes = {x * c + y * n, y * c - x * n, constant<S>(column(frame, 2))};
                 s.omega[2] = s.turning[2] = v[0];
                 break;
             }
             case Kind::prismatic:
-                s.axes = {constant<S>(frame.col(0)), constant<S>(frame.col(1)), constant<S>(frame.col(2))};
+                s.axes = {constant<S>(column(frame, 0)), constant<S>(column(frame, 1)), constant<S>(column(frame, 2))};
                 s.r += s.axes.e3 * q[0];
                 s.v = s.axes.e3 * v[0];
                 break;
@@ -265,10 +265,9 @@ public:
     /// The body's own axes in the world.
     template <class S>
     AxesOf<S> body_axes(const RigidState<S>& s) const {
-        if (kind == Kind::prismatic)
-            return {constant<S>(Vector3::UnitX()), constant<S>(Vector3::UnitY()), constant<S>(Vector3::UnitZ())};
-        const auto axis = [&](int i) { return s.to_world(from_body(s, constant<S>(Vector3::Unit(i)))); };
-        return {axis(0), axis(1), axis(2)};
+        if (kind == Kind::prismatic) return {constant<S>({1, 0, 0}), constant<S>({0, 1, 0}), constant<S>({0, 0, 1})};
+        const auto axis = [&](const Vector3& e) { return s.to_world(from_body(s, constant<S>(e))); };
+        return {axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1})};
     }
     /// The origin of the body's axes from o, in the frame.
     template <class S>
@@ -289,7 +288,7 @@ public:
         if (kind == Kind::prismatic) return {S(1.0), S(0.0), S(0.0), S(0.0)};
         if (kind == Kind::revolute) {
             const S half = s.coordinate * S(0.5), n = sin(half);
-            const Vector3 e = frame.col(2);
+            const Vector3 e = column(frame, 2);
             return {cos(half), n * S(e[0]), n * S(e[1]), n * S(e[2])};
         }
         QuaternionOf<S> q = s.attitude;
@@ -335,8 +334,8 @@ private:
     /// v in components of the frame, without what is rounding in them.
     Vector3 in_frame(const Vector3& v) const {
         Vector3 c = frame.transpose() * v;
-        for (double& x : c.reshaped())
-            if (std::abs(x) <= 4.0 * std::numeric_limits<double>::epsilon() * v.norm()) x = 0.0;
+        for (int i = 0; i < 3; ++i)
+            if (std::abs(c[i]) <= 4.0 * std::numeric_limits<double>::epsilon() * v.norm()) c[i] = 0.0;
         return c;
     }
 
@@ -352,9 +351,9 @@ private:
     }
     /// The world axis most across a direction.
     static Vector3 least_along(const Vector3& direction) {
-        Eigen::Index least = 0;
-        direction.cwiseAbs().minCoeff(&least);
-        return Vector3::Unit(least);
+        Vector3 e(0, 0, 0);
+        e[least(sizes(direction))] = 1.0;
+        return e;
     }
 
     /// The principal axes about o; for a symmetric body loaded on its axis, that axis third.
@@ -368,12 +367,12 @@ private:
         Vector3Of<DoubleDouble> m;
         for (int i = 0; i < 3; ++i) {
             const int k = (first + i) % 3;
-            frame.col(i) = rounded(Vector3Of<DoubleDouble>(p.axes.col(k)));
+            for (int j = 0; j < 3; ++j) frame(j, i) = double(p.axes(j, k));
             m[i] = p.moments[k];
         }
         // a ball turns about any of its axes: that through G
         if (is_ball && !to_center.isZero(0.0)) frame = hinge_frame(to_center, to_center);
-        follows_axis = axis >= 0 && acts_on_axis(scene, index, frame.col(2));
+        follows_axis = axis >= 0 && acts_on_axis(scene, index, column(frame, 2));
         for (int i = 0; i < 3; ++i) {
             const DoubleDouble c = follows_axis ? m[2] / m[0] : (m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i];
             moments[i] = m[i].hi;

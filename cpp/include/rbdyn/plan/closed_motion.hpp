@@ -57,8 +57,8 @@ public:
         if (law.kind != RigidLaw::Kind::free) return;
         const Matrix3Of<DoubleDouble> r = exact_rotation(b.attitude);
         const Vector3Of<DoubleDouble> com = b.rigid()->exact().com, omega = widened(b.angular_velocity);
-        center_.emplace(widened(b.position) + product(r, com),
-                        widened(b.velocity) + product(r, Vector3Of<DoubleDouble>(omega.cross(com))), acceleration);
+        center_.emplace(widened(b.position) + product(r, com), widened(b.velocity) + product(r, omega.cross(com)),
+                        acceleration);
     }
     void state(Instant since, double* q, double* v) const override {
         if (center_) {
@@ -104,15 +104,14 @@ private:
         Vector3Of<DoubleDouble> moments;
         for (int i = 0; i < 3; ++i)
             for (int k = 0; k < 3; ++k)
-                if (std::abs(law.frame.col(i).dot(rounded(Vector3Of<DoubleDouble>(axes.col(k))))) > 0.5) {
+                if (std::abs(column(law.frame, i).dot(rounded(axes.col(k)))) > 0.5) {
                     frame.col(i) = axes.col(k);
                     moments[i] = p.moments[k];
                 }
         const Vector3Of<DoubleDouble> to_center = exact.com - widened(law.origin);
         const Vector3Of<DoubleDouble> e3 = frame.col(2);
         const DoubleDouble g = sqrt(dot<DoubleDouble>(a, a));
-        const Vector3Of<DoubleDouble> omega =
-            product(Matrix3Of<DoubleDouble>(frame.transpose()), widened(b.angular_velocity));
+        const Vector3Of<DoubleDouble> omega = product(frame.transpose(), widened(b.angular_velocity));
         const auto up = rounded(a);
         const Quaternion &f = law.frame_attitude, &q = b.attitude;
         const QuaternionOf<DoubleDouble> start =
@@ -295,9 +294,8 @@ inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const 
             return law.follows_axis ? std::make_shared<closed_forms::TopForm>(b, law, a) : nullptr;
         case RigidLaw::Kind::revolute: return hinge_form(scene, b, law, index, a);
         case RigidLaw::Kind::prismatic: {
-            const Vector3Of<DoubleDouble> zero = widened(Vector3::Zero().eval());
             const Vector3Of<DoubleDouble> e = widened(std::get<Prismatic>(b.joint).axis);
-            Vector3Of<DoubleDouble> x = zero, v = zero, along = zero;
+            Vector3Of<DoubleDouble> x, v, along;
             x[0] = b.parameter;
             v[0] = b.speed;
             along[0] = dot<DoubleDouble>(e, a) / sqrt(dot<DoubleDouble>(e, e));

@@ -19,7 +19,7 @@ namespace rbdyn {
 struct FirstIntegrals {
     std::vector<std::string> names;
     Vector3 pole = Vector3::Zero();
-    Vector3 up = Vector3::UnitZ();
+    Vector3 up{0, 0, 1};
 };
 
 namespace planning {
@@ -61,7 +61,7 @@ inline Remaining remaining_of(const Scene& scene) {
         if (!is_present(load.load)) continue;
         const Force* force = std::get_if<Force>(&load.load);
         if (force != nullptr && force->is_constant() && force->frame() == Frame::world) {
-            left.external += force->constant().cwiseAbs();
+            left.external += sizes(force->constant());
             continue;
         }
         left.known = false;
@@ -92,12 +92,12 @@ inline FirstIntegrals first_integrals(const Scene& scene, const PointLaws& laws)
     if (left.energy) result.names.push_back("energy");
     const Vector3& g = scene.gravity();
     const bool has_gravity = !g.isZero(0.0), only_gravity = left.known && left.external.isZero(0.0);
-    if (has_gravity) result.up = -g.normalized();
+    if (has_gravity) result.up = -direction(g);
     bool all_free = true;
     for (const Scene::Body& b : scene.bodies()) all_free = all_free && std::holds_alternative<Free>(b.joint);
     if (all_free) {
         const char* names[] = {"momentum x", "momentum y", "momentum z"};
-        const Vector3 external = left.external + g.cwiseAbs();
+        const Vector3 external = left.external + sizes(g);
         for (int i = 0; i < 3; ++i)
             if (left.known && external[i] == 0.0) result.names.push_back(names[i]);
         if (only_gravity && !has_gravity) result.names.push_back("angular momentum");

@@ -28,7 +28,7 @@ struct Plan {
     std::vector<Omission> omissions;
     std::vector<std::string> integrals;          // first integrals of the scene
     Vector3 pole = Vector3::Zero();              // what those of angular momentum are about
-    Vector3 up = Vector3::UnitZ();               // against gravity
+    Vector3 up{0, 0, 1};                         // against gravity
     Placement view;                              // the axes the equations are written in
     std::shared_ptr<const PointsModel> model;    // the equations of motion
     std::shared_ptr<const ClosedMotion> closed;  // the motion in closed form, if there is one
@@ -58,7 +58,7 @@ inline Placement view_of(const Scene& scene) {
     if (!curve.straight()) return view;
     // a line: the y axis along what pulls across it
     Vector3 across = Vector3::Zero();
-    const Vector3 x = view.axes.col(0);
+    const Vector3 x = column(view.axes, 0);
     const auto take = [&](const Vector3& v) {
         const Vector3 part = v - x * x.dot(v);
         if (across.isZero(0.0) && part.norm() > 1e-12 * v.norm()) across = part;
@@ -73,12 +73,9 @@ inline Placement view_of(const Scene& scene) {
             if (const Vector3* point = std::get_if<Vector3>(e)) take(*point - view.origin);
     }
     if (across.isZero(0.0)) return view;
-    Matrix3 axes;
-    axes.col(0) = x;
-    across.normalize();
-    axes.col(1) = (across - x * x.dot(across)).normalized();
-    axes.col(2) = x.cross(axes.col(1)).normalized();
-    view.axes = axes;
+    across = direction(across);
+    const Vector3 y = direction(across - x * x.dot(across));
+    view.axes = columns(x, y, direction(x.cross(y)));
     return view;
 }
 

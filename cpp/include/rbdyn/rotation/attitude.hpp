@@ -4,6 +4,8 @@
 // is, becomes the nearest one; anything else is refused.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -33,15 +35,24 @@ public:
     }
     /// Throws InvalidInput unless the columns are orthonormal to 1e-6 and right-handed.
     Attitude(const Matrix3& matrix) {
-        const double off = (matrix.transpose() * matrix - Matrix3::Identity()).cwiseAbs().maxCoeff();
-        require(matrix.allFinite() && off <= near_enough, "attitude", "departure of the matrix from a rotation", off,
+        Matrix3 square = matrix.transpose() * matrix;
+        for (int i = 0; i < 3; ++i) square(i, i) -= 1.0;
+        const bool finite = std::all_of(matrix.data(), matrix.data() + 9, [](double x) { return std::isfinite(x); });
+        const double off = finite ? largest(square) : std::numeric_limits<double>::quiet_NaN();
+        require(off <= near_enough, "attitude", "departure of the matrix from a rotation", off,
                 "the columns of a rotation matrix are orthonormal: they are the body's axes in world components");
-        require(matrix.determinant() > 0.0, "attitude", "determinant of the matrix", matrix.determinant(),
+        const double volume = column(matrix, 0).dot(column(matrix, 1).cross(column(matrix, 2)));
+        require(volume > 0.0, "attitude", "determinant of the matrix", volume,
                 "a rotation does not mirror: its determinant is 1; turn the sign of one axis");
         // the nearest rotation: Newton's steps for the polar factor square the departure, 1e-6 to 1e-12 to 1e-24
         // (Higham, "Computing the polar decomposition", 1986)
         Matrix3 r = matrix;
-        for (int k = 0; k < 2; ++k) r = 0.5 * (r + r.inverse().transpose()).eval();
+        for (int k = 0; k < 2; ++k) {
+            // the columns of the transposed inverse are cross products over the determinant
+            const Vector3 x = column(r, 0), y = column(r, 1), z = column(r, 2), yz = y.cross(z);
+            const double det = x.dot(yz);
+            r = columns(0.5 * (x + yz / det), 0.5 * (y + z.cross(x) / det), 0.5 * (z + x.cross(y) / det));
+        }
         q_ = normalized(of_rotation(r));
     }
 
@@ -59,13 +70,11 @@ private:
     /// matrix", 1978).
     static Quaternion of_rotation(const Matrix3& r) {
         // four times the squares of w, x, y, z
-        const Eigen::Vector4d square(1.0 + r(0, 0) + r(1, 1) + r(2, 2), 1.0 + r(0, 0) - r(1, 1) - r(2, 2),
-                                     1.0 - r(0, 0) + r(1, 1) - r(2, 2), 1.0 - r(0, 0) - r(1, 1) + r(2, 2));
-        Eigen::Index largest = 0;
-        square.maxCoeff(&largest);
+        const std::array square{1.0 + r(0, 0) + r(1, 1) + r(2, 2), 1.0 + r(0, 0) - r(1, 1) - r(2, 2),
+                                1.0 - r(0, 0) + r(1, 1) - r(2, 2), 1.0 - r(0, 0) - r(1, 1) + r(2, 2)};
         const double wx = r(2, 1) - r(1, 2), wy = r(0, 2) - r(2, 0), wz = r(1, 0) - r(0, 1);
         const double xy = r(1, 0) + r(0, 1), xz = r(0, 2) + r(2, 0), yz = r(2, 1) + r(1, 2);
-        switch (largest) {
+        switch (std::max_element(square.begin(), square.end()) - square.begin()) {
             case 0: return {square[0], wx, wy, wz};
             case 1: return {wx, square[1], xy, xz};
             case 2: return {wy, xy, square[2], yz};

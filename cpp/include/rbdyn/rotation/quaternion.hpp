@@ -72,9 +72,7 @@ Vector3Of<S> to_body(const QuaternionOf<S>& q, const Vector3Of<S>& v) {
 
 inline Matrix3 rotation_matrix(const Quaternion& q) {
     const AxesOf<double> e = axes(q);
-    Matrix3 m;
-    m << e.e1, e.e2, e.e3;
-    return m;
+    return columns(e.e1, e.e2, e.e3);
 }
 
 /// The attitude reached from the world's by a turn about an axis, of unit length [rad].

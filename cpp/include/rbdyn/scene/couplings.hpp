@@ -49,7 +49,7 @@ struct Spring {
     Vector3 operator()(const Vector3& d, const Vector3& v, double size = 0.0) const {
         const double l = d.norm(), speed = v.norm();
         const bool apart = l > 8.0 * std::numeric_limits<double>::epsilon() * size;
-        const Vector3 along = apart ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3::Zero().eval();
+        const Vector3 along = apart ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3(0, 0, 0);
         return -(stiffness * (l - rest_length) + damping * along.dot(v)) * along;
     }
 

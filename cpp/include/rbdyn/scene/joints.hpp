@@ -180,7 +180,7 @@ struct SphericalStart {
 /// A hinge: the body turns about an axis through a point of the world, where it holds a point of its own (7.60). At
 /// angle 0 body axes and world axes coincide, so the axis is the same direction in both; angles are right-handed.
 struct Revolute {
-    Vector3 axis = Vector3::UnitZ();
+    Vector3 axis{0, 0, 1};
     Vector3 at = Vector3::Zero();
     Vector3 point = Vector3::Zero();
 
@@ -201,7 +201,7 @@ struct RevoluteStart {
 /// A slide: the body moves along an axis without turning, body axes along the world's. At displacement 0 its point is
 /// at the point given of the world.
 struct Prismatic {
-    Vector3 axis = Vector3::UnitX();
+    Vector3 axis{1, 0, 0};
     Vector3 at = Vector3::Zero();
     Vector3 point = Vector3::Zero();
 

@@ -70,7 +70,7 @@ public:
     requires std::is_invocable_v<F, const Expression&>
     static RigidMotion rotation(F angle, const Vector3& axis, const Vector3& point = Vector3::Zero()) {
         require(axis.norm() > 0.0, "motion", "length of the axis", axis.norm(), "an axis has a direction");
-        const Vector3 e = axis.normalized();
+        const Vector3 e = direction(axis);
         return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
             const Expression phi = angle(t[0]), s = sin(phi), c = cos(phi), rest = 1.0 - c;
             const double cross_matrix[3][3] = {{0.0, -e[2], e[1]}, {e[2], 0.0, -e[0]}, {-e[1], e[0], 0.0}};

@@ -142,9 +142,9 @@ public:
         name = named(std::move(name), "body");
         require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
         require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
-        const Vector3 e = joint.axis.normalized();
+        const Vector3 e = direction(joint.axis);
         const Matrix3 about = body.inertia(joint.point);
-        const double axial = e.dot(about * e), largest = about.trace();
+        const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
         require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
                 "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
         return add(
@@ -292,8 +292,8 @@ private:
     /// A body turns freely about a point only if no moment there vanishes.
     static void require_turnable(const RigidBody& body, const Vector3& point, const std::string& name) {
         const Vector3 moments = body.principal(point).moments;
-        require(moments.minCoeff() > least_moment * moments.maxCoeff(), name, "least principal moment of inertia",
-                moments.minCoeff(),
+        const double lowest = moments[least(moments)], highest = moments[greatest(moments)];
+        require(lowest > least_moment * highest, name, "least principal moment of inertia", lowest,
                 "a rod-like body has no inertia against spin about its own line, which this joint leaves free: hold it "
                 "by Revolute, Prismatic or off its line, or give it a thickness");
     }

@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
@@ -145,8 +146,8 @@ private:
         for (std::size_t k = 0; k < fine_.size(); ++k) {
             Scale& s = scales_[k];
             const Observed& o = fine_[k];
-            s.low = s.low.cwiseMin(o.value);
-            s.high = s.high.cwiseMax(o.value);
+            s.low = lesser(s.low, o.value);
+            s.high = greater(s.high, o.value);
             s.size = std::max({s.size, o.value.norm(), o.size});
             s.whole = std::max(s.whole, o.whole);
             s.is_position = o.is_position;
@@ -173,10 +174,9 @@ private:
         for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
             for (last = first + 1; last < events.size(); ++last)
                 if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - r.start)) break;
-            std::stable_sort(events.begin() + static_cast<std::ptrdiff_t>(first),
-                             events.begin() + static_cast<std::ptrdiff_t>(last), [](const Event& a, const Event& b) {
-                                 return std::tie(a.kind, a.subject, a.name) < std::tie(b.kind, b.subject, b.name);
-                             });
+            sort_few(std::span(events).subspan(first, last - first), [](const Event& a, const Event& b) {
+                return std::tie(a.kind, a.subject, a.name) < std::tie(b.kind, b.subject, b.name);
+            });
         }
         return events;
     }

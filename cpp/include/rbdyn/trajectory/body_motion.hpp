@@ -82,7 +82,8 @@ public:
     }
     /// The world's third axis in body axes (7.59).
     Vector3 poisson_vector(double t, Side side = Side::after) const {
-        return rotation_matrix(t, side).row(2).transpose();
+        const Matrix3 r = rotation_matrix(t, side);
+        return {r(2, 0), r(2, 1), r(2, 2)};
     }
     /// The instantaneous axis of rotation: its point nearest to the centre of mass [m] and its direction, world axes
     /// (zero while the body does not turn).

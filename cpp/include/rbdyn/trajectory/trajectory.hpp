@@ -23,11 +23,15 @@ namespace rbdyn {
 class Trajectory {
 public:
     explicit Trajectory(RunData data) : data_(std::make_shared<const RunData>(std::move(data))) {
-        std::map<int, RailWork> works;
+        std::vector<BodyWork> works;
+        std::vector<bool> has_work(data_->scene.bodies().size());
         for (const Scene::AppliedLoad& load : data_->scene.loads())
-            if (planning::has_potential_along_rail(data_->scene, load) && !works.contains(load.body))
-                works.emplace(load.body, RailWork(data_->scene, BodyHandle{load.body}));
-        works_ = std::make_shared<const std::map<int, RailWork>>(std::move(works));
+            if (planning::has_potential_along_rail(data_->scene, load))
+                has_work[static_cast<std::size_t>(load.body)] = true;
+        for (int body = 0; body < static_cast<int>(has_work.size()); ++body)
+            if (has_work[static_cast<std::size_t>(body)])
+                works.push_back({body, RailWork(data_->scene, BodyHandle{body})});
+        works_ = std::make_shared<const std::vector<BodyWork>>(std::move(works));
     }
 
     Status status() const { return data_->record.status; }
@@ -224,7 +228,11 @@ private:
     }
 
     std::shared_ptr<const RunData> data_;
-    std::shared_ptr<const std::map<int, RailWork>> works_;  // of forces that have a potential along a rail, by body
+    struct BodyWork {
+        int body;
+        RailWork work;
+    };
+    std::shared_ptr<const std::vector<BodyWork>> works_;  // of forces that have a potential along a rail
 };
 
 inline double Trajectory::power(double t, LoadHandle load, Side side) const {
