@@ -26,7 +26,7 @@ struct alignas(16) Pair {
 
 /// sum_j weight x_j y_{k-j} over half the orders, in each lane.
 struct PackedProduct {
-    std::array<const double*, 2> x, y;
+    const double *x[2], *y[2];
     Pair weight;
     Pair *low, *high;  // weight x to half the highest order, y to the highest
     int half;
