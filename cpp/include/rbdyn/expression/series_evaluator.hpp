@@ -39,7 +39,8 @@ public:
         program_->set_parameters(parameters, scalars_);
         for (std::size_t i = 0; i < packed_.size(); ++i) {
             const auto& [first, second] = lane_weights_[i];
-            packed_[i].weight = series::Pair{weight(first), weight(second)};
+            packed_[i].weight = series::Pair{first.factor * scalars_[static_cast<std::size_t>(first.scalar)],
+                                             second.factor * scalars_[static_cast<std::size_t>(second.scalar)]};
         }
     }
 
@@ -101,8 +102,8 @@ public:
                     }
                     double* slope = i.slope;
                     slope[k] = k * a[k];
-                    const double s_k = integral(i.packed, k);
-                    cosine.set(k, -integral(i.packed + 1, k));
+                    const double s_k = series::integral_of_slope(slope, cosine, k);
+                    cosine.set(k, -series::integral_of_slope(slope, out, k));
                     out.set(k, s_k);
                     break;
                 }
@@ -115,8 +116,8 @@ public:
                         cosine.set(0, std::cosh(a[0]));
                         break;
                     }
-                    const double s_k = integral(i.packed, k);
-                    cosine.set(k, integral(i.packed + 1, k));
+                    const double s_k = series::integral_of_slope(slope, cosine, k);
+                    cosine.set(k, series::integral_of_slope(slope, out, k));
                     out.set(k, s_k);
                     break;
                 }
@@ -131,7 +132,7 @@ public:
                         rest.set(0, 1.0 / (c * c));
                         break;
                     }
-                    out.set(k, integral(i.packed, k));
+                    out.set(k, series::integral_of_slope(slope, rest, k));
                     rest.set(k, -series::square(out, k));
                     break;
                 }
@@ -155,7 +156,7 @@ public:
                     const series::View& a = i.a;
                     double* slope = i.slope;
                     slope[k] = k * a[k];
-                    out.set(k, k == 0 ? std::exp(a[0]) : integral(i.packed, k));
+                    out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope(slope, out, k));
                     break;
                 }
                 case Code::logarithm: {
@@ -202,7 +203,7 @@ private:
         const double* series;
         int weight;
     };
-    // a lane of a packed product: factor times a scalar, or alone (-1)
+    // a lane of a packed product: factor times a scalar
     struct LaneWeight {
         int scalar;
         double factor;
@@ -228,17 +229,6 @@ private:
     series::View slot(int index) {
         double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
         return {start, start + top_ + 1, top_};
-    }
-
-    double weight(const LaneWeight& lane) const {
-        return lane.scalar < 0 ? lane.factor : lane.factor * scalars_[static_cast<std::size_t>(lane.scalar)];
-    }
-
-    /// (1/k) sum_{j=1..k} (j a_j) b_{k-j}, the coefficient of the integral of a' b, the product p.
-    static double integral(series::PackedProduct* p, int k) {
-        if (k > 1) return series::packed_sums[static_cast<std::size_t>(k - 1)](0.0, p, p + 1) / k;
-        p->take(0);
-        return p->x[0][0] * p->y[0][0];
     }
 
     /// Coefficient 0 of the products of a combination.
@@ -288,7 +278,7 @@ private:
         std::size_t terms = 0, products = 0;
         for (const Instruction& i : program_->instructions()) {
             terms += static_cast<std::size_t>(i.terms);
-            products += static_cast<std::size_t>(std::max(i.products, 2));  // a function has two at most
+            products += static_cast<std::size_t>(i.products);
         }
         terms_.reserve(terms);
         packed_.reserve(products);
@@ -318,11 +308,7 @@ private:
                 const Term& t = program_->terms(i)[j];
                 terms_.push_back({slot(t.slot).forward, t.weight});
             }
-            pack_products(program_->products(i), program_->products(i) + i.products);
-            if (i.code == Code::sine_cosine || i.code == Code::hyperbolic || i.code == Code::tangent)
-                pack_slope(s.slope, i.out2);
-            if (i.code == Code::sine_cosine || i.code == Code::hyperbolic || i.code == Code::exponential)
-                pack_slope(s.slope, i.out);
+            pack(program_->products(i), program_->products(i) + i.products);
             s.packed_end = packed_.data() + packed_.size();
             steps_.push_back(s);
         }
@@ -333,35 +319,30 @@ private:
     std::size_t lanes_each() const { return static_cast<std::size_t>(top_ / 2 + 1 + top_ + 1); }
 
     /// Packs the products of a combination; a square without another one has a lane of zeros beside it.
-    void pack_products(const ProductTerm* first, const ProductTerm* last) {
+    void pack(const ProductTerm* first, const ProductTerm* last) {
         const ProductTerm* square = nullptr;  // waits for another one
         for (const ProductTerm* p = first; p != last; ++p) {
             if (p->a != p->b) {
-                pack_slots({p->a, p->b}, {p->b, p->a}, {{{p->weight, 1.0}, {p->weight, 1.0}}});
+                pack({p->a, p->b}, {p->b, p->a}, {{{p->weight, 1.0}, {p->weight, 1.0}}});
             } else if (square == nullptr) {
                 square = p;
             } else {
-                pack_slots({square->a, p->a}, {square->a, p->a}, {{{square->weight, 2.0}, {p->weight, 2.0}}});
+                pack({square->a, p->a}, {square->a, p->a}, {{{square->weight, 2.0}, {p->weight, 2.0}}});
                 square = nullptr;
             }
         }
-        if (square) pack_slots({square->a, square->a}, {square->a, square->a}, {{{square->weight, 2.0}, {-1, 0.0}}});
+        if (square)
+            pack({square->a, square->a}, {square->a, square->a}, {{{square->weight, 2.0}, {square->weight, 0.0}}});
     }
 
-    void pack_slots(std::array<int, 2> x, std::array<int, 2> y, const std::array<LaneWeight, 2>& weights) {
-        pack({{coefficients(x[0]), coefficients(x[1])}}, {{coefficients(y[0]), coefficients(y[1])}}, weights);
-    }
-
-    /// The product of a function and the derivative of its argument, `slope` that times the time.
-    void pack_slope(const double* slope, int function) {
-        const double *a = slope + 1, *b = coefficients(function);
-        pack({{a, b}}, {{b, a}}, {{{-1, 1.0}, {-1, 1.0}}});
-    }
-
-    void pack(std::array<const double*, 2> x, std::array<const double*, 2> y,
-              const std::array<LaneWeight, 2>& weights) {
+    void pack(std::array<int, 2> x, std::array<int, 2> y, const std::array<LaneWeight, 2>& weights) {
         series::Pair* low = lanes_.data() + packed_.size() * lanes_each();
-        packed_.push_back({x, y, series::Pair{}, low, low + top_ / 2 + 1, top_ / 2});
+        packed_.push_back({{coefficients(x[0]), coefficients(x[1])},
+                           {coefficients(y[0]), coefficients(y[1])},
+                           series::Pair{},
+                           low,
+                           low + top_ / 2 + 1,
+                           top_ / 2});
         lane_weights_.push_back(weights);
     }
 

@@ -64,7 +64,13 @@ struct View {
 
 // In each sum the newest coefficients stand alone: what was stored a moment ago one by one is slow to load in lanes.
 
-/// (a a)_k; of other products see packed_products.hpp.
+/// (a b)_k
+inline double product(const View& a, const View& b, int k) {
+    if (k == 0) return a[0] * b[0];
+    return (a[0] * b[k] + a[k] * b[0]) + dot(a.forward + 1, b.from(k - 1), k - 1);
+}
+
+/// (a a)_k, half the work of a product.
 inline double square(const View& a, int k) {
     if (k == 0) return a[0] * a[0];
     const int pairs = (k - 1) / 2;
@@ -84,6 +90,12 @@ inline double square_root(double a_k, const View& s, int k) {
     double sum = 2.0 * dot(s.forward + 1, s.from(k - 1), pairs);
     if (k % 2 == 0) sum += s[k / 2] * s[k / 2];
     return (a_k - sum) / (2.0 * s[0]);
+}
+
+/// (1/k) sum_{j=1..k} (j a_j) b_{k-j}, the coefficient of the integral of a' b; `slope` holds j a_j.
+inline double integral_of_slope(const double* slope, const View& b, int k) {
+    if (k == 1) return slope[1] * b[0];
+    return (slope[k] * b[0] + slope[1] * b[k - 1] + dot(slope + 2, b.from(k - 2), k - 2)) / k;
 }
 
 }  // namespace rbdyn::series

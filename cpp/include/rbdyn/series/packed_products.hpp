@@ -26,7 +26,7 @@ struct alignas(16) Pair {
 
 /// sum_j weight x_j y_{k-j} over half the orders, in each lane.
 struct PackedProduct {
-    std::array<const double*, 2> x, y;
+    const double *x[2], *y[2];
     Pair weight;
     Pair *low, *high;  // weight x to half the highest order, y to the highest
     int half;
@@ -43,22 +43,22 @@ inline constexpr int most_packed = 32;
 /// `sum` and coefficient k > 0 of the products from first to last, which have taken all orders below it and take it.
 template <int k>
 double packed_sum(double sum, const PackedProduct* first, const PackedProduct* last) {
-    // nothing waits for the newest coefficients but their own products
-    Pair even{}, odd{}, fresh{};
+    Pair even{}, odd{};
     for (const PackedProduct* p = first; p != last; ++p) {
+        // what was stored a moment ago is slow to load again in lanes
         const Pair newest{p->y[0][k], p->y[1][k]};
         const Pair *low = p->low, *high = p->high + k;
         p->high[k] = newest;
         if (k <= p->half) p->low[k] = p->weight * Pair{p->x[0][k], p->x[1][k]};
-        fresh += low[0] * newest;
+        even += low[0] * newest;
         [&]<int... j>(std::integer_sequence<int, j...>) {
             (((j % 2 == 0 ? odd : even) += low[j + 1] * high[-(j + 1)]), ...);
         }
         (std::make_integer_sequence<int, (k - 1) / 2>{});
-        if constexpr (k % 2 == 0) even += Pair{0.5, 0.5} * low[k / 2] * high[-k / 2];
+        if constexpr (k % 2 == 0) odd += Pair{0.5, 0.5} * low[k / 2] * high[-k / 2];
     }
-    fresh += even += odd;
-    return sum + (fresh[0] + fresh[1]);
+    even += odd;
+    return sum + (even[0] + even[1]);
 }
 
 using PackedSum = double (*)(double, const PackedProduct*, const PackedProduct*);
