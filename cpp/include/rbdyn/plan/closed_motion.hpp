@@ -52,7 +52,7 @@ private:
 /// A body that turns freely about its centre of mass, or about the point a ball joint holds.
 class FreeForm : public BodyForm {
 public:
-    FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
+    [[gnu::cold]] FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
         : law_(law), rotation_(about(b, law), b.attitude, b.angular_velocity) {
         if (law.kind != RigidLaw::Kind::free) return;
         const Matrix3Of<DoubleDouble> r = exact_rotation(b.attitude);
@@ -84,7 +84,7 @@ private:
 /// A heavy symmetric body on a ball joint on its axis.
 class TopForm : public BodyForm {
 public:
-    TopForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
+    [[gnu::cold]] TopForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
         : law_(law), top_(made(b, law, acceleration)) {}
     void state(Instant since, double* q, double* v) const override {
         const LagrangeTop::State s = top_.at(since);
@@ -95,7 +95,7 @@ public:
     std::string name() const override { return "Lagrange's top"; }
 
 private:
-    static LagrangeTop made(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& a) {
+    [[gnu::cold]] static LagrangeTop made(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& a) {
         const MassProperties& exact = b.rigid()->exact();
         const PrincipalAxesOf<DoubleDouble> p = b.rigid()->principal_exact(law.origin);
         const Matrix3Of<DoubleDouble> axes = p.axes;
@@ -236,8 +236,9 @@ inline std::optional<Vector3> only_constant_force(const Scene& scene, int index)
 
 /// Of a body on a hinge, under constant acceleration `a` or torsion springs, not both. Angles are measured in the law's
 /// frame: e1 towards the centre of mass, e3 the axis.
-inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scene::Body& b, const RigidLaw& law,
-                                                  int index, const Vector3Of<DoubleDouble>& a) {
+[[gnu::cold]] inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scene::Body& b,
+                                                                const RigidLaw& law, int index,
+                                                                const Vector3Of<DoubleDouble>& a) {
     LinearOscillator::Coefficients c;
     double rest = 0.0;
     int springs = 0;
@@ -276,7 +277,8 @@ inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scen
 }
 
 /// The closed form of one body; none if it has none here.
-inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const PointLaws& laws, int index) {
+[[gnu::cold]] inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const PointLaws& laws,
+                                                                    int index) {
     using closed_forms::Accelerated;
     const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
     const std::optional<Vector3> force = only_constant_force(scene, index);
@@ -306,8 +308,8 @@ inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const 
 }
 
 /// The closed form of a scene with rigid bodies, and why there is none otherwise.
-inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion(const Scene& scene,
-                                                                                 const PointLaws& laws) {
+[[gnu::cold]] inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion(const Scene& scene,
+                                                                                               const PointLaws& laws) {
     bool any_rigid = false;
     for (const Scene::Body& b : scene.bodies()) any_rigid = any_rigid || b.rigid() != nullptr;
     if (!any_rigid) return {nullptr, ""};
