@@ -15,7 +15,7 @@
 namespace rbdyn::elliptic {
 
 /// Of arguments that are not negative; infinite where two of them are zero.
-inline DoubleDouble carlson_f(DoubleDouble x, DoubleDouble y, DoubleDouble z) {
+[[gnu::cold]] inline DoubleDouble carlson_f(DoubleDouble x, DoubleDouble y, DoubleDouble z) {
     if ((x.hi == 0.0) + (y.hi == 0.0) + (z.hi == 0.0) > 1) return std::numeric_limits<double>::infinity();
     for (;;) {
         const DoubleDouble mean = (x + y + z) / 3.0;

@@ -49,8 +49,8 @@ public:
 
     /// From the moments and axes of inertia about G, the attitude (made a unit quaternion) and the angular velocity in
     /// body axes [rad/s] at t = 0. The moments are positive.
-    FreeRotation(const PrincipalAxesOf<DoubleDouble>& principal, const Quaternion& attitude,
-                 const Vector3& angular_velocity) {
+    [[gnu::cold]] FreeRotation(const PrincipalAxesOf<DoubleDouble>& principal, const Quaternion& attitude,
+                               const Vector3& angular_velocity) {
         const auto& q = attitude;
         const QuaternionOf<DoubleDouble> given{q.w, q.x, q.y, q.z};
         const QuaternionOf<DoubleDouble> start = unit(given);
@@ -175,8 +175,8 @@ private:
         return unit({m(k, j) - m(j, k), v[0], v[1], v[2]});
     }
 
-    void set_constant(const Vector3Of<DoubleDouble>& omega, const Matrix3Of<DoubleDouble>& axes,
-                      const QuaternionOf<DoubleDouble>& start) {
+    [[gnu::cold]] void set_constant(const Vector3Of<DoubleDouble>& omega, const Matrix3Of<DoubleDouble>& axes,
+                                    const QuaternionOf<DoubleDouble>& start) {
         form_ = Form::constant;
         const DoubleDouble size = sqrt(dot<DoubleDouble>(omega, omega));
         regime_ = size.hi == 0.0 ? Regime::rest : Regime::permanent;
@@ -186,8 +186,8 @@ private:
         precession_ = size.hi;
     }
 
-    void set_varying(const Polhode& p, const Matrix3Of<DoubleDouble>& principal,
-                     const QuaternionOf<DoubleDouble>& start) {
+    [[gnu::cold]] void set_varying(const Polhode& p, const Matrix3Of<DoubleDouble>& principal,
+                                   const QuaternionOf<DoubleDouble>& start) {
         sign_ = p.sign;
         const DoubleDouble sine = p.momentum1 / p.momentum, cosine = p.momentum3 / p.momentum;  // of the least tilt
         Constants<DoubleDouble> exact;
@@ -247,7 +247,7 @@ private:
 
     /// Near the separatrix 1 - m, a difference known to 32 digits of its terms, sets the time of each flip. Turning to
     /// principal axes leaves roundings of the largest moment in all of them, which shift small components of omega.
-    void set_doubt(const Polhode& p, const Vector3Of<DoubleDouble>& omega, bool along_axes) {
+    [[gnu::cold]] void set_doubt(const Polhode& p, const Vector3Of<DoubleDouble>& omega, bool along_axes) {
         const double largest = std::max(p.i1.hi, p.i3.hi);
         if (!along_axes) conditioning_ = largest / std::min(p.i1.hi, p.i3.hi);
         if (form_ != Form::hyperbolic || p.difference == 0.0) return;

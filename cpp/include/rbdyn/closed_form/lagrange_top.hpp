@@ -178,7 +178,7 @@ private:
                 Vector3(omega[0] * c2 + omega[1] * s2, omega[1] * c2 - omega[0] * s2, omega[2])};
     }
 
-    void set_heavy(const Start& s) {
+    [[gnu::cold]] void set_heavy(const Start& s) {
         const DoubleDouble difference = s.horizontal - s.axial * s.below, sum = s.horizontal + s.axial * s.above;
         const Roots r = roots(s, difference, sum);
         const bool separatrix = r.d32.hi == 0.0;
@@ -240,8 +240,8 @@ private:
 
     /// The constant factor, from value x + i y and derivative at t = 0: either may vanish. The even growth of the phase
     /// is taken off the derivative, in all digits, since it says nothing new.
-    void fit(Factor& f, bool first, const DoubleDouble& x, const DoubleDouble& y, const DoubleDouble& x_rise,
-             const DoubleDouble& y_rise) const {
+    [[gnu::cold]] void fit(Factor& f, bool first, const DoubleDouble& x, const DoubleDouble& y,
+                           const DoubleDouble& x_rise, const DoubleDouble& y_rise) const {
         const Phase::Reduced at = place_.at({});
         const double z = at.rest.hi;
         const Theta::Waves waves = theta_.waves(z);
@@ -290,7 +290,8 @@ private:
 /// u'^2/weight = (u - u1)(u2 - u)(u3 - u), written about u at the start, where u1 <= u <= u2, and about u = 1, where
 /// u2 <= 1 <= u3: each time one pair has roots of opposite signs, which come out of its quadratic with all their digits
 /// once the third root is known. The root apart from the other two is known from Newton's method.
-inline LagrangeTop::Roots LagrangeTop::roots(const Start& s, const DoubleDouble& difference, const DoubleDouble& sum) {
+[[gnu::cold]] inline LagrangeTop::Roots LagrangeTop::roots(const Start& s, const DoubleDouble& difference,
+                                                           const DoubleDouble& sum) {
     Roots r;
     // a negative and a positive root of z^2 - sum z + product
     const auto opposite_pair = [](const DoubleDouble& total, const DoubleDouble& product) {

@@ -29,7 +29,7 @@ public:
     enum class Kind { rest, libration, separatrix, rotation };
 
     /// w2 [1/s^2] not negative, the angle from the lowest place [rad] and its rate [rad/s] at t = 0.
-    Pendulum(const DoubleDouble& w2, const DoubleDouble& angle, const DoubleDouble& rate)
+    [[gnu::cold]] Pendulum(const DoubleDouble& w2, const DoubleDouble& angle, const DoubleDouble& rate)
         : start_{angle.hi, rate.hi}, backward_(rate.hi < 0.0) {
         require(w2.hi >= 0.0 && std::isfinite(w2.hi), "Pendulum", "m g l / I", w2.hi,
                 "it must not be negative; measure the angle from the lowest place");

@@ -44,7 +44,7 @@ struct Polhode {
     }
 
     /// Of an angular velocity that is not constant, in principal axes.
-    Polhode(const Vector3Of<DoubleDouble>& moments, const Vector3Of<DoubleDouble>& omega) {
+    [[gnu::cold]] Polhode(const Vector3Of<DoubleDouble>& moments, const Vector3Of<DoubleDouble>& omega) {
         const auto square = [](const DoubleDouble& x) { return x * x; };
         std::array<int, 3> order{0, 1, 2};
         sort_few<int>(order, [&](int i, int j) { return moments[i] < moments[j]; });

@@ -100,7 +100,7 @@ struct CircularSeries {
 };
 
 /// From the nome q and p = exp(-pi (K' - b)/K), q <= p <= 1.
-inline CircularSeries<DoubleDouble> circular_series(const DoubleDouble& q, const DoubleDouble& p) {
+[[gnu::cold]] inline CircularSeries<DoubleDouble> circular_series(const DoubleDouble& q, const DoubleDouble& p) {
     using theta_series::power;
     CircularSeries<DoubleDouble> s;
     s.nome = q;
@@ -184,7 +184,8 @@ struct HyperbolicSeries {
 };
 
 /// From sqrt(q') = exp(-pi K / 2K'), and eta = pi b / 2K', 0 < eta < pi/2.
-inline HyperbolicSeries<DoubleDouble> hyperbolic_series(const DoubleDouble& root_nome, const DoubleDouble& eta) {
+[[gnu::cold]] inline HyperbolicSeries<DoubleDouble> hyperbolic_series(const DoubleDouble& root_nome,
+                                                                      const DoubleDouble& eta) {
     using theta_series::power;
     HyperbolicSeries<DoubleDouble> s;
     s.root_nome = root_nome;

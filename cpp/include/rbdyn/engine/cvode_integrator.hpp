@@ -23,8 +23,8 @@ namespace cvode {
 /// CVODE set up for one set of equations; stays where it is, for CVODE holds its address.
 class Integrator {
 public:
-    Integrator(const Equations& equations, bool stiff, int series_order, double guard_tolerance, SUNContext context,
-               Work& work)
+    [[gnu::cold]] Integrator(const Equations& equations, bool stiff, int series_order, double guard_tolerance,
+                             SUNContext context, Work& work)
         : evaluator(equations.program),
           series(equations.program, series_order),
           guards(equations, series_are_known(equations) ? &series : nullptr, series_order, guard_tolerance),

@@ -215,7 +215,7 @@ public:
     /// A model whose choices follow from a state: the numbers of time, inputs and parameters from here on. Choices in
     /// `forced`, by id, are made so whatever the state; those on the surfaces in `sides` are on that side, +1 or -1.
     void follow(double t, std::span<const double> inputs, std::span<const double> parameters,
-                std::map<std::uint64_t, long> forced = {}, std::map<std::uint64_t, int> sides = {}) {
+                std::map<std::uint64_t, long> forced = {}, std::map<std::uint64_t, long> sides = {}) {
         follows_ = true;
         time_ = t;
         inputs_.assign(inputs.begin(), inputs.end());
@@ -346,7 +346,7 @@ private:
     std::vector<double> inputs_, parameter_values_, values_;
     std::vector<std::vector<double>> results_;  // of calls
     std::map<std::uint64_t, long> forced_;
-    std::map<std::uint64_t, int> sides_;
+    std::map<std::uint64_t, long> sides_;
     std::map<std::uint64_t, Blend> blends_;
 };
 

@@ -104,7 +104,7 @@ public:
         SpringEnd a, b;
     };
 
-    PointLaws(const Scene& scene, const Placement& view) : view_(view) {
+    [[gnu::cold]] PointLaws(const Scene& scene, const Placement& view) : view_(view) {
         const auto& bodies = scene.bodies();
         int position = 0;
         for (const Scene::Body& b : bodies) {

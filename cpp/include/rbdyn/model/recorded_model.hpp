@@ -29,7 +29,7 @@ namespace rbdyn {
 /// What of the distinctions in equations is settled, whatever the state says.
 struct Decisions {
     std::map<std::uint64_t, long> forced = {};  // choices, by id
-    std::map<std::uint64_t, int> sides = {};    // +1 or -1, of the surfaces that were just left
+    std::map<std::uint64_t, long> sides = {};   // +1 or -1, of the surfaces that were just left
     std::set<std::uint64_t> sliding = {};       // the surfaces that motion slides along
 };
 

@@ -43,7 +43,7 @@ public:
     Matrix3 inertia = Matrix3::Zero();                                        // about G, in the frame
 
     /// Of a body of a scene.
-    RigidLaw(const Scene& scene, int index) {
+    [[gnu::cold]] RigidLaw(const Scene& scene, int index) {
         const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
         const RigidBody& body = *b.rigid();
         mass = body.mass();

@@ -52,7 +52,7 @@ private:
 /// A body that turns freely about its centre of mass, or about the point a ball joint holds.
 class FreeForm : public BodyForm {
 public:
-    FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
+    [[gnu::cold]] FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
         : law_(law), rotation_(about(b, law), b.attitude, b.angular_velocity) {
         if (law.kind != RigidLaw::Kind::free) return;
         const Matrix3Of<DoubleDouble> r = exact_rotation(b.attitude);
@@ -84,7 +84,7 @@ private:
 /// A heavy symmetric body on a ball joint on its axis.
 class TopForm : public BodyForm {
 public:
-    TopForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
+    [[gnu::cold]] TopForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
         : law_(law), top_(made(b, law, acceleration)) {}
     void state(Instant since, double* q, double* v) const override {
         const LagrangeTop::State s = top_.at(since);
@@ -95,7 +95,7 @@ public:
     std::string name() const override { return "Lagrange's top"; }
 
 private:
-    static LagrangeTop made(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& a) {
+    [[gnu::cold]] static LagrangeTop made(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& a) {
         const MassProperties& exact = b.rigid()->exact();
         const PrincipalAxesOf<DoubleDouble> p = b.rigid()->principal_exact(law.origin);
         const Matrix3Of<DoubleDouble> axes = p.axes;
@@ -192,7 +192,7 @@ class ClosedMotion : public ClosedForm {
 public:
     struct Part {
         int first, first_rate;
-        std::shared_ptr<const BodyForm> form;
+        std::unique_ptr<const BodyForm> form;
     };
     explicit ClosedMotion(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
@@ -217,6 +217,12 @@ private:
 
 namespace planning {
 
+/// Held as what all forms are from the start: a pointer for each would be much to compile.
+template <class Form, class... Given>
+std::unique_ptr<const BodyForm> made(Given&&... given) {
+    return std::unique_ptr<const BodyForm>(new Form(std::forward<Given>(given)...));
+}
+
 /// The constant force on a body beside gravity, if nothing else acts on it but torsion springs and it acts at the
 /// centre of mass.
 inline std::optional<Vector3> only_constant_force(const Scene& scene, int index) {
@@ -236,8 +242,9 @@ inline std::optional<Vector3> only_constant_force(const Scene& scene, int index)
 
 /// Of a body on a hinge, under constant acceleration `a` or torsion springs, not both. Angles are measured in the law's
 /// frame: e1 towards the centre of mass, e3 the axis.
-inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scene::Body& b, const RigidLaw& law,
-                                                  int index, const Vector3Of<DoubleDouble>& a) {
+[[gnu::cold]] inline std::unique_ptr<const BodyForm> hinge_form(const Scene& scene, const Scene::Body& b,
+                                                                const RigidLaw& law, int index,
+                                                                const Vector3Of<DoubleDouble>& a) {
     LinearOscillator::Coefficients c;
     double rest = 0.0;
     int springs = 0;
@@ -264,7 +271,7 @@ inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scen
                        field = sqrt(dot<DoubleDouble>(pull, pull) / ee);
     const DoubleDouble weight = DoubleDouble(b.mass()) * arm * field;
     const bool is_heavy = std::abs(law.center[0]) > 0.0 && weight.hi > 0.0;
-    if (!is_heavy) return std::make_shared<closed_forms::OscillatorForm>(c, rest, b.parameter, b.speed);
+    if (!is_heavy) return made<closed_forms::OscillatorForm>(c, rest, b.parameter, b.speed);
     if (springs > 0) return nullptr;
     // lowest where R d lies along a
     const DoubleDouble sine = dot<DoubleDouble>(turned, e) / sqrt(ee), cosine = dot<DoubleDouble>(across, pull) / ee;
@@ -272,11 +279,12 @@ inline std::shared_ptr<const BodyForm> hinge_form(const Scene& scene, const Scen
     // one step of Newton's: the angle to 32 digits
     const auto [s, co] = sine_cosine(lowest);
     lowest += (sine * co - cosine * s) / (cosine * co + sine * s);
-    return std::make_shared<closed_forms::PendulumForm>(weight / moment, lowest, b.parameter, b.speed);
+    return made<closed_forms::PendulumForm>(weight / moment, lowest, b.parameter, b.speed);
 }
 
 /// The closed form of one body; none if it has none here.
-inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const PointLaws& laws, int index) {
+[[gnu::cold]] inline std::unique_ptr<const BodyForm> closed_form_of(const Scene& scene, const PointLaws& laws,
+                                                                    int index) {
     using closed_forms::Accelerated;
     const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
     const std::optional<Vector3> force = only_constant_force(scene, index);
@@ -284,14 +292,14 @@ inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const 
     Vector3Of<DoubleDouble> a;
     for (int i = 0; i < 3; ++i) a[i] = DoubleDouble(scene.gravity()[i]) + DoubleDouble((*force)[i]) / b.mass();
     if (b.rigid() == nullptr)
-        return std::make_shared<closed_forms::SlidingForm>(Accelerated(widened(b.position), widened(b.velocity), a), 3);
+        return made<closed_forms::SlidingForm>(Accelerated(widened(b.position), widened(b.velocity), a), 3);
     const RigidLaw& law = *laws.body(index).rigid;
     const bool is_weightless = a[0].hi == 0.0 && a[1].hi == 0.0 && a[2].hi == 0.0;
     switch (law.kind) {
-        case RigidLaw::Kind::free: return std::make_shared<closed_forms::FreeForm>(b, law, a);
+        case RigidLaw::Kind::free: return made<closed_forms::FreeForm>(b, law, a);
         case RigidLaw::Kind::spherical:
-            if (is_weightless || law.center.isZero(0.0)) return std::make_shared<closed_forms::FreeForm>(b, law, a);
-            return law.follows_axis ? std::make_shared<closed_forms::TopForm>(b, law, a) : nullptr;
+            if (is_weightless || law.center.isZero(0.0)) return made<closed_forms::FreeForm>(b, law, a);
+            return law.follows_axis ? made<closed_forms::TopForm>(b, law, a) : nullptr;
         case RigidLaw::Kind::revolute: return hinge_form(scene, b, law, index, a);
         case RigidLaw::Kind::prismatic: {
             const Vector3Of<DoubleDouble> e = widened(std::get<Prismatic>(b.joint).axis);
@@ -299,15 +307,15 @@ inline std::shared_ptr<const BodyForm> closed_form_of(const Scene& scene, const 
             x[0] = b.parameter;
             v[0] = b.speed;
             along[0] = dot<DoubleDouble>(e, a) / sqrt(dot<DoubleDouble>(e, e));
-            return std::make_shared<closed_forms::SlidingForm>(Accelerated(x, v, along), 1);
+            return made<closed_forms::SlidingForm>(Accelerated(x, v, along), 1);
         }
     }
     return nullptr;
 }
 
 /// The closed form of a scene with rigid bodies, and why there is none otherwise.
-inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion(const Scene& scene,
-                                                                                 const PointLaws& laws) {
+[[gnu::cold]] inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion(const Scene& scene,
+                                                                                               const PointLaws& laws) {
     bool any_rigid = false;
     for (const Scene::Body& b : scene.bodies()) any_rigid = any_rigid || b.rigid() != nullptr;
     if (!any_rigid) return {nullptr, ""};

@@ -80,7 +80,7 @@ inline Placement view_of(const Scene& scene) {
 }
 
 /// What the recorded equations watch for, with nothing that sticks and with all that can.
-inline std::vector<std::string> guards_of(const PointsModel& model) {
+[[gnu::cold]] inline std::vector<std::string> guards_of(const PointsModel& model) {
     std::vector<std::string> lines;
     for (const signed char slip : {static_cast<signed char>(1), sticks, flies}) {
         std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
@@ -114,7 +114,7 @@ inline std::vector<std::string> guards_of(const PointsModel& model) {
 }  // namespace planning
 
 /// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
-inline Plan make_plan(const Scene& scene) {
+[[gnu::cold]] inline Plan make_plan(const Scene& scene) {
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
     Plan plan;
     plan.view = planning::view_of(scene);

@@ -219,7 +219,7 @@ public:
     }
 
     /// The scene with the numbers of the user's (Parameter) as they are now: what a run is made of.
-    Scene frozen() const {
+    [[gnu::cold]] Scene frozen() const {
         Scene result = *this;
         for (Body& b : result.bodies_)
             if (const Rail* rail = b.rail()) b.joint = rail->frozen();
