@@ -249,7 +249,9 @@ def test_a_pole_of_a_recorded_force_is_named():
     scene = rb.Scene()
     scene.add(rb.Particle(1.0))
     scene.apply(rb.Force(lambda t, r, v: [1.0 / (2.0 - t) ** 2, 0.0, 0.0]), scene.bodies[0])
-    with pytest.raises(rb.IntegrationError, match=r"t = (2|1\.99999).*force .* on particle 1, which has grown") as caught:
+    with pytest.raises(
+        rb.IntegrationError, match=r"t = (2|1\.99999).*force .* on particle 1, which has grown"
+    ) as caught:
         rb.simulate(scene, until=3.0)
     assert caught.value.run.status == "not finite"
 
