@@ -19,13 +19,14 @@ namespace rbdyn {
 
 class SeriesEvaluator {
 public:
-    /// Room for series of orders 0 .. max_order, at most series::most_packed.
+    /// Room for series of orders 0 .. max_order. Throws Error above series::most_packed.
     SeriesEvaluator(const Program& program, int max_order)
         : program_(&program),
           top_(max_order),
           stride_(2 * (max_order + 1)),
           storage_(static_cast<std::size_t>(program.slots() * stride_), 0.0),
           valuations_(static_cast<std::size_t>(program.states()), -1) {
+        if (max_order > series::most_packed) throw Error("SeriesEvaluator: there is no code for series of this order");
         resolve();
     }
     SeriesEvaluator(const SeriesEvaluator&) = delete;

@@ -76,8 +76,14 @@ inline int leading_sign(const Mode& mode, double t, std::span<const double> x, i
     const double* g = series.output(output);
     double size = 0.0;
     for (int k = known_zeros; k <= order; ++k) size = std::max(size, std::abs(g[k]) * std::pow(time, k));
+    // a function that is zero always has the rounding of its terms for coefficients
+    Evaluator<double> values(program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    const double nothing =
+        std::max(1e-13 * size, 64.0 * std::numeric_limits<double>::epsilon() * values.magnitude(output));
     for (int k = known_zeros; k <= order; ++k)
-        if (std::abs(g[k]) * std::pow(time, k) > 1e-13 * size) return g[k] > 0.0 ? 1 : -1;
+        if (std::abs(g[k]) * std::pow(time, k) > nothing) return g[k] > 0.0 ? 1 : -1;
     return 0;
 }
 

@@ -37,8 +37,8 @@ struct PackedProduct {
     }
 };
 
-/// The highest order that there is code for.
-inline constexpr int most_packed = 32;
+/// The highest order that there is code for: that of Taylor series at the least tolerance.
+inline constexpr int most_packed = 24;
 
 /// `sum` and coefficient k > 0 of the products from first to last, which have taken all orders below it and take it.
 template <int k>
