@@ -76,7 +76,7 @@ inline Remaining remaining_of(const Scene& scene) {
         const Rail* rail = b.rail();
         if (rail == nullptr) continue;
         left.known = false;
-        left.energy = left.energy && !rail->friction() && !rail->motion().present() && rail->side() == RailSide::both;
+        left.energy = left.energy && !rail->friction() && !rail->motion().present();
     }
     for (const auto& c : scene.connections()) {
         if (!is_present(c.coupling)) continue;

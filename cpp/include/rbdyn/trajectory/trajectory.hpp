@@ -52,7 +52,7 @@ public:
         std::vector<double> times;
         for (const auto& e : data_->record.entries()) times.push_back(e.start.hi);
         times.push_back(end());
-        if (data_->record.empty()) times.insert(times.begin(), start());
+        if (data_->record.closed && data_->record.empty()) times.insert(times.begin(), start());
         return times;
     }
 
