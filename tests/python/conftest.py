@@ -1,6 +1,8 @@
 """What all Python tests share."""
 
 import os
+import signal
+import threading
 from pathlib import Path
 
 import pytest
@@ -19,3 +21,14 @@ def root() -> Path:
 def reference(root: Path) -> Path:
     """The folder of the reference solutions."""
     return root / "tests" / "reference"
+
+
+@pytest.fixture
+def interrupt():
+    """Sends SIGINT after a while; Python's own handler, also where the tests were started in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    yield timer.start
+    timer.cancel()
+    timer.join()
+    signal.signal(signal.SIGINT, before)

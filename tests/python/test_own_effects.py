@@ -2,13 +2,10 @@
 
 import copy
 import math
-import os
 import pickle
-import signal
 import subprocess
 import sys
 import textwrap
-import threading
 
 import numpy as np
 import pytest
@@ -256,15 +253,11 @@ def test_a_pole_of_a_recorded_force_is_named():
     assert caught.value.run.status == "not finite"
 
 
-def test_ctrl_c_ends_a_run_that_calls_back():
+def test_ctrl_c_ends_a_run_that_calls_back(interrupt):
     scene, _ = oscillator(lambda t, r, v: -4.0 * r)
-    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    try:
-        with pytest.raises(KeyboardInterrupt) as caught:
-            rb.simulate(scene, until=1e12, rtol=1e-10, keep="end")
-    finally:
-        timer.join()
+    with pytest.raises(KeyboardInterrupt) as caught:
+        interrupt()
+        rb.simulate(scene, until=1e12, rtol=1e-10, keep="end")
     assert caught.value.run.end > 0.0
 
 

@@ -1,8 +1,6 @@
 """simulate() and cost(): options, failures with what there is of the run, Ctrl-C, threads, progress."""
 
 import itertools
-import os
-import signal
 import threading
 import time
 
@@ -124,17 +122,6 @@ def test_a_motion_that_cannot_go_on_carries_what_there_is():
     # x = 6/(sqrt(6) - t)^2
     assert run.end == pytest.approx(np.sqrt(6), rel=1e-3)
     assert run[ball].position(1.0)[0] == pytest.approx(6 / (np.sqrt(6) - 1) ** 2, rel=1e-8)
-
-
-@pytest.fixture
-def interrupt():
-    """Sends SIGINT after a while; Python's own handler, also where the tests were started in the background."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    yield timer.start
-    timer.cancel()
-    timer.join()
-    signal.signal(signal.SIGINT, before)
 
 
 def test_ctrl_c_stops_a_run_within_a_second_and_keeps_it(interrupt):
