@@ -64,13 +64,7 @@ struct View {
 
 // In each sum the newest coefficients stand alone: what was stored a moment ago one by one is slow to load in lanes.
 
-/// (a b)_k
-inline double product(const View& a, const View& b, int k) {
-    if (k == 0) return a[0] * b[0];
-    return (a[0] * b[k] + a[k] * b[0]) + dot(a.forward + 1, b.from(k - 1), k - 1);
-}
-
-/// (a a)_k, half the work of a product.
+/// (a a)_k
 inline double square(const View& a, int k) {
     if (k == 0) return a[0] * a[0];
     const int pairs = (k - 1) / 2;
