@@ -9,6 +9,7 @@
 
 #include "random.hpp"
 #include "rbdyn/body/momentum.hpp"
+#include "refusal.hpp"
 
 namespace {
 
@@ -16,6 +17,7 @@ using rbdyn::Attitude, rbdyn::DoubleDouble, rbdyn::EulerAngles, rbdyn::InertiaAb
 using rbdyn::MassProperties, rbdyn::Matrix3, rbdyn::Matrix3Of, rbdyn::Quaternion, rbdyn::RigidBody, rbdyn::Vector3;
 using rbdyn::Vector3Of;
 using rbdyn::test::Random;
+using rbdyn::test::refusal;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 // of numbers of 32 digits: 2^-106, some tens of operations
@@ -232,16 +234,6 @@ TEST(RigidBody, discs_laminae_rods_and_points_are_bodies) {
             EXPECT_EQ(about_origin.is_rod(), body.is_rod());
         }
     }
-}
-
-template <class Make>
-std::string refusal(const Make& make) {
-    try {
-        make();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "accepted";
 }
 
 TEST(RigidBody, numbers_no_body_has_are_refused_with_the_condition_and_the_numbers) {

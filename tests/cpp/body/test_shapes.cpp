@@ -9,8 +9,11 @@
 #include "rbdyn/body/momentum.hpp"
 #include "rbdyn/body/shapes.hpp"
 #include "rbdyn/body/solid.hpp"
+#include "refusal.hpp"
 
 namespace {
+
+using rbdyn::test::refusal;
 
 using rbdyn::DoubleDouble, rbdyn::InertiaAbout, rbdyn::InvalidInput, rbdyn::Matrix3, rbdyn::Matrix3Of;
 using rbdyn::Quaternion, rbdyn::RigidBody, rbdyn::Vector3, rbdyn::test::Random;
@@ -106,16 +109,6 @@ TEST(Shapes, points_of_mass_are_the_same_body_in_any_order) {
     expect_same(welded, body, 1e-26);  // of what is a thousandth of its distance: 32 digits less six
     EXPECT_TRUE(shapes::points({1.0}, {{1, 2, 3}}).is_point());
     EXPECT_TRUE(shapes::points({1.0, 0.7}, {{1, 2, 3}, {0.1, 0.2, 0.7}}).is_rod());
-}
-
-template <class Make>
-std::string refusal(const Make& make) {
-    try {
-        make();
-    } catch (const InvalidInput& error) {
-        return error.what();
-    }
-    return "accepted";
 }
 
 TEST(Shapes, numbers_that_make_no_shape_are_refused_by_name) {
