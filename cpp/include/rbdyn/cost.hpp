@@ -69,33 +69,53 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     const auto began = Clock::now();
     const Scene plan_scene = scene.frozen();
     const Plan plan = make_plan(plan_scene);
-    const PointsModel& model = *plan.model;
-    const std::vector<double> x = model.start(options.start);
-    const auto checked = [](Timed&& timed) {
-        if (timed.record.thrown) std::rethrow_exception(timed.record.thrown);
-        return std::move(timed);
+    // each by itself, as simulate() does; their times add up
+    struct Part {
+        const Plan& plan;
+        const Scene& scene;
+        std::vector<double> start;
+        Record reference;
     };
-    const Timed reference =
-        checked(integrate(model, x, base, plan.integrator, 0.1 * least_tolerance(plan.integrator), {}));
+    std::vector<Part> parts;
+    if (plan.parts.empty()) parts.push_back({plan, plan_scene, {}, {}});
+    for (std::size_t i = 0; i < plan.parts.size(); ++i)
+        parts.push_back({plan.parts[i], plan.apart->parts[i].scene, {}, {}});
+    const auto integrated = [&](const Part& part, const std::string& engine, double tolerance) {
+        Timed timed = integrate(*part.plan.model, part.start, base, engine, tolerance, {});
+        if (timed.record.thrown) std::rethrow_exception(timed.record.thrown);
+        return timed;
+    };
+    for (Part& part : parts) {
+        const std::string& engine = part.plan.integrator;
+        part.start = part.plan.model->start(options.start);
+        part.reference = integrated(part, engine, 0.1 * least_tolerance(engine)).record;
+    }
+    // what ends one of them ends all
+    if (parts.size() > 1)
+        for (const Part& part : parts) base.until = std::min(base.until, part.reference.end.hi);
     std::vector<std::string> engines;
-    for (const std::string& engine : options.engines.empty() ? simulating::engines() : options.engines)
-        if (!options.engines.empty() || !(plan.calls_back && engine == "taylor"))
-            engines.push_back(engine_for(plan, engine));
+    for (const std::string& engine : options.engines.empty() ? simulating::engines() : options.engines) {
+        if (options.engines.empty() && plan.calls_back && engine == "taylor") continue;
+        engines.push_back(engine != "auto" ? engine : plan.is_closed() ? "closed form" : plan.integrator);
+        for (const Part& part : parts) (void)engine_for(part.plan, engines.back());
+    }
     std::vector<double> errors = options.errors;
     std::sort(errors.rbegin(), errors.rend());
     Price price;
     const double share = options.budget / static_cast<double>(std::max<std::size_t>(engines.size(), 1) *
                                                               std::max<std::size_t>(errors.size(), 1));
-    if (plan.closed && (options.engines.empty() || std::erase(engines, "closed form") > 0)) {
-        const auto first = Clock::now();
-        const auto form = planning::closed_motion(plan_scene, model.laws()).first;
-        std::vector<double> end(x.size());
-        form->state({options.until - options.start, 0.0}, end);
-        const double spent = seconds_since(first);
-        price.rows.push_back({.engine = "closed form",
-                              .tolerance = 0.0,
-                              .error = form->error(options.until - options.start),
-                              .seconds = spent});
+    if (plan.is_closed() && (options.engines.empty() || std::erase(engines, "closed form") > 0)) {
+        CostRow row{"closed form"};
+        const double span = base.until - options.start;
+        for (Part& part : parts) {
+            const auto first = Clock::now();
+            const auto form = planning::closed_motion(part.scene, part.plan.model->laws()).first;
+            std::vector<double> end(part.start.size());
+            form->state({span, 0.0}, end);
+            row.seconds += seconds_since(first);
+            row.error = std::max(row.error, form->error(span));
+        }
+        price.rows.push_back(row);
     }
     for (const std::string& engine : engines) {
         double tolerance = errors.empty() ? 1e-9 : errors.front(), reached = std::numeric_limits<double>::infinity();
@@ -106,12 +126,16 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
                 std::vector<double> times;
                 const auto first = Clock::now();
                 do {
-                    const Timed run = checked(integrate(model, x, base, engine, tolerance, {}));
-                    times.push_back(run.seconds);
-                    if (times.size() > 1) continue;
-                    row.steps = run.record.work.steps;
-                    row.right_hand_sides = run.record.work.right_hand_sides;
-                    row.error = AccuracyCheck(model, 1.0)(run.record, reference.record).error;
+                    times.push_back(0.0);
+                    for (const Part& part : parts) {
+                        const Timed run = integrated(part, engine, tolerance);
+                        times.back() += run.seconds;
+                        if (times.size() > 1) continue;
+                        row.steps += run.record.work.steps;
+                        row.right_hand_sides += run.record.work.right_hand_sides;
+                        row.error = std::max(
+                            row.error, AccuracyCheck(*part.plan.model, 1.0)(run.record, part.reference).error);
+                    }
                 } while (times.size() < 7 && seconds_since(first) < 0.2 * share);
                 std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
                                  times.end());

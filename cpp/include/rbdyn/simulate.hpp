@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "rbdyn/integrate.hpp"
 #include "rbdyn/model/own_model.hpp"
+#include "rbdyn/solve.hpp"
 #include "rbdyn/trajectory/trajectory.hpp"
 
 namespace rbdyn {
@@ -34,63 +34,20 @@ struct Attempt {
     Trajectory run;
 };
 
-namespace simulating {
-
-/// The engine for a scene. Throws InvalidInput if the one asked for cannot do it.
-inline std::string engine_for(const Plan& plan, const std::string& wanted) {
-    const std::string engine = wanted == "auto" ? plan.engine : wanted;
-    if (engine == "closed form") {
-        if (plan.closed) return engine;
-        std::string why = "there are only particles in it";
-        for (const Plan::Omission& o : plan.omissions)
-            if (o.what == "closed form") why = o.why;
-        throw InvalidInput("simulate: engine is \"closed form\", and this scene has none: " + why +
-                           "; use \"auto\" or \"" + plan.integrator + "\"");
-    }
-    (void)make_engine(engine, 1e-6);
-    if (engine == "taylor" && plan.calls_back)
-        throw InvalidInput(
-            "simulate: engine is \"taylor\", and a function of this scene is called back, which has no "
-            "Taylor series; use \"auto\" or \"dop853\", or write it so that it can be recorded");
-    return engine;
-}
-
-}  // namespace simulating
-
 /// Runs a scene and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
 inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
     using namespace simulating;
     const auto began = std::chrono::steady_clock::now();
     validate(options);
-    RunData data;
-    data.scene = scene.frozen();
-    data.plan = make_plan(data.scene);
-    data.engine = engine_for(data.plan, options.engine);
-    data.model = data.plan.model;
-    const std::int64_t calls = data.plan.python_calls();
-    const std::vector<double> x = data.model->start(options.start);
-    Solution solution = data.engine == "closed form"
-                            ? solve_closed(*data.model, x, options, data.plan.closed)
-                            : solve(*data.model, x, options, data.engine, data.plan.integrator, data.plan.closed);
-    Statistics& s = data.statistics;
-    const Work& w = solution.record.work;
-    s.integration_seconds = solution.integration_seconds;
-    s.steps = w.steps;
-    s.rejected = w.rejected;
-    s.right_hand_sides = w.right_hand_sides;
-    s.jacobians = w.jacobians;
-    s.guard_evaluations = w.guard_evaluations;
-    s.events = static_cast<std::int64_t>(solution.record.events.size());
-    s.runs = solution.runs;
-    s.python_calls = data.plan.python_calls() - calls;
-    data.error = solution.error;
-    data.certain_until = solution.certain_until;
-    data.record = std::move(solution.record);
-    for (Event& e : data.record.events)
-        if (e.name.empty() && e.subject >= 0) e.name = data.scene.bodies()[static_cast<std::size_t>(e.subject)].name;
-    data.events = Events(data.record.events);
+    Scene frozen = scene.frozen();
+    Plan plan = make_plan(frozen);
+    const std::int64_t calls = plan.python_calls();
+    Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options)
+                                       : solve_apart(std::move(frozen), std::move(plan), options);
+    Statistics& s = result.data.statistics;
+    s.python_calls = result.data.plan.python_calls() - calls;
     s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    return {solution.outcome, std::move(solution.message), solution.thrown, Trajectory(std::move(data))};
+    return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }
 
 /// Runs a scene. Throws InvalidInput for options that break a rule, AccuracyError if the error asked for is out of

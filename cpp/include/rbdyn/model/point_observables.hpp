@@ -100,7 +100,7 @@ inline double observed(const PointLaws& laws, std::span<const signed char> slip,
                        const Observable& o, const std::optional<Vector3>& active = {}) {
     const auto vector = [&](const Vector3& v) { return v[o.component]; };
     if (o.quantity == Quantity::time) return t;
-    if (o.quantity == Quantity::length || o.quantity == Quantity::coupling_force) {
+    if (is_of_coupling(o.quantity)) {
         const auto all = laws.states(t, x, slip);
         const PointLaws::ConnectedSpring& c = laws.springs()[static_cast<std::size_t>(o.subject)];
         const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);

@@ -66,8 +66,8 @@ public:
     Observe observing(const Mode& mode, double t, std::span<const double> x) const {
         const auto state = std::make_shared<const Within>(mode, t, x);
         return [this, &mode, state](const Observable& o) {
-            const bool of_body = o.quantity != Quantity::length && o.quantity != Quantity::coupling_force;
-            const auto active = sliding_force(mode, of_body ? o.subject : -1, state->t, state->x);
+            const int body = is_of_coupling(o.quantity) ? -1 : o.subject;
+            const auto active = sliding_force(mode, body, state->t, state->x);
             return rbdyn::observed(laws_, mode.slip, state->t, state->x, o, active);
         };
     }

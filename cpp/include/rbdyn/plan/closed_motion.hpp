@@ -313,12 +313,9 @@ inline std::optional<Vector3> only_constant_force(const Scene& scene, int index)
     return nullptr;
 }
 
-/// The closed form of a scene with rigid bodies, and why there is none otherwise.
+/// The closed form of a scene, and why there is none otherwise.
 [[gnu::cold]] inline std::pair<std::shared_ptr<const ClosedMotion>, std::string> closed_motion(const Scene& scene,
                                                                                                const PointLaws& laws) {
-    bool any_rigid = false;
-    for (const Scene::Body& b : scene.bodies()) any_rigid = any_rigid || b.rigid() != nullptr;
-    if (!any_rigid) return {nullptr, ""};
     for (const Scene::Connection& c : scene.connections())
         if (is_present(c.coupling)) return {nullptr, "bodies joined by springs have none here"};
     for (const Scene::Watch& w : scene.watches())

@@ -86,7 +86,8 @@ inline Remaining remaining_of(const Scene& scene) {
     return left;
 }
 
-inline FirstIntegrals first_integrals(const Scene& scene, const PointLaws& laws) {
+/// `body`: the law of the only one, if it is rigid.
+inline FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* body) {
     FirstIntegrals result;
     const Remaining left = remaining_of(scene);
     if (left.energy) result.names.push_back("energy");
@@ -103,8 +104,8 @@ inline FirstIntegrals first_integrals(const Scene& scene, const PointLaws& laws)
         if (only_gravity && !has_gravity) result.names.push_back("angular momentum");
         if (only_gravity && has_gravity && g[0] == 0.0 && g[1] == 0.0) result.names.push_back("angular momentum z");
     }
-    if (scene.bodies().size() != 1 || !laws.body(0).rigid) return result;
-    const RigidLaw& law = *laws.body(0).rigid;
+    if (body == nullptr) return result;
+    const RigidLaw& law = *body;
     if (law.kind == RigidLaw::Kind::spherical && only_gravity) {
         result.pole = law.at;
         const bool is_heavy = has_gravity && !law.center.isZero(0.0);

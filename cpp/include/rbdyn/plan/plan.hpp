@@ -10,6 +10,7 @@
 
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
+#include "rbdyn/scene/parts.hpp"
 
 namespace rbdyn {
 
@@ -23,15 +24,17 @@ struct Plan {
     std::vector<std::string> effects;      // of the closed list
     std::vector<std::string> guards;       // what is watched for
     std::vector<std::string> functions;    // the user's own: recorded, or called back and why
-    std::string engine, reason;            // the automatic choice
+    std::string engine, reason;            // the automatic choice; of several parts each one's, once
     std::string integrator;                // the automatic choice among those that integrate
     std::vector<Omission> omissions;
     std::vector<std::string> integrals;          // first integrals of the scene
     Vector3 pole = Vector3::Zero();              // what those of angular momentum are about
     Vector3 up{0, 0, 1};                         // against gravity
     Placement view;                              // the axes the equations are written in
-    std::shared_ptr<const PointsModel> model;    // the equations of motion
-    std::shared_ptr<const ClosedMotion> closed;  // the motion in closed form, if there is one
+    std::shared_ptr<const PointsModel> model;    // the equations of motion, of one part
+    std::shared_ptr<const ClosedMotion> closed;  // the motion of one part in closed form, if there is one
+    std::vector<Plan> parts;                     // of bodies that nothing joins; none if there is one only
+    std::shared_ptr<const SceneParts> apart;     // the scenes of these parts, and what is where in them
     bool calls_back = false;                     // a force of it has values only, no series
     std::vector<std::shared_ptr<const Callback>> callbacks;
 
@@ -41,6 +44,11 @@ struct Plan {
         for (const auto& c : callbacks)
             if (c->is_python) sum += c->calls.load(std::memory_order_relaxed);
         return sum;
+    }
+    /// Whether all of it is known in closed form.
+    bool is_closed() const {
+        if (parts.empty()) return closed != nullptr;
+        return std::all_of(parts.begin(), parts.end(), [](const Plan& part) { return part.is_closed(); });
     }
     bool has(const std::string& effect) const {
         return std::find(effects.begin(), effects.end(), effect) != effects.end();
@@ -111,13 +119,46 @@ inline Placement view_of(const Scene& scene) {
     return lines;
 }
 
-}  // namespace planning
+/// The first names of a list, and how many there are beside them.
+inline std::string first_of(const std::vector<std::string>& names, std::size_t most, const std::string& between) {
+    std::string text;
+    const std::size_t shown = names.size() > most + 1 ? most : names.size();
+    for (std::size_t i = 0; i < shown; ++i) text += (i == 0 ? "" : between) + names[i];
+    return shown == names.size() ? text : text + between + std::to_string(names.size() - shown) + " more";
+}
 
-/// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
-[[gnu::cold]] inline Plan make_plan(const Scene& scene) {
-    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
+/// The names of the bodies of a part.
+inline std::string names_of(const Scene& part) {
+    std::vector<std::string> names;
+    for (const Scene::Body& b : part.bodies()) names.push_back(b.name);
+    return first_of(names, 3, " + ");
+}
+
+inline Plan plan_of(const Scene& scene, bool beside_rigid);
+
+/// Plans the parts of a scene, each by itself: guards, engines and the reason for them are theirs together.
+[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, Plan& plan) {
+    std::vector<std::string> names, engines;
+    for (const SceneParts::Part& part : apart.parts) {
+        const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid));
+        plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
+        if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
+        names.push_back(names_of(part.scene) + " (" + own.engine + ")");
+    }
+    for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
+        const auto& [part, index] = apart.bodies[i];
+        const PointLaws::Body& b = plan.parts[static_cast<std::size_t>(part)].model->laws().body(index);
+        if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
+    }
+    plan.engine = first_of(engines, engines.size(), ", ");
+    plan.reason = std::to_string(names.size()) + " parts, solved apart: " + first_of(names, 6, ", ") +
+                  "; a spring between two of them would join those";
+    plan.apart = std::make_shared<const SceneParts>(std::move(apart));
+}
+
+/// Plans a scene, or a part of one with rigid bodies.
+[[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid) {
     Plan plan;
-    plan.view = planning::view_of(scene);
     bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
          damper = false, is_rough = false, free = false, moving = false, rotation = false, torque = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
@@ -209,34 +250,60 @@ inline Placement view_of(const Scene& scene) {
         {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
-    plan.model = std::make_shared<const PointsModel>(scene, plan.view);
-    for (const PointLaws::Body& b : plan.model->laws().bodies())
-        if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
-    plan.guards = planning::guards_of(*plan.model);
+    const bool any_rigid =
+        beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
+                                    [](const Scene::Body& b) { return b.rigid() != nullptr; });
+    SceneParts apart(scene);
+    if (!apart.joined_by.empty())
+        leave_out("parts", "\"" + apart.joined_by + "\" is called back or changes the state, nobody knows of which " +
+                               "bodies; all are solved together");
+    plan.engine = plan.integrator = plan.calls_back ? "dop853" : "taylor";
+    const RigidLaw* only = nullptr;
+    if (apart.parts.empty()) {
+        plan.view = view_of(scene);
+        plan.model = std::make_shared<const PointsModel>(scene, plan.view);
+        for (const PointLaws::Body& b : plan.model->laws().bodies())
+            if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
+        plan.guards = guards_of(*plan.model);
+        if (const auto& rigid = plan.model->laws().body(0).rigid; rigid && scene.bodies().size() == 1) only = &*rigid;
+        plan.reason =
+            plan.calls_back
+                ? "a force that is called back has no Taylor series; events are located but not certain"
+                : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
+    } else {
+        plan_parts(scene, std::move(apart), any_rigid, plan);
+    }
     if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
     if (!rotation) leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
     if (any_rail && !is_rough)
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     if (plan.guards.empty()) leave_out("events", "nothing to watch for");
-    const FirstIntegrals conserved = planning::first_integrals(scene, plan.model->laws());
+    const FirstIntegrals conserved = first_integrals(scene, only);
     plan.integrals = conserved.names;
     plan.pole = conserved.pole;
     plan.up = conserved.up;
     for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
-    plan.engine = plan.integrator = plan.calls_back ? "dop853" : "taylor";
-    plan.reason =
-        plan.calls_back
-            ? "a force that is called back has no Taylor series; events are located but not certain"
-            : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
-    const auto [closed, why_not] = planning::closed_motion(scene, plan.model->laws());
+    for (const Plan& part : plan.parts)
+        for (const Plan::Omission& o : part.omissions)
+            if (o.what == "closed form") leave_out(o.what, o.why);
+    if (!any_rigid || !plan.model) return plan;
+    const auto [closed, why_not] = closed_motion(scene, plan.model->laws());
     if (closed) {
         plan.closed = closed;
         plan.engine = "closed form";
         plan.reason = closed->name() + ": exact at every time, whatever the time";
-    } else if (!why_not.empty()) {
+    } else {
         leave_out("closed form", why_not);
     }
     return plan;
+}
+
+}  // namespace planning
+
+/// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
+inline Plan make_plan(const Scene& scene) {
+    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
+    return planning::plan_of(scene, false);
 }
 
 inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {

@@ -244,7 +244,7 @@ public:
     /// Throws InvalidInput unless the scene has what is asked for.
     void require_observable(const Observable& o, const std::string& user) const {
         if (o.quantity == Quantity::time) return;
-        const bool of_coupling = o.quantity == Quantity::length || o.quantity == Quantity::coupling_force;
+        const bool of_coupling = is_of_coupling(o.quantity);
         const auto count = static_cast<int>(of_coupling ? connections_.size() : bodies_.size());
         require(o.subject >= 0 && o.subject < count, user, "handle", o.subject,
                 "it asks for what this scene has, by handles that add() or connect() returned");
@@ -282,6 +282,8 @@ public:
     }
 
 private:
+    friend struct SceneParts;
+
     // a moment of inertia that is this small beside the others is rounding
     static constexpr double least_moment = 1e-15;
 

@@ -54,6 +54,8 @@ enum class Quantity {
     coupling_force
 };
 
+inline bool is_of_coupling(Quantity q) { return q == Quantity::length || q == Quantity::coupling_force; }
+
 /// One number of a motion: a quantity of a body or coupling, and its component if it is a vector.
 struct Observable {
     Quantity quantity = Quantity::time;

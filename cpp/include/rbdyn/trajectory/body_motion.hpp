@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "rbdyn/trajectory/run_data.hpp"
@@ -15,7 +16,9 @@ namespace rbdyn {
 /// Motion of one body of a run.
 class BodyMotion {
 public:
-    BodyMotion(std::shared_ptr<const RunData> data, int body) : data_(std::move(data)), body_(body) {}
+    BodyMotion(const std::shared_ptr<const RunData>& data, int body) {
+        std::tie(data_, body_) = part_of(data, &SceneParts::bodies, body);
+    }
 
     /// Of a particle; of the origin of a rigid body's axes [m, m/s, m/s^2].
     Vector3 position(double t, Side side = Side::after) const {
@@ -174,7 +177,9 @@ inline EulerAngles BodyMotion::euler_angles(double t, Side side) const {
 /// Length and force of a spring of a run.
 class SpringMotion {
 public:
-    SpringMotion(std::shared_ptr<const RunData> data, int index) : data_(std::move(data)), index_(index) {}
+    SpringMotion(const std::shared_ptr<const RunData>& data, int index) {
+        std::tie(data_, index_) = part_of(data, &SceneParts::couplings, index);
+    }
 
     double length(double t, Side side = Side::after) const { return relative(t, side).first.norm(); }  // m
     /// Force on the first end [N], world axes.

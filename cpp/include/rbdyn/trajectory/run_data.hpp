@@ -51,7 +51,8 @@ public:
 struct RunData {
     Scene scene;
     Plan plan;
-    std::shared_ptr<const PointsModel> model;
+    std::vector<RunData> parts;                // those of the plan, which then have the motion and this has none
+    std::shared_ptr<const PointsModel> model;  // none if there are parts
     Record record;
     Events events;
     std::string engine;
@@ -61,7 +62,18 @@ struct RunData {
     std::shared_ptr<EulerTrack> angles = std::make_shared<EulerTrack>();
 };
 
-/// The state of a run at a time. Throws InvalidInput for a time it does not hold.
+/// The run of the part that something of a scene is in, which keeps the whole, and its index there; of what is in no
+/// part those of the whole.
+inline std::pair<std::shared_ptr<const RunData>, int> part_of(const std::shared_ptr<const RunData>& run,
+                                                              std::vector<SceneParts::Place> SceneParts::*things,
+                                                              int index) {
+    if (run->parts.empty()) return {run, index};
+    const auto [part, place] = (*run->plan.apart.*things)[static_cast<std::size_t>(index)];
+    if (part < 0) return {run, index};
+    return {{run, &run->parts[static_cast<std::size_t>(part)]}, place};
+}
+
+/// The state of a run of one part at a time. Throws InvalidInput for a time it does not hold.
 struct Moment {
     const Mode& mode;
     std::vector<double> x;

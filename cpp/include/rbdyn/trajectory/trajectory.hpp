@@ -5,6 +5,7 @@
 // A trajectory owns all it needs and outlives its scene.
 #pragma once
 
+#include <algorithm>
 #include <iomanip>
 #include <map>
 #include <memory>
@@ -47,12 +48,20 @@ public:
     const Scene& scene() const { return data_->scene; }
     std::shared_ptr<const RunData> data() const { return data_; }
 
-    /// The ends of the integrator's pieces [s].
+    /// The ends of the integrator's pieces [s], of all parts.
     std::vector<double> t() const {
         std::vector<double> times;
-        for (const auto& e : data_->record.entries()) times.push_back(e.start.hi);
+        const auto take = [&](const Record& record) {
+            if (record.closed && record.empty()) times.push_back(start());
+            for (const auto& e : record.entries()) times.push_back(e.start.hi);
+        };
+        take(data_->record);
+        for (const RunData& part : data_->parts) take(part.record);
+        if (!data_->parts.empty()) {
+            std::sort(times.begin(), times.end());
+            times.erase(std::unique(times.begin(), std::lower_bound(times.begin(), times.end(), end())), times.end());
+        }
         times.push_back(end());
-        if (data_->record.closed && data_->record.empty()) times.insert(times.begin(), start());
         return times;
     }
 
@@ -116,15 +125,9 @@ public:
     double power(double t, CouplingHandle coupling, Side side = Side::after) const;
 
     /// Work of the same forces from t0 to t1 (Thm 7.9) [J], by Gauss's quadrature on every piece.
-    double work(double t0, double t1, const Bodies& of = {}) const {
-        return integral_over_pieces(t0, t1, [&](double t) { return power(t, of); });
-    }
-    double work(double t0, double t1, LoadHandle load) const {
-        return integral_over_pieces(t0, t1, [&](double t) { return power(t, load); });
-    }
-    double work(double t0, double t1, CouplingHandle coupling) const {
-        return integral_over_pieces(t0, t1, [&](double t) { return power(t, coupling); });
-    }
+    double work(double t0, double t1, const Bodies& of = {}) const;
+    double work(double t0, double t1, LoadHandle load) const;
+    double work(double t0, double t1, CouplingHandle coupling) const;
 
     Vector3 momentum(double t, const Bodies& of = {}, Side side = Side::after) const {
         Vector3 sum = Vector3::Zero();
@@ -170,6 +173,12 @@ private:
 
     /// What a first integral is a sum of, in size.
     double size_of_terms(const std::string& name, double time) const;
+    const Scene::AppliedLoad& applied(LoadHandle load) const {
+        const auto& loads = data_->scene.loads();
+        require(load.index >= 0 && load.index < static_cast<int>(loads.size()), "Trajectory", "load", load.index,
+                "a handle comes from the scene of this run");
+        return loads[static_cast<std::size_t>(load.index)];
+    }
     /// Position and velocity of the point where a load acts.
     std::pair<Vector3, Vector3> place_of(const Scene::AppliedLoad& load, double t, Side side) const {
         const BodyMotion motion = (*this)[BodyHandle{load.body}];
@@ -180,12 +189,16 @@ private:
     /// f of what can be observed at a time.
     template <class F>
     double now(double t, Side side, F&& f) const {
+        if (!data_->parts.empty()) return f(observing_parts(t, side));
         const Moment m(*data_, t, side);
         return f(data_->model->observing(m.mode, t, m.x));
     }
+    /// What can be observed of a run in parts at a time.
+    Observe observing_parts(double t, Side side) const;
+    /// On the pieces of one part.
     template <class F>
-    double integral_over_pieces(double t0, double t1, F&& f) const {
-        if (t1 < t0) return -integral_over_pieces(t1, t0, f);
+    static double integral_over_pieces(const Record& record, double t0, double t1, F&& f) {
+        if (t1 < t0) return -integral_over_pieces(record, t1, t0, f);
         // Gauss's rule of ten points: exact for polynomials of degree 19
         static constexpr double place[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244,
                                             0.8650633666889845, 0.9739065285171717};
@@ -199,9 +212,9 @@ private:
             for (int i = 0; i < 5; ++i)
                 sum += half * weight[i] * (f(centre - half * place[i]) + f(centre + half * place[i]));
         };
-        for (const auto& e : data_->record.entries()) add(e.start.hi, (e.start + e.length * e.unit).hi);
+        for (const auto& e : record.entries()) add(e.start.hi, (e.start + e.length * e.unit).hi);
         // a closed form has no pieces
-        if (data_->record.empty())
+        if (record.empty())
             for (int i = 0; i < closed_times; ++i)
                 add(t0 + (t1 - t0) * i / closed_times, t0 + (t1 - t0) * (i + 1) / closed_times);
         return sum;
@@ -235,21 +248,71 @@ private:
     std::shared_ptr<const std::vector<BodyWork>> works_;  // of forces that have a potential along a rail
 };
 
-inline double Trajectory::power(double t, LoadHandle load, Side side) const {
-    const auto& loads = data_->scene.loads();
-    require(load.index >= 0 && load.index < static_cast<int>(loads.size()), "Trajectory", "load", load.index,
-            "a handle comes from the scene of this run");
-    const auto& applied = loads[static_cast<std::size_t>(load.index)];
-    if (scene().bodies()[static_cast<std::size_t>(applied.body)].rigid() != nullptr) {
-        const Moment m(*data_, t, side);
-        return data_->model->laws().power(applied, t, m.x);
+inline double Trajectory::work(double t0, double t1, const Bodies& of) const {
+    if (data_->parts.empty())
+        return integral_over_pieces(data_->record, t0, t1, [&](double t) { return power(t, of); });
+    double sum = 0.0;
+    for (const SceneParts::Part& part : data_->plan.apart->parts) {
+        Bodies own;
+        for (const int body : part.bodies) {
+            const auto times = of.empty() ? 1 : std::count(of.begin(), of.end(), BodyHandle{body});
+            own.insert(own.end(), static_cast<std::size_t>(times), BodyHandle{body});
+        }
+        if (own.empty()) continue;
+        const auto& pieces = part_of(data_, &SceneParts::bodies, part.bodies.front()).first->record;
+        sum += integral_over_pieces(pieces, t0, t1, [&](double t) { return power(t, own); });
     }
-    const PointReport r = (*this)[BodyHandle{applied.body}].report(t, side);
-    if (const Drag* drag = std::get_if<Drag>(&applied.load)) {
+    return sum;
+}
+inline double Trajectory::work(double t0, double t1, LoadHandle load) const {
+    (void)applied(load);
+    const auto [part, index] = part_of(data_, &SceneParts::loads, load.index);
+    return integral_over_pieces(part->record, t0, t1, [&](double t) { return power(t, load); });
+}
+inline double Trajectory::work(double t0, double t1, CouplingHandle coupling) const {
+    (void)(*this)[coupling];
+    const auto [part, index] = part_of(data_, &SceneParts::couplings, coupling.index);
+    return integral_over_pieces(part->record, t0, t1, [&](double t) { return power(t, coupling); });
+}
+
+inline Observe Trajectory::observing_parts(double t, Side side) const {
+    struct Present {
+        Moment moment;
+        Observe observe;
+    };
+    // the state of each part that is asked for, once
+    const auto known = std::make_shared<std::map<const RunData*, Present>>();
+    return [=, run = data_](const Observable& o) {
+        if (o.quantity == Quantity::time) return t;
+        const bool of_coupling = is_of_coupling(o.quantity);
+        const auto [part, index] = part_of(run, of_coupling ? &SceneParts::couplings : &SceneParts::bodies, o.subject);
+        if (part == run) {
+            const SpringMotion idle(run, index);
+            return o.quantity == Quantity::length ? idle.length(t, side) : idle.force(t, side)[o.component];
+        }
+        auto present = known->find(part.get());
+        if (present == known->end()) {
+            present = known->emplace(part.get(), Present{Moment(*part, t, side), {}}).first;
+            const Moment& m = present->second.moment;
+            present->second.observe = part->model->observing(m.mode, t, m.x);
+        }
+        return present->second.observe({o.quantity, index, o.component});
+    };
+}
+
+inline double Trajectory::power(double t, LoadHandle load, Side side) const {
+    const auto& [given, body, at] = applied(load);
+    if (scene().bodies()[static_cast<std::size_t>(body)].rigid() != nullptr) {
+        const auto [part, index] = part_of(data_, &SceneParts::loads, load.index);
+        const Moment m(*part, t, side);
+        return part->model->laws().power(part->scene.loads()[static_cast<std::size_t>(index)], t, m.x);
+    }
+    const PointReport r = (*this)[BodyHandle{body}].report(t, side);
+    if (const Drag* drag = std::get_if<Drag>(&given)) {
         const double v = r.velocity.norm();
         return -(drag->linear + drag->quadratic * v) * v * v;
     }
-    return force_of<double>(applied.load, t, r.position, r.velocity).dot(r.velocity);
+    return force_of<double>(given, t, r.position, r.velocity).dot(r.velocity);
 }
 
 inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
@@ -264,7 +327,7 @@ inline double Trajectory::integral(const std::string& name, double t, Side side)
     if (name == "angular momentum") return angular_momentum(t, p.pole, {}, side).norm();
     if (name == "angular momentum z") return angular_momentum(t, p.pole, {}, side)[2];
     if (name == "vertical angular momentum") return angular_momentum(t, p.pole, {}, side).dot(p.up);
-    if (name == "spin" || name == "Kovalevskaya") {
+    if ((name == "spin" || name == "Kovalevskaya") && data_->parts.empty()) {
         const RigidLaw& law = *data_->model->laws().body(0).rigid;
         const Moment m(*data_, t, side);
         const RigidState<double> s = law.state(m.x.data(), m.x.data() + law.positions());
@@ -280,7 +343,9 @@ inline std::map<std::string, double> Trajectory::drift() const {
     std::map<std::string, double> result;
     std::vector<double> times = t();
     // a closed form has no pieces to look between
-    if (data_->record.closed && times.size() < closed_times)
+    const auto is_closed = [](const RunData& run) { return run.record.closed != nullptr; };
+    if ((is_closed(*data_) || std::any_of(data_->parts.begin(), data_->parts.end(), is_closed)) &&
+        times.size() < closed_times)
         for (int i = 0; i <= closed_times; ++i) times.push_back(start() + (end() - start()) * i / closed_times);
     for (const std::string& name : data_->plan.integrals) {
         const bool is_vector = name == "angular momentum";
