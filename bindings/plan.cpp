@@ -17,10 +17,14 @@ void bind_plan(py::module_& m) {
         .def_readonly("effects", &Plan::effects, "Effects the scene has, such as \"gravity\" or \"static friction\".")
         .def_readonly("guards", &Plan::guards, "What is watched for.")
         .def_readonly("functions", &Plan::functions, "The user's own functions: traced, or called back and why.")
-        .def_readonly("engine", &Plan::engine, "The automatic choice.")
+        .def_readonly("engine", &Plan::engine,
+                      "The automatic choice; of several parts those of all, such as \"closed form, taylor\".")
         .def_readonly("reason", &Plan::reason, "Why that engine.")
         .def_readonly("omissions", &Plan::omissions, "What is left out, and why.")
         .def_readonly("integrals", &Plan::integrals, "First integrals of the scene.")
+        .def_readonly(
+            "parts", &Plan::parts,
+            "Plans of the parts, bodies that nothing joins, which are solved apart; none if there is one part only.")
         .def("__str__", &printed<Plan>)
         .def("__repr__", [](const Plan& p) {
             return "<Plan: " + std::to_string(p.effects.size()) + " effects, engine " + p.engine + ">";

@@ -247,6 +247,7 @@ until, start: times [s]. error: global, of each quantity relative to its own sca
 more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "closed form",
 "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
 integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
 Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
 cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.

@@ -1641,7 +1641,7 @@ class Plan:
     @property
     def engine(self) -> str:
         """
-        The automatic choice.
+        The automatic choice; of several parts those of all, such as "closed form, taylor".
         """
     @property
     def functions(self) -> list[str]:
@@ -1662,6 +1662,11 @@ class Plan:
     def omissions(self) -> list[Omission]:
         """
         What is left out, and why.
+        """
+    @property
+    def parts(self) -> list[Plan]:
+        """
+        Plans of the parts, bodies that nothing joins, which are solved apart; none if there is one part only.
         """
     @property
     def reason(self) -> str:
@@ -2341,6 +2346,7 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "closed form",
     "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
     integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+    Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
     cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.

@@ -133,8 +133,8 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
                         if (times.size() > 1) continue;
                         row.steps += run.record.work.steps;
                         row.right_hand_sides += run.record.work.right_hand_sides;
-                        row.error = std::max(
-                            row.error, AccuracyCheck(*part.plan.model, 1.0)(run.record, part.reference).error);
+                        row.error =
+                            std::max(row.error, AccuracyCheck(*part.plan.model, 1.0)(run.record, part.reference).error);
                     }
                 } while (times.size() < 7 && seconds_since(first) < 0.2 * share);
                 std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),

@@ -81,9 +81,8 @@ inline Solved solve_together(Scene scene, Plan plan, const SimulateOptions& opti
     std::string engine = engine_for(plan, options.engine);
     const PointsModel& model = *plan.model;
     const std::vector<double> x = model.start(options.start);
-    Solution solution = engine == "closed form"
-                            ? solve_closed(model, x, options, plan.closed)
-                            : solve(model, x, options, engine, plan.integrator, plan.closed);
+    Solution solution = engine == "closed form" ? solve_closed(model, x, options, plan.closed)
+                                                : solve(model, x, options, engine, plan.integrator, plan.closed);
     return solved(std::move(scene), std::move(plan), std::move(engine), std::move(solution));
 }
 
@@ -106,7 +105,9 @@ inline bool may_stop(const Scene& scene) {
     const auto stops = [](const Scene::Watch& w) { return w.options.action.kind == WatchAction::Kind::stop; };
     const auto has_end = [](const Scene::Body& b) {
         const Rail* rail = b.rail();
-        return rail != nullptr && rail->ends() == RailEnds::stop && !rail->curve().closed();
+        if (rail == nullptr || rail->ends() != RailEnds::stop || rail->curve().closed()) return false;
+        const Domain domain = rail->curve().domain();
+        return std::isfinite(domain.begin) || std::isfinite(domain.end);
     };
     return std::any_of(scene.watches().begin(), scene.watches().end(), stops) ||
            std::any_of(scene.bodies().begin(), scene.bodies().end(), has_end);
@@ -129,13 +130,14 @@ inline std::vector<Event> events_of(const std::vector<Solved>& parts, const Scen
     std::stable_sort(all.begin(), all.end(),
                      [](const Placed& a, const Placed& b) { return a.event.instant - b.event.instant < 0.0; });
     const auto together = [](const Placed& a, const Placed& b) {
-        return b.event.instant - a.event.instant <= 8.0 * std::numeric_limits<double>::epsilon() * std::abs(b.event.time);
+        return b.event.instant - a.event.instant <=
+               8.0 * std::numeric_limits<double>::epsilon() * std::abs(b.event.time);
     };
     for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
         for (last = first + 1; last < all.size() && together(all[last - 1], all[last]);) ++last;
         sort_few(std::span(all).subspan(first, last - first), [](const Placed& a, const Placed& b) {
-            return a.part != b.part && std::tie(a.event.kind, a.event.subject, a.part) <
-                                           std::tie(b.event.kind, b.event.subject, b.part);
+            return a.part != b.part &&
+                   std::tie(a.event.kind, a.event.subject, a.part) < std::tie(b.event.kind, b.event.subject, b.part);
         });
     }
     std::vector<Event> events;
@@ -177,10 +179,13 @@ inline Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options
             shortest = i;
         }
     };
-    // what may end the others comes first
-    for (const bool first : {true, false})
+    // first what may end the others, then what takes no time and is there if the rest is interrupted
+    const auto turn = [&](std::size_t i) {
+        return may_stop(apart.parts[i].scene) ? 0 : engines[i] == "closed form" ? 1 : 2;
+    };
+    for (const int now : {0, 1, 2})
         for (std::size_t i = 0; i < count; ++i)
-            if (may_stop(apart.parts[i].scene) == first) solve_part(i);
+            if (turn(i) == now) solve_part(i);
     for (std::size_t i = 0; i < count && shortest < count && goes_on && ends_by_event(parts[shortest]);) {
         const bool is_longer = i != shortest && untils[i] > end.hi;
         if (is_longer) solve_part(i);

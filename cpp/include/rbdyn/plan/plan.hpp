@@ -250,9 +250,8 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
         {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
-    const bool any_rigid =
-        beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
-                                    [](const Scene::Body& b) { return b.rigid() != nullptr; });
+    const bool any_rigid = beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
+                                                       [](const Scene::Body& b) { return b.rigid() != nullptr; });
     SceneParts apart(scene);
     if (!apart.joined_by.empty())
         leave_out("parts", "\"" + apart.joined_by + "\" is called back or changes the state, nobody knows of which " +
