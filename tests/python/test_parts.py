@@ -88,16 +88,18 @@ def test_what_is_asked_of_the_whole_is_asked_of_every_part():
     t = np.linspace(0, 2, 11)
     parts = [run.kinetic_energy(t, of=h) for h in handles.values()]
     np.testing.assert_allclose(run.kinetic_energy(t), sum(parts), rtol=1e-14)
-    np.testing.assert_allclose(run[idle].length(t), np.linalg.norm(run[bead].position(t) - run[ball].position(t), axis=1))
+    np.testing.assert_allclose(
+        run[idle].length(t), np.linalg.norm(run[bead].position(t) - run[ball].position(t), axis=1)
+    )
     assert abs(run.work(0, 2) - (run.kinetic_energy(2.0) - run.kinetic_energy(0.0))) < 1e-7
     sample = run.sample(t)
-    np.testing.assert_array_equal(sample[pendulum].angle, run[pendulum].angle(t))
+    np.testing.assert_array_equal(sample[pendulum]["angle"], run[pendulum].angle(t))
     with pytest.raises(rb.InvalidInput):
         run[pendulum].angle(2.5)
 
 
 def test_a_number_shared_by_parts_joins_nothing():
-    k = rb.Parameter(4.0, "k")
+    k = rb.parameter(4.0, "k")
     scene = rb.Scene()
     bodies = [scene.add(rb.Particle(1.0), position=[x, 0, 0]) for x in (1.0, 2.0)]
     for body in bodies:
@@ -127,9 +129,10 @@ def test_an_event_that_stops_one_part_ends_all():
     assert run.status == "stopped by event" and run.events[-1].name == "top" and run.end == run.events[-1].time
     assert abs(run[ball].velocity(run.end)[2]) < 1e-10
     one = rb.Scene(gravity=DOWN)
-    alone = rb.simulate(one, run.end, error=1e-11) if add_pendulum(one) is None else rb.simulate(one, run.end)
+    body = add_pendulum(one)
+    alone = rb.simulate(one, run.end, error=1e-11)
     np.testing.assert_array_equal(run.events.times("lowest"), alone.events.times("lowest"))
-    assert run[pendulum].angle(run.end) == alone[alone.bodies[0]].angle(run.end)
+    assert run[pendulum].angle(run.end) == alone[body].angle(run.end)
     for handle in handles.values():
         with pytest.raises(rb.InvalidInput):
             run[handle].position(run.end + 1e-3)
@@ -139,7 +142,7 @@ def test_an_error_out_of_reach_in_one_part_is_one_of_the_run():
     scene, handles = together([add_bead])
     stone = scene.add(rb.RigidBody(1.0, [1, 2, 3]), name="stone", angular_velocity=[1e-9, 1.0, 1e-9])
     with pytest.raises(rb.AccuracyError, match="stone") as raised:
-        rb.simulate(scene, 60.0, error=1e-10, engine="dop853")
+        rb.simulate(scene, 60.0, error=4e-15, engine="dop853")
     run = raised.value.run
     assert run.status == "accuracy not reached" and 0 < run.certain_until < 60.0
     assert run[handles["add_bead"]].speed(60.0) == 0.0 and run[stone].quaternion(60.0).shape == (4,)
@@ -147,7 +150,9 @@ def test_an_error_out_of_reach_in_one_part_is_one_of_the_run():
 
 def test_what_progress_raises_carries_what_was_solved():
     scene, handles = together(ALL)
-    fast = scene.add(rb.RigidBody(1.0, [1.0, 2.0, 3.0], com=[0.1, 0.2, 0.3]), rb.Spherical(), angular_velocity=[0, 50, 0])
+    fast = scene.add(
+        rb.RigidBody(1.0, [1.0, 2.0, 3.0], com=[0.1, 0.2, 0.3]), rb.Spherical(), angular_velocity=[0, 50, 0]
+    )
 
     def give_up(fraction):
         raise RuntimeError("enough")
