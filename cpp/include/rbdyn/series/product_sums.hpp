@@ -77,9 +77,8 @@ RBDYN_INLINE_LANES void even_order(const LaneSeries* first_series, const LaneSer
             if constexpr (k == 0) {
                 sum += x[0].value * y[0].value;
             } else {
-                // the newest coefficients come last, for they come late
-                Quad a{}, b{}, c{}, d{}, above = y[k - 1].value;
-                b = x[1].value * above;
+                // of order k in a and b, of order k + 1 in c and d; the newest come last, for they come late
+                Quad above = y[k - 1].value, a{}, b = x[1].value * above, c{}, d{};
 #pragma GCC unroll 24
                 for (int j = 2; j < k; ++j) {
                     const Quad left = x[j].value, right = y[k - j].value;
