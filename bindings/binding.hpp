@@ -263,6 +263,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
+void bind_euler_top(py::module_& m);
 void bind_verbs(py::module_& m);
 void bind_watch(py::module_& m);
 

@@ -177,8 +177,9 @@ py::tuple data(const BoundScene& s) {
     py::list bodies, loads, couplings, watches, integrals;
     for (const Scene::Body& b : s.scene.bodies()) {
         const rbdyn::Quaternion& q = b.attitude;
+        const py::object attitude = b.angles ? py::cast(*b.angles) : py::object(py::make_tuple(q.w, q.x, q.y, q.z));
         bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
-                                     b.speed, py::make_tuple(q.w, q.x, q.y, q.z), tuple_of(b.angular_velocity)));
+                                     b.speed, attitude, tuple_of(b.angular_velocity)));
     }
     const auto point = [](const std::optional<Vector3>& p) -> py::object {
         return p ? py::object(tuple_of(*p)) : py::none();
@@ -227,12 +228,11 @@ BoundScene scene_from(const py::tuple& d) {
     BoundScene s{Scene(vector3(d[0], "Scene", "gravity")), {}};
     for (const py::handle item : d[1]) {
         const auto b = item.cast<py::tuple>();
-        const auto q = b[7].cast<std::array<double, 4>>();
         const Started at{.position = vector_from(b[3]),
                          .velocity = vector_from(b[4]),
                          .parameter = b[5].cast<double>(),
                          .speed = b[6].cast<double>(),
-                         .attitude = rbdyn::Quaternion{q[0], q[1], q[2], q[3]},
+                         .attitude = binding::attitude(b[7], "Scene"),
                          .angular_velocity = vector_from(b[8])};
         const auto body = b[0].cast<AnyBody>();
         const auto joint = b[1].cast<Joint>();

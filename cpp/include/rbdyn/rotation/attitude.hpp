@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
@@ -28,7 +29,7 @@ public:
     }
     Attitude(const Eigen::Quaterniond& q) : Attitude(Quaternion{q.w(), q.x(), q.y(), q.z()}) {}
     /// Throws InvalidInput unless the angles are finite.
-    Attitude(const EulerAngles& angles) : q_(rbdyn::quaternion(angles)) {
+    Attitude(const EulerAngles& angles) : q_(rbdyn::quaternion(angles)), given_(angles) {
         for (const auto& [name, value] :
              {std::pair("theta", angles.theta), std::pair("psi", angles.psi), std::pair("phi", angles.phi)})
             require(std::isfinite(value), "EulerAngles", name, value, "an angle is finite; give it in radians");
@@ -60,8 +61,10 @@ public:
     const Quaternion& quaternion() const { return q_; }
     Matrix3 matrix() const { return rotation_matrix(q_); }
     EulerAngles euler_angles() const { return rbdyn::euler_angles(q_); }
+    /// The Euler angles it was given by, of any size, if it was.
+    const std::optional<EulerAngles>& given_angles() const { return given_; }
 
-    bool operator==(const Attitude&) const = default;
+    bool operator==(const Attitude& other) const { return q_ == other.q_; }
 
 private:
     static constexpr double near_enough = 1e-6;
@@ -83,6 +86,7 @@ private:
     }
 
     Quaternion q_;
+    std::optional<EulerAngles> given_;
 };
 
 }  // namespace rbdyn

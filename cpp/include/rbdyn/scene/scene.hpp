@@ -26,6 +26,7 @@ public:
         double parameter = 0.0, speed = 0.0;                             // of a bead; of a joint with one coordinate
         Quaternion attitude = {};                                        // of a body that turns freely
         Vector3 angular_velocity = Vector3::Zero();                      // its own, body axes
+        std::optional<EulerAngles> angles = std::nullopt;                // the attitude's, if it was given by them
         std::string name;
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
@@ -119,6 +120,7 @@ public:
                     .velocity = start.velocity,
                     .attitude = attitude,
                     .angular_velocity = joints::angular_velocity(start, attitude, name),
+                    .angles = start.attitude.given_angles(),
                     .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const BodyStart& start = {}, std::string name = {}) {
@@ -134,6 +136,7 @@ public:
                     .joint = joint,
                     .attitude = attitude,
                     .angular_velocity = joints::angular_velocity(start, attitude, name),
+                    .angles = start.attitude.given_angles(),
                     .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start = {},
