@@ -71,7 +71,7 @@ from rbdyn._core import (
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
-from rbdyn.frames import Axis, Frenet, PointMotion, PrincipalAxes
+from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
 from rbdyn.sample import Sample
 
 __all__ = [
@@ -103,6 +103,7 @@ __all__ = [
     "Function",
     "Handle",
     "Helix",
+    "Imbalance",
     "IntegrationError",
     "InvalidInput",
     "Line",

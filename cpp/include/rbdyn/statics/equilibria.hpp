@@ -16,24 +16,14 @@ namespace rbdyn {
 namespace statics {
 
 /// The states of rest of one body on a ball joint: stable ones first, then in the order in which they are found, from q
-/// and from attitudes spread over all. Of a family the one found first; where no turn leads through all of the family,
-/// that found from q alone.
+/// and from attitudes spread over all. Of a family that a turn leads through there is one; of any other, what is found
+/// from q alone.
 class BallEquilibria {
 public:
     BallEquilibria(const Scene& scene, std::vector<double> q) : forces_(scene), start_(std::move(q)) {}
 
     std::vector<Equilibrium> find() {
         look_from(start_);
-        // upside down, by the way the body came to rest
-        if (!found_.empty()) {
-            const Quaternion way = attitude(places_[0]) * conjugate(attitude(start_));
-            Vector3 axis(way.x, way.y, way.z);
-            if (axis.norm() < 1e-9) {
-                const Vector3 e = found_[0].axes.empty() ? Vector3(0, 0, 1) : found_[0].axes[0];
-                axis = e.cross(std::abs(e[0]) < 0.5 ? Vector3(1, 0, 0) : Vector3(0, 1, 0));
-            }
-            look_from(turned(places_[0], direction(axis), std::numbers::pi));
-        }
         // the 24 attitudes of a cube, out of line with all that is symmetric
         const Vector3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1), aside = direction(Vector3(1, 2, 4));
         constexpr double quarter = 0.5 * std::numbers::pi;
@@ -53,17 +43,17 @@ private:
     void look_from(std::vector<double> q) {
         if (!found_.empty() && !forces_.at_rest(q).is_finite()) return;
         if (!relax(forces_, q)) return;
-        const Judgement here = judged(forces_, q);
+        const Judgement here = judged(forces_, std::move(q), start_);
         if (!here.is_decided && !places_.empty()) return;
         for (std::size_t k = 0; k < places_.size(); ++k) {
-            const Quaternion between = attitude(q) * conjugate(attitude(places_[k]));
+            const Quaternion between = attitude(here.place) * conjugate(attitude(places_[k]));
             Vector3 apart(between.x, between.y, between.z);
             for (const Vector3& axis : found_[k].axes) apart -= axis * axis.dot(apart);
             // as near as zeros of higher order are found
             if (apart.norm() < 1e-6) return;
         }
         found_.push_back(here.equilibrium);
-        places_.push_back(std::move(q));
+        places_.push_back(here.place);
     }
 
     Forces forces_;
@@ -108,11 +98,12 @@ inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector
         return PathEquilibria(first.rail() != nullptr ? statics::alone(now, BodyHandle{0}, user) : now, place).find();
     }
     statics::Forces forces(now);
-    std::vector<double> q = near.empty() ? forces.start() : forces.place(near);
+    const std::vector<double> start = near.empty() ? forces.start() : forces.place(near);
     if (now.bodies().size() == 1 && std::holds_alternative<Spherical>(first.joint))
-        return statics::BallEquilibria(now, std::move(q)).find();
+        return statics::BallEquilibria(now, start).find();
+    std::vector<double> q = start;
     if (!statics::relax(forces, q)) return {};
-    return {statics::judged(forces, q).equilibrium};
+    return {statics::judged(forces, std::move(q), start).equilibrium};
 }
 
 }  // namespace rbdyn

@@ -24,7 +24,7 @@ struct Equilibrium {
     std::optional<std::pair<double, double>> interval = std::nullopt;
     std::vector<double> periods = {};  // of small oscillations [s], the longest first
     /// Directions in the world of axes about which one body alone may be turned, and all stay at rest: a heavy body on
-    /// a ball joint about the vertical. Of all these states the coordinates are one.
+    /// a ball joint about the vertical. The coordinates are those of the one that the least turn leads to.
     std::vector<Vector3> axes = {};
 
     bool operator==(const Equilibrium&) const = default;

@@ -90,7 +90,9 @@ public:
                 const Vector3 o = Vector3(own[0], own[1], own[2]) - to_world<double>(p, b.rigid->origin);
                 for (int k = 0; k < 3; ++k) c.push_back(o[k] + 0.0);
             }
-            for (const double x : {p.w, p.x, p.y, p.z}) c.push_back(x + 0.0);
+            // below the last digit of one a component is rounding
+            for (const double x : {p.w, p.x, p.y, p.z})
+                c.push_back(std::abs(x) < 0.5 * std::numeric_limits<double>::epsilon() ? 0.0 : x);
         }
         return c;
     }

@@ -148,10 +148,15 @@ struct Stiffness {
     }
 };
 
-/// The axis of the world about which a body that turns freely may be turned from a zero of the forces and leave them
+/// A turn of one body about an axis of the world through a point.
+struct FreeTurn {
+    Vector3 axis, point = Vector3::Zero();
+};
+
+/// The axis about which a body that turns freely may be turned from a zero of the forces and leave them
 /// zero, if there is one and no more.
-inline std::optional<Vector3> free_axis(Forces& forces, const std::vector<double>& q, const Forces::State& s,
-                                        const Stiffness& stiffness, int body) {
+inline std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<double>& q, const Forces::State& s,
+                                         const Stiffness& stiffness, int body) {
     const int first = forces.first(body), moves = forces.displacements(body), n = moves + 3;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     SquareMatrix own(n);
@@ -169,34 +174,47 @@ inline std::optional<Vector3> free_axis(Forces& forces, const std::vector<double
     const Vector3 turning = to_world<double>(forces.attitude(q, body),
                                              Vector3(component(moves), component(moves + 1), component(moves + 2)));
     if (turning.isZero(0.0)) return std::nullopt;
-    Vector3 axis = direction(turning), point = Vector3::Zero();
+    FreeTurn result{direction(turning)};
+    Vector3& axis = result.axis;
+    for (double& x : axis)
+        if (std::abs(x) < std::numeric_limits<double>::epsilon()) x = 0.0;
     if (axis[greatest(sizes(axis))] < 0.0) axis = -axis;
     if (moves > 0) {
         const double* g = &q[at(forces.laws().body(body).first)];
         const Vector3 velocity(component(0), component(1), component(2));
-        point = Vector3(g[0], g[1], g[2]) + turning.cross(velocity) / turning.squaredNorm();
+        result.point = Vector3(g[0], g[1], g[2]) + turning.cross(velocity) / turning.squaredNorm();
     }
     // three turns that no symmetry but a full one has
     for (const double angle : {1.0, 2.25, 4.0}) {
-        const Forces::State there = forces.at_rest(forces.turned(q, body, axis, point, angle));
+        const Forces::State there = forces.at_rest(forces.turned(q, body, axis, result.point, angle));
         for (std::size_t i = 0; i < there.force.size(); ++i)
             if (!(std::abs(there.force[i]) <= 1e-11 * there.effort[i])) return std::nullopt;
     }
-    return axis;
+    return result;
 }
 
 /// What a scene does about a zero of its forces, and whether its stiffness says so of all freedoms but free turns.
+/// Of a family the member is taken that is reached from `start` by the least turn.
 struct Judgement {
     Equilibrium equilibrium;
+    std::vector<double> place;
     bool is_decided = false;
 };
-inline Judgement judged(Forces& forces, const std::vector<double>& q) {
+inline Judgement judged(Forces& forces, std::vector<double> q, const std::vector<double>& start) {
     const Forces::State s = forces.at_rest(q);
     const Stiffness stiffness(s);
-    Equilibrium e{forces.coordinates(q)};
-    for (int i = 0; i < forces.bodies(); ++i)
-        if (forces.turns(i))
-            if (const auto axis = free_axis(forces, q, s, stiffness, i)) e.axes.push_back(*axis);
+    Equilibrium e;
+    for (int i = 0; i < forces.bodies(); ++i) {
+        if (!forces.turns(i)) continue;
+        const auto free = free_turn(forces, q, s, stiffness, i);
+        if (!free) continue;
+        e.axes.push_back(free->axis);
+        // what of the way from the start is a turn about the axis is taken back
+        const Quaternion way = forces.attitude(q, i) * conjugate(forces.attitude(start, i));
+        const double half = std::atan2(free->axis.dot(Vector3(way.x, way.y, way.z)), way.w);
+        q = forces.turned(std::move(q), i, free->axis, free->point, -2.0 * half);
+    }
+    e.coordinates = forces.coordinates(q);
     const std::vector<double> squares = symmetric_eigenvalues(stiffness.symmetric);
     const auto undecided = static_cast<std::size_t>(
         std::count_if(squares.begin(), squares.end(), [&](double x) { return std::abs(x) <= stiffness.rounding; }));
@@ -206,7 +224,7 @@ inline Judgement judged(Forces& forces, const std::vector<double>& q) {
     if (stiffness.twist <= stiffness.rounding)
         for (const double square : squares)
             if (square > stiffness.rounding) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(square));
-    return {std::move(e), is_decided};
+    return {std::move(e), std::move(q), is_decided};
 }
 
 }  // namespace rbdyn::statics
