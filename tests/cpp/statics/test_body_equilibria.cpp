@@ -309,9 +309,7 @@ Scene chain(const std::vector<double>& c) {
 }
 
 TEST(BodyEquilibria, bodies_and_beads_joined_by_springs_come_to_rest_together) {
-    const double n = std::sqrt(1.06), m = std::sqrt(1.02);
-    const std::vector<double> start{1.1, 0.2,     -0.6,    0.1 / n,  1.0 / n,  -0.1 / n, -0.2 / n, 5.1, 0.1,
-                                    0.1, 0.4 / m, 0.1 / m, -0.2 / m, -0.9 / m, 5.3,      0.0,      -0.7};
+    const std::vector<double> start{0.2, 0.1, 0.3, 1, 0, 0, 0, 5.5, 0, -0.5, 1, 0, 0, 0, 5.5, 0, -1.5};
     const auto all = equilibria(chain(start));
     ASSERT_EQ(all.size(), 1u);
     EXPECT_TRUE(all[0].stable);

@@ -1,5 +1,5 @@
 // The equilibria of a scene: all of them for one body with one coordinate, those of a body on a ball joint, and for
-// more freedoms the one that is near (search.hpp). On rough rails that is one of the states of rest, and the others
+// more freedoms one (search.hpp). On rough rails that is one of the states of rest, and the others
 // about it are not given.
 #pragma once
 
@@ -69,9 +69,10 @@ private:
 /// One bead on a rail, one rigid body on a hinge or a slide: all there are, in order of the coordinate
 /// (path_equilibria.hpp); `near`, its coordinate, says where a path without ends is searched, the body's start
 /// otherwise. One body on a ball joint: those found from `near`, or from its start, and from attitudes spread over all,
-/// stable ones first. More freedoms: at most one, looked for from `near`, or from where the scene starts. An empty
-/// list: none was found. Coordinates are those of Equilibrium, all in order of addition. Throws InvalidInput for a
-/// scene without bodies, with forces or torques that depend on time or are called back, or with rails that move.
+/// stable ones first. More freedoms: at most one, that in which a slow and damped motion from the start of the scene
+/// ends, or where that leads to none, the nearest; given `near`, the one nearest to that, stable or not. An empty list:
+/// none was found. Coordinates are those of Equilibrium, all in order of addition. Throws InvalidInput for a scene
+/// without bodies, with forces or torques that depend on time or are called back, or with rails that move.
 inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector<double>& near = {}) {
     const std::string user = "equilibria";
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is asked");
@@ -102,6 +103,9 @@ inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector
     if (now.bodies().size() == 1 && std::holds_alternative<Spherical>(first.joint))
         return statics::BallEquilibria(now, start).find();
     std::vector<double> q = start;
+    if (near.empty() && statics::settle(forces, q) && statics::relax(forces, q))
+        return {statics::judged(forces, std::move(q), start).equilibrium};
+    q = start;
     if (!statics::relax(forces, q)) return {};
     return {statics::judged(forces, std::move(q), start).equilibrium};
 }

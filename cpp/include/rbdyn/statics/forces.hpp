@@ -130,6 +130,18 @@ public:
         }
         return q;
     }
+    /// The largest angle by which a step turns a body [rad].
+    double largest_turn(const std::vector<double>& step) const {
+        double most = 0.0;
+        for (int i = 0; i < bodies(); ++i) {
+            const PointLaws::Body& b = laws().body(i);
+            const double* d = &step[at(first(i))];
+            if (turns(b))
+                most = std::max(most, std::hypot(d[freedoms_of(b) - 3], d[freedoms_of(b) - 2], d[freedoms_of(b) - 1]));
+            if (b.rigid && b.rigid->kind == RigidLaw::Kind::revolute) most = std::max(most, std::abs(*d));
+        }
+        return most;
+    }
     /// How far apart two places are in every freedom; of turns, as long as they are small.
     std::vector<double> difference(const std::vector<double>& to, const std::vector<double>& from) const {
         std::vector<double> d;

@@ -2,9 +2,9 @@
 //
 // The zero of the generalized forces (forces.hpp) at rest, by Newton's method with their exact Jacobian, damped after
 // Levenberg and Marquardt (Nocedal and Wright, "Numerical Optimization", 2nd ed., sec. 10.3) in the metric M of the
-// kinetic energy; of freedoms that no force tells anything about, none is moved. Stable if the symmetric part of the
-// stiffness -dQ/dq is positive definite; periods 2 pi/omega from its eigenvalues omega^2 against M, where it is
-// symmetric.
+// kinetic energy; a freedom that no force depends on is left as it is. That finds states of rest of any kind; a search
+// downhill comes before where a stable one is wanted. Stable if the symmetric part of the stiffness -dQ/dq is positive
+// definite; periods 2 pi/omega from its eigenvalues omega^2 against M, where it is symmetric.
 //
 // A body that may be turned about an axis so that all stay at rest, a heavy one on a ball joint about the vertical, is
 // in a family of such states: that turn is found as a null direction of the stiffness, proved by turning the body, and
@@ -53,6 +53,72 @@ inline std::vector<double> newton_step(const Forces::State& s, double damping) {
     }
     for (int i = 0; i < n; ++i) step[at(i)] /= std::sqrt(s.metric[at(i)]);
     return step;
+}
+
+/// -dQ/dq at a place in units in which the metric is one: its symmetric part, and how far it is from that.
+struct Stiffness {
+    SquareMatrix symmetric;
+    double twist = 0.0, rounding = 0.0;
+
+    explicit Stiffness(const Forces::State& s) : symmetric(s.jacobian.size()) {
+        const int n = symmetric.size();
+        const auto scaled = [&](int i, int j) {
+            return -s.jacobian(i, j) /
+                   std::sqrt(s.metric[static_cast<std::size_t>(i)] * s.metric[static_cast<std::size_t>(j)]);
+        };
+        double largest = 0.0;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) {
+                symmetric(i, j) = 0.5 * (scaled(i, j) + scaled(j, i));
+                twist = std::max(twist, std::abs(scaled(i, j) - scaled(j, i)));
+                largest = std::max(largest, std::abs(scaled(i, j)));
+            }
+        rounding = 64.0 * std::numeric_limits<double>::epsilon() * n * largest;
+    }
+};
+
+/// Downhill from q, in place, as a slow and damped motion goes: steps (|K| + damping)^-1 Q with the absolute values of
+/// the eigenvalues of the stiffness K, taken if the forces do work on the way. Whether that came to an end.
+inline bool settle(Forces& forces, std::vector<double>& q) {
+    const int n = forces.freedoms();
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    // radians in which a step of this search may turn a body
+    constexpr double most_turn = 0.5;
+    Forces::State now = forces.at_rest(q);
+    double damping = 0.01, largest_work = 0.0;
+    for (int iteration = 0; iteration < 1000; ++iteration) {
+        const SymmetricEigen e = symmetric_eigen(Stiffness(now).symmetric);
+        const double largest = std::max(std::abs(e.values.front()), std::abs(e.values.back()));
+        std::vector<double> step(at(n));
+        for (int k = 0; k < n; ++k) {
+            double along = 0.0;
+            for (int i = 0; i < n; ++i) along += e.vectors(i, k) * now.force[at(i)] / std::sqrt(now.metric[at(i)]);
+            if (along == 0.0) continue;
+            for (int i = 0; i < n; ++i)
+                step[at(i)] += e.vectors(i, k) * along / (std::abs(e.values[at(k)]) + damping * largest) /
+                               std::sqrt(now.metric[at(i)]);
+        }
+        const double turning = forces.largest_turn(step);
+        for (double& x : step) x *= std::min(1.0, most_turn / turning);
+        if (!std::all_of(step.begin(), step.end(), [](double x) { return std::isfinite(x); })) return false;
+        const std::vector<double> next = forces.moved(q, step);
+        const Forces::State there = forces.at_rest(next);
+        const std::vector<double> moved = forces.difference(next, q);
+        double work = 0.0;
+        for (int i = 0; i < n; ++i) work += 0.5 * (now.force[at(i)] + there.force[at(i)]) * moved[at(i)];
+        if (!there.is_finite() || !(work > 0.0)) {
+            // no step is too small to go down but at the bottom
+            if (damping > 1e12) return largest_work > 0.0;
+            damping *= 8.0;
+            continue;
+        }
+        q = next;
+        now = there;
+        damping *= 0.25;
+        largest_work = std::max(largest_work, work);
+        if (work <= 1e-12 * largest_work) return true;
+    }
+    return false;
 }
 
 /// The zero of the forces near q, in place; whether there is one.
@@ -125,28 +191,6 @@ inline bool relax(Forces& forces, std::vector<double>& q) {
     }
     return now.pushed;
 }
-
-/// -dQ/dq at a place in units in which the metric is one: its symmetric part, and how far it is from that.
-struct Stiffness {
-    SquareMatrix symmetric;
-    double twist = 0.0, rounding = 0.0;
-
-    explicit Stiffness(const Forces::State& s) : symmetric(s.jacobian.size()) {
-        const int n = symmetric.size();
-        const auto scaled = [&](int i, int j) {
-            return -s.jacobian(i, j) /
-                   std::sqrt(s.metric[static_cast<std::size_t>(i)] * s.metric[static_cast<std::size_t>(j)]);
-        };
-        double largest = 0.0;
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) {
-                symmetric(i, j) = 0.5 * (scaled(i, j) + scaled(j, i));
-                twist = std::max(twist, std::abs(scaled(i, j) - scaled(j, i)));
-                largest = std::max(largest, std::abs(scaled(i, j)));
-            }
-        rounding = 64.0 * std::numeric_limits<double>::epsilon() * n * largest;
-    }
-};
 
 /// A turn of one body about an axis of the world through a point.
 struct FreeTurn {
