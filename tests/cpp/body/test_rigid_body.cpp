@@ -240,7 +240,9 @@ TEST(RigidBody, is_balanced_about_its_principal_central_axes_alone) {
     const rbdyn::Imbalance i = RigidBody(2.0, tensor).imbalance({0, 0, 4});
     EXPECT_EQ(i.couple, Vector3(-0.5, -0.25, 0.0)) << "-I_23, I_13";
     EXPECT_EQ(i.offset, Vector3(0, 0, 0));
-    EXPECT_NE(refusal([] { (void)RigidBody(1.0, {1, 1, 1}).imbalance({0, 0, 0}); }).find("length of axis is 0"),
+    EXPECT_NE(refusal([] {
+                  (void)RigidBody(1.0, {1, 1, 1}).imbalance({0, 0, 0});
+              }).find("length of axis is 0"),
               std::string::npos);
 }
 
