@@ -15,9 +15,8 @@ namespace {
 Vectors states(const StateRun& run, const ArrayLike& times, const SideName& name) {
     const rbdyn::Side side = side_of(name);
     const Array t = doubles(times, "StateRun", "time");
-    const std::size_t variables = run.state(run.start()).size();
     std::vector<py::ssize_t> shape(t.shape(), t.shape() + t.ndim());
-    shape.push_back(static_cast<py::ssize_t>(variables));
+    shape.push_back(run.variables());
     py::array_t<double> result(shape);
     double* out = result.mutable_data();
     for (py::ssize_t i = 0; i < t.size(); ++i) out = std::ranges::copy(run.state(t.data()[i], side), out).out;

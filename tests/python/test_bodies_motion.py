@@ -230,6 +230,8 @@ def test_a_top_in_euler_angles_moves_as_in_quaternions():
     scene, body = held(TOP, rb.Spherical(), attitude=start, angular_velocity=spin)
     assert_allclose(run.state(t)[:, :3], rb.simulate(scene, 5.0)[body].euler_angles(t), rtol=0, atol=1e-8)
     assert rb.simulate(top, x, until=5.0, rtol=1e-8, engine="dop853").error is None
+    assert_allclose(rb.simulate(top, x, until=5.0, keep="end").state(5.0), run.state(5.0), rtol=0, atol=1e-7)
+    assert run.state([]).shape == (0, 6)
 
 
 def test_a_top_in_euler_angles_stops_where_they_fail():

@@ -236,7 +236,7 @@ TEST(RigidBody, is_balanced_about_its_principal_central_axes_alone) {
     }
     // chapter's I_13 and I_23, matrix elements
     Matrix3 tensor;
-    tensor << 1.0, 0.125, -0.25, 0.125, 1.5, 0.5, -0.25, 0.5, 2.0;
+    tensor << 2.0, 0.125, -0.25, 0.125, 2.5, 0.5, -0.25, 0.5, 3.0;
     const rbdyn::Imbalance i = RigidBody(2.0, tensor).imbalance({0, 0, 4});
     EXPECT_EQ(i.couple, Vector3(-0.5, -0.25, 0.0)) << "-I_23, I_13";
     EXPECT_EQ(i.offset, Vector3(0, 0, 0));

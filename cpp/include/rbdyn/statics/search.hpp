@@ -86,7 +86,7 @@ inline bool settle(Forces& forces, std::vector<double>& q) {
     constexpr double most_turn = 0.5;
     Forces::State now = forces.at_rest(q);
     double damping = 0.01, largest_work = 0.0;
-    for (int iteration = 0; iteration < 1000; ++iteration) {
+    for (int iteration = 0; iteration < 300; ++iteration) {
         const SymmetricEigen e = symmetric_eigen(Stiffness(now).symmetric);
         const double largest = std::max(std::abs(e.values.front()), std::abs(e.values.back()));
         std::vector<double> step(at(n));
@@ -220,9 +220,9 @@ inline std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<doubl
     if (turning.isZero(0.0)) return std::nullopt;
     FreeTurn result{direction(turning)};
     Vector3& axis = result.axis;
+    if (axis[greatest(sizes(axis))] < 0.0) axis = -axis;
     for (double& x : axis)
         if (std::abs(x) < std::numeric_limits<double>::epsilon()) x = 0.0;
-    if (axis[greatest(sizes(axis))] < 0.0) axis = -axis;
     if (moves > 0) {
         const double* g = &q[at(forces.laws().body(body).first)];
         const Vector3 velocity(component(0), component(1), component(2));
