@@ -47,7 +47,12 @@ public:
         x_.assign(x.begin(), x.end());
         low_.assign(x.size(), 0.0);
         scales_.widen(x_);
-        projection_ = equations.projection ? equations.projection(x) : nullptr;
+        project();
+    }
+
+    void carry(std::span<const double> rest) override {
+        low_.assign(rest.begin(), rest.end());
+        project();
     }
 
     StepStatus step(double limit) override {
@@ -121,6 +126,8 @@ protected:
 
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+    void project() { projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr; }
 
     /// 2^round(log2 x)
     static double power_of_two(double x) {

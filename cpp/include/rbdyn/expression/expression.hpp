@@ -10,6 +10,8 @@
 // signs become parameters of the program with the argument as guard (`Switch`), choices between formulas are made
 // by the state the mode begins in, or by whoever knows better (`Branch`).
 //
+// Constants have 32 digits: what a model makes of the user's doubles is rounded once, by the program that uses it.
+//
 // Conventions: an expression is a constant or a node of one Recorder. `parameter` nodes are numbers that are fixed
 // during smooth motion and may change between pieces (the sign of a slip).
 #pragma once
@@ -29,6 +31,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
@@ -70,11 +73,13 @@ public:
     Expression() = default;
     Expression(double constant) : value_(constant) {}  // implicit: constants mix freely with expressions
     Expression(int constant) : value_(constant) {}
+    Expression(const DoubleDouble& constant) : value_(constant.hi), rest_(constant.lo) {}
     Expression(Recorder* recorder, std::int32_t node) : recorder_(recorder), node_(node) {}
 
     bool is_constant() const { return recorder_ == nullptr; }
     bool is_zero() const { return is_constant() && value_ == 0.0; }
     double value() const { return value_; }
+    DoubleDouble exact() const { return {value_, rest_}; }
     Recorder* recorder() const { return recorder_; }
     std::int32_t node() const { return node_; }
 
@@ -84,7 +89,7 @@ public:
     Expression& operator/=(const Expression& other);
 
 private:
-    double value_ = 0.0;
+    double value_ = 0.0, rest_ = 0.0;
     Recorder* recorder_ = nullptr;
     std::int32_t node_ = -1;
 };
@@ -115,8 +120,11 @@ struct Node {
     Operation operation;
     std::int32_t a = -1, b = -1, c = -1, d = -1;
     double value = 0.0;
+    double rest = 0.0;  // of a constant: what its value is short of 32 digits
 
     bool operator==(const Node&) const = default;
+    /// Of a constant.
+    Expression constant() const { return DoubleDouble(value, rest); }
 
     /// The nodes it computes with, those of calls apart.
     std::array<std::int32_t, 3> operands() const {
@@ -244,14 +252,18 @@ public:
     /// A parameter that nothing else uses.
     int new_parameter() { return parameters_++; }
 
-    Expression constant(double value) { return {this, intern({Operation::constant, -1, -1, -1, -1, value})}; }
+    /// Functions of the user's are kept as written, in doubles.
+    Expression constant(const DoubleDouble& value) {
+        const double rest = purpose_ == Purpose::function ? 0.0 : value.lo;
+        return {this, intern({Operation::constant, -1, -1, -1, -1, value.hi, rest})};
+    }
 
     const Node& node(std::int32_t index) const { return nodes_[static_cast<std::size_t>(index)]; }
     std::int32_t size() const { return static_cast<std::int32_t>(nodes_.size()); }
     int parameters() const { return parameters_; }
 
     /// The node of an expression, constants included.
-    std::int32_t node_of(const Expression& x) { return x.is_constant() ? constant(x.value()).node() : x.node(); }
+    std::int32_t node_of(const Expression& x) { return x.is_constant() ? constant(x.exact()).node() : x.node(); }
 
     Expression record(Operation operation, std::int32_t a, std::int32_t b = -1, double value = 0.0) {
         return {this, intern({operation, a, b, -1, -1, value})};
@@ -359,10 +371,16 @@ inline Recorder* common(const Expression& a, const Expression& b) {
     return recorder;
 }
 
+/// A folded constant; `rounded` is what doubles make of it: its sign if it is zero, all there is if it is not finite.
+inline Expression folded(const DoubleDouble& exact, double rounded) {
+    if (exact.hi == rounded) return DoubleDouble(rounded, std::isfinite(exact.lo) ? exact.lo : 0.0);
+    return std::isfinite(exact.hi) && std::isfinite(exact.lo) ? Expression(exact) : Expression(rounded);
+}
+
 }  // namespace recording
 
 inline Expression operator+(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) return a.value() + b.value();
+    if (a.is_constant() && b.is_constant()) return recording::folded(a.exact() + b.exact(), a.value() + b.value());
     if (a.is_zero()) return b;
     if (b.is_zero()) return a;
     Recorder* r = recording::common(a, b);
@@ -371,10 +389,10 @@ inline Expression operator+(const Expression& a, const Expression& b) {
 }
 
 inline Expression operator*(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) return a.value() * b.value();
+    if (a.is_constant() && b.is_constant()) return recording::folded(a.exact() * b.exact(), a.value() * b.value());
     if (a.is_zero() || b.is_zero()) return 0.0;
-    if (a.is_constant() && a.value() == 1.0) return b;
-    if (b.is_constant() && b.value() == 1.0) return a;
+    if (a.is_constant() && a.exact() == DoubleDouble(1.0)) return b;
+    if (b.is_constant() && b.exact() == DoubleDouble(1.0)) return a;
     Recorder* r = recording::common(a, b);
     std::int32_t i = r->node_of(a), j = r->node_of(b);
     return r->record(Operation::multiply, std::min(i, j), std::max(i, j));
@@ -388,9 +406,9 @@ inline Expression operator-(const Expression& a, const Expression& b) {
 }
 
 inline Expression operator/(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) return a.value() / b.value();
+    if (a.is_constant() && b.is_constant()) return recording::folded(a.exact() / b.exact(), a.value() / b.value());
     if (a.is_zero()) return 0.0;
-    if (b.is_constant()) return a * Expression(1.0 / b.value());
+    if (b.is_constant()) return a * recording::folded(1.0 / b.exact(), 1.0 / b.value());
     Recorder* r = recording::common(a, b);
     return r->record(Operation::divide, r->node_of(a), r->node_of(b));
 }

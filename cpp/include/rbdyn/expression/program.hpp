@@ -107,7 +107,7 @@ private:
     std::vector<int> output_slots_;
     std::vector<Switch> switches_;
     std::vector<Call> calls_;
-    std::vector<double> constants_;  // initial contents of the scalars
+    std::vector<DoubleDouble> constants_;  // initial contents of the scalars
     std::vector<ScalarStep> scalar_steps_;
 };
 
@@ -297,7 +297,7 @@ private:
     int emit(const Combination& sum) {
         if (sum.products.empty() && sum.constant.is_zero() && sum.terms.size() == 1) {
             const auto& [slot, weight] = *sum.terms.begin();
-            if (weight.is_constant() && weight.value() == 1.0) return slot;
+            if (weight.is_constant() && weight.exact() == DoubleDouble(1.0)) return slot;
         }
         Instruction i{Code::combine};
         i.first_term = static_cast<int>(p_.terms_.size());
@@ -332,7 +332,7 @@ private:
 
     Expression value_of(std::int32_t n) {
         const Node& node = r_.node(n);
-        return node.operation == Operation::constant ? Expression(node.value) : Expression(&r_, n);
+        return node.operation == Operation::constant ? node.constant() : Expression(&r_, n);
     }
 
     void gather(std::int32_t n, Expression weight, Combination& sum, bool is_root) {
@@ -364,7 +364,7 @@ private:
         if (found != scalars_.end()) return found->second;
         const Node node = r_.node(n);
         const int out = static_cast<int>(p_.constants_.size());
-        p_.constants_.push_back(node.operation == Operation::constant ? node.value : 0.0);
+        p_.constants_.push_back(node.operation == Operation::constant ? node.constant().exact() : DoubleDouble(0.0));
         scalars_[n] = out;
         if (node.operation == Operation::parameter) {
             p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
@@ -393,7 +393,8 @@ inline Program::Program(Recorder& recorder, std::span<const Expression> outputs,
 template <class T>
 void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const {
     using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
-    scalars.assign(constants_.begin(), constants_.end());
+    scalars.clear();
+    for (const DoubleDouble& c : constants_) scalars.push_back(static_cast<T>(c.hi) + static_cast<T>(c.lo));
     for (const ScalarStep& s : scalar_steps_) {
         T& out = scalars[static_cast<std::size_t>(s.out)];
         if (s.operation == Operation::parameter) {

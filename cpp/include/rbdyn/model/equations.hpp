@@ -89,8 +89,9 @@ struct Equations {
     int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
     int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
 
-    /// The projection for motion from a state; empty if nothing is held.
-    std::function<std::unique_ptr<const Projection>(std::span<const double>)> projection = {};
+    /// The projection for motion from a state x + low; empty if nothing is held.
+    std::function<std::unique_ptr<const Projection>(std::span<const double> x, std::span<const double> low)>
+        projection = {};
 
     int variables() const { return program.inputs(); }
     /// The switch whose argument a guard is; none for guards of other kinds.
