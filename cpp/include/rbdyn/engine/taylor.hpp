@@ -100,7 +100,7 @@ public:
             x_[index] = sum.hi;
             low_[index] = sum.lo;
         }
-        if (projection_) projection_->apply(x_, low_, h);
+        hold(h);
         t_ = end;
         scales_.widen(x_);
         if (drop_start_flags(*equations_, parameters_)) series_->set_parameters(parameters_);
@@ -122,6 +122,13 @@ protected:
         std::fill(low_.begin(), low_.end(), 0.0);
         return x_;
     }
+    /// Moves the state to where its first integrals are what they were, a time after it was last.
+    void hold(double time) {
+        if (projection_) projection_->apply(x_, low_, time);
+    }
+    /// What the state is short of.
+    std::span<double> rest() { return low_; }
+    std::span<const double> parameters() const { return parameters_; }
     Instant t_;
 
 private:
