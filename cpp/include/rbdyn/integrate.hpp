@@ -59,11 +59,12 @@ struct Manner {
     int order = 0;        // of Taylor series; 0: from the tolerance
     double stride = 1.0;  // of dop853: how much of the steps that the tolerance allows is taken
     bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
+    Program::Rounding rounding = Program::Rounding::nearest;  // of Taylor series, so that no constant is shared
 };
 
 inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {}) {
-    if (name == "taylor" && manner.is_refined) return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order);
-    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order);
+    if (name == "taylor" && manner.is_refined) return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
+    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride);
 #ifdef RBDYN_WITH_SUNDIALS
     if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
@@ -221,9 +222,13 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         const bool at_floor = tolerance <= least_tolerance(engine);
         const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
                                       : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
-        Manner finer_manner;
-        if (is_judge)
-            finer_manner = {at_floor ? other_order : 0, other_stride * manner.stride, manner.is_refined};
+        using Rounding = Program::Rounding;
+        Manner finer_manner{.rounding = manner.rounding == Rounding::nearest ? Rounding::other : Rounding::nearest};
+        if (is_judge) {
+            finer_manner.order = at_floor ? other_order : 0;
+            finer_manner.stride = other_stride * manner.stride;
+            finer_manner.is_refined = manner.is_refined;
+        }
         Timed better = form ? integrate(model, x, options, judge, 0.1 * least_tolerance("taylor"), compared, {}, form)
                             : run_with(judge, finer, compared, finer_manner);
         Comparison comparison;

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -84,9 +86,12 @@ public:
     /// Whether part of it is opaque: there are values, but no series and no exact derivatives.
     bool has_calls() const { return !calls_.empty(); }
 
+    /// How constants of 32 digits become doubles: the nearest one, or the one on the other side.
+    enum class Rounding { nearest, other };
     /// The weights for given parameters, in the number type of the evaluation.
     template <class T>
-    void set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const;
+    void set_parameters(std::span<const T> parameters, std::vector<T>& scalars,
+                        Rounding rounding = Rounding::nearest) const;
 
     /// The program's instructions, one a line.
     std::string text() const;
@@ -364,7 +369,7 @@ private:
         if (found != scalars_.end()) return found->second;
         const Node node = r_.node(n);
         const int out = static_cast<int>(p_.constants_.size());
-        p_.constants_.push_back(node.operation == Operation::constant ? node.constant().exact() : DoubleDouble(0.0));
+        p_.constants_.push_back({node.value, node.rest});
         scalars_[n] = out;
         if (node.operation == Operation::parameter) {
             p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
@@ -391,10 +396,14 @@ inline Program::Program(Recorder& recorder, std::span<const Expression> outputs,
 }
 
 template <class T>
-void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const {
+void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars, Rounding rounding) const {
     using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
     scalars.clear();
-    for (const DoubleDouble& c : constants_) scalars.push_back(static_cast<T>(c.hi) + static_cast<T>(c.lo));
+    for (const DoubleDouble& c : constants_) {
+        const double beyond = std::copysign(std::numeric_limits<double>::infinity(), c.lo);
+        const double hi = rounding == Rounding::other && c.lo != 0.0 ? std::nextafter(c.hi, beyond) : c.hi;
+        scalars.push_back(static_cast<T>(hi) + static_cast<T>(hi == c.hi ? c.lo : 0.0));
+    }
     for (const ScalarStep& s : scalar_steps_) {
         T& out = scalars[static_cast<std::size_t>(s.out)];
         if (s.operation == Operation::parameter) {

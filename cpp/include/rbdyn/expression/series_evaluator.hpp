@@ -36,8 +36,8 @@ public:
     /// Doubles from one slot's coefficients to the next one's.
     int stride() const { return stride_; }
 
-    void set_parameters(std::span<const double> parameters) {
-        program_->set_parameters(parameters, scalars_);
+    void set_parameters(std::span<const double> parameters, Program::Rounding rounding = Program::Rounding::nearest) {
+        program_->set_parameters(parameters, scalars_, rounding);
         for (std::size_t i = 0; i < packed_.size(); ++i) {
             const auto& [first, second] = lane_weights_[i];
             packed_[i].weight = series::Pair{first.factor * scalars_[static_cast<std::size_t>(first.scalar)],

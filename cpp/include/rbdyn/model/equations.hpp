@@ -76,6 +76,8 @@ public:
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
     /// time since it was moved last [s].
     virtual void apply(std::span<double> x, std::span<double> low, double step) const = 0;
+    /// Whether it adds what rounded constants of the equations leave out.
+    virtual bool makes_up_for_rounding() const { return false; }
 };
 
 /// x' = f(t, x; p) with its guards, as one program: outputs 0 .. n-1 are x', the rest guards.

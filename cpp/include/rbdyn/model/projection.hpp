@@ -101,6 +101,8 @@ public:
                 -std::copysign(4.0L * std::numbers::pi_v<long double>, static_cast<Real>(x[at(attitude_ + 4)])));
     }
 
+    bool makes_up_for_rounding() const override { return !is_heavy_; }
+
 private:
     using Real = long double;
     using Vector = std::array<Real, 3>;
@@ -306,6 +308,9 @@ public:
     explicit Projections(std::vector<std::unique_ptr<const Projection>> parts) : parts_(std::move(parts)) {}
     void apply(std::span<double> x, std::span<double> low, double step) const override {
         for (const auto& p : parts_) p->apply(x, low, step);
+    }
+    bool makes_up_for_rounding() const override {
+        return std::all_of(parts_.begin(), parts_.end(), [](const auto& p) { return p->makes_up_for_rounding(); });
     }
 
 private:

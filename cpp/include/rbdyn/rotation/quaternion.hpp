@@ -43,6 +43,7 @@ QuaternionOf<S> normalized(const QuaternionOf<S>& q) {
     const S n = sqrt(squared_norm(q));
     return {q.w / n, q.x / n, q.y / n, q.z / n};
 }
+inline Quaternion normalized(const Quaternion& q) { return normalized<double>(q); }
 
 inline QuaternionOf<DoubleDouble> widened(const Quaternion& q) { return {q.w, q.x, q.y, q.z}; }
 /// The nearest doubles.
