@@ -10,8 +10,8 @@
 
 namespace binding {
 
-using rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint, rbdyn::Particle, rbdyn::Prismatic, rbdyn::Rail,
-    rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene, rbdyn::Spherical;
+using rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint, rbdyn::Particle,
+    rbdyn::Prismatic, rbdyn::Rail, rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene, rbdyn::Spherical;
 
 namespace {
 

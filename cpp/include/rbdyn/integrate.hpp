@@ -56,14 +56,15 @@ inline std::vector<std::string> engines() {
 
 /// How an engine makes its steps: beside its tolerance, so that two runs need not share their rounding.
 struct Manner {
-    int order = 0;        // of Taylor series; 0: from the tolerance
-    double stride = 1.0;  // of dop853: how much of the steps that the tolerance allows is taken
+    int order = 0;            // of Taylor series; 0: from the tolerance
+    double stride = 1.0;      // of dop853: how much of the steps that the tolerance allows is taken
     bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
     Program::Rounding rounding = Program::Rounding::nearest;  // of Taylor series, so that no constant is shared
 };
 
 inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {}) {
-    if (name == "taylor" && manner.is_refined) return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
+    if (name == "taylor" && manner.is_refined)
+        return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride);
 #ifdef RBDYN_WITH_SUNDIALS

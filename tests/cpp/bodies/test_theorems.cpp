@@ -222,7 +222,8 @@ TEST(RandomBodies, move_as_an_integration_of_their_own_says_and_know_their_error
     std::vector<double> ratios;
     int refused = 0;
     for (int k = 0; k < draws; ++k) {
-        const Kind kind = std::array{Kind::free, Kind::spherical, Kind::revolute, Kind::prismatic}[static_cast<std::size_t>(k % 4)];
+        const Kind kind =
+            std::array{Kind::free, Kind::spherical, Kind::revolute, Kind::prismatic}[static_cast<std::size_t>(k % 4)];
         const double error = std::array{1e-6, 1e-9, 1e-12}[static_cast<std::size_t>(k / 4 % 3)];
         const std::string engine = std::array{"auto", "taylor", "dop853"}[static_cast<std::size_t>(k / 12 % 3)];
         const Truth truth = Truth::random(random, kind, random.chance(0.75));

@@ -73,7 +73,7 @@ public:
                                   : form_ == 1 ? Attitude(angles_)
                                                : Attitude(rotation_matrix(attitude_));
         const std::optional<Vector3> none, omega = omega_, own = is_seen_from_world_ ? none : omega,
-                                                   seen = is_seen_from_world_ ? omega : none;
+                                           seen = is_seen_from_world_ ? omega : none;
         const BodyHandle b = [&] {
             switch (kind_) {
                 case Kind::free: return scene.add(body, Free{}, {at_, velocity_, attitude, own, seen});
@@ -257,7 +257,7 @@ private:
     EulerAngles angles_;
     double mass_ = 1.0, stiffness_ = 0.0, rest_ = 0.0, drag_ = 0.0;
     Vector3 axis_, com_, gravity_, at_, point_, velocity_, omega_, spot_, anchor_, push_ = Vector3::Zero(),
-                                                                            twist_ = Vector3::Zero();
+                                                                                   twist_ = Vector3::Zero();
     Matrix3 inertia_;
     Quaternion attitude_;
 };

@@ -1,7 +1,8 @@
 // Taylor series whose steps end where the equations in long double say: for motions that multiply the rounding of
 // doubles by more than the error asked for leaves.
 //
-// On a step p is the polynomial of the series in doubles, and what is missing, e = x - p, some 1e-16 of it, follows from
+// On a step p is the polynomial of the series in doubles, and what is missing, e = x - p, some 1e-16 of it, follows
+// from
 //     e' = f(p + e) - p',   e = what the state in doubles was short of, at the start
 // by collocation at Gauss's points (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7), f and p
 // in long double with the constants of 32 digits that the program has. So p need be known to doubles only, and e to
@@ -56,7 +57,7 @@ private:
     using Real = long double;
 
     // exact for polynomials of degree 19: of a series of order 24, whose last terms are 1e-17 of it, to two digits more
-    static constexpr int points = 10;
+    static constexpr std::size_t points = 10;
     // each iteration gains the factor (step times rates) / its number
     static constexpr int most_iterations = 12;
 
@@ -67,39 +68,37 @@ private:
 
         Rule() {
             constexpr Real pi = 3.14159265358979323846264338327950288L;
-            for (int i = 0; i < points; ++i) {
+            std::array<Real, points> whole;
+            for (std::size_t i = 0; i < points; ++i) {
                 // zeros of Legendre's polynomial, by Newton's steps
                 Real x = -std::cos(pi * (static_cast<Real>(i) + 0.75L) / (points + 0.5L));
                 for (int k = 0; k < 8; ++k) {
                     const auto [value, slope] = legendre(x);
                     x -= value / slope;
                 }
-                at[index(i)] = 0.5L * (1.0L + x);
+                const Real slope = legendre(x).second;
+                at[i] = 0.5L * (1.0L + x);
+                whole[i] = 1.0L / ((1.0L - x * x) * slope * slope);
             }
             // integrals of Lagrange's polynomials, by the same rule on each part
-            std::array<Real, points> whole;
-            for (int k = 0; k < points; ++k) {
-                const Real x = 2.0L * at[index(k)] - 1.0L, slope = legendre(x).second;
-                whole[index(k)] = 1.0L / ((1.0L - x * x) * slope * slope);
-            }
-            for (int row = 0; row <= points; ++row) {
-                const Real end = row < points ? at[index(row)] : 1.0L;
-                for (int j = 0; j < points; ++j) {
-                    Real sum = 0.0L;
-                    for (int k = 0; k < points; ++k) {
-                        Real product = end * whole[index(k)];
-                        for (int m = 0; m < points; ++m)
-                            if (m != j) product *= (end * at[index(k)] - at[index(m)]) / (at[index(j)] - at[index(m)]);
-                        sum += product;
+            for (std::size_t row = 0; row <= points; ++row) {
+                const Real end = row < points ? at[row] : 1.0L;
+                for (std::size_t j = 0; j < points; ++j) {
+                    weight[row][j] = 0.0L;
+                    for (std::size_t k = 0; k < points; ++k) {
+                        Real product = end * whole[k];
+                        for (std::size_t m = 0; m < points; ++m)
+                            if (m != j) product *= (end * at[k] - at[m]) / (at[j] - at[m]);
+                        weight[row][j] += product;
                     }
-                    weight[index(row)][index(j)] = sum;
                 }
             }
         }
         static std::pair<Real, Real> legendre(Real x) {
             Real before = 1.0L, now = x;
-            for (int n = 2; n <= points; ++n) {
-                const Real next = ((2 * n - 1) * x * now - (n - 1) * before) / n;
+            for (std::size_t n = 2; n <= points; ++n) {
+                const auto order = static_cast<Real>(n);
+                const Real next = ((2.0L * order - 1.0L) * x * now - (order - 1.0L) * before) / order;
                 before = now;
                 now = next;
             }
@@ -131,60 +130,56 @@ private:
         const Rule& r = rule();
         const std::size_t n = before.size();
         const Real length = piece_.length, unit = piece_.unit;
-        std::array<std::vector<Real>, points> value, slope, missing, residual;
-        for (int j = 0; j < points; ++j) {
-            const Real tau = length * r.at[index(j)];
-            value[index(j)].resize(n);
-            slope[index(j)].resize(n);
+        // of point j from j n on
+        for (std::vector<Real>* v : {&value_, &slope_, &missing_, &residual_}) v->resize(points * n);
+        for (std::size_t j = 0; j < points; ++j)
             for (std::size_t i = 0; i < n; ++i) {
                 const double* c = piece_.variable(static_cast<int>(i));
-                Real p = 0.0L, p_slope = 0.0L;
+                const Real tau = length * r.at[j];
+                Real p = 0.0L, slope = 0.0L;
                 for (int k = piece_.order; k >= 0; --k) {
-                    p_slope = p_slope * tau + p;
+                    slope = slope * tau + p;
                     p = p * tau + c[k];
                 }
-                value[index(j)][i] = p;
-                slope[index(j)][i] = p_slope;
+                value_[j * n + i] = p;
+                slope_[j * n + i] = slope;
+                missing_[j * n + i] = before[i];
             }
-            missing[index(j)].assign(before.begin(), before.end());
-            residual[index(j)].resize(n);
-        }
         end_.assign(n, 0.0L);
-        std::vector<Real> x(n), last(n);
+        state_.resize(n);
         for (int iteration = 0; iteration < most_iterations; ++iteration) {
-            for (int j = 0; j < points; ++j) {
-                for (std::size_t i = 0; i < n; ++i) x[i] = value[index(j)][i] + missing[index(j)][i];
-                const Real time = static_cast<Real>(piece_.start.hi) + piece_.start.lo + unit * length * r.at[index(j)];
-                (*evaluator_)(time, x);
+            for (std::size_t j = 0; j < points; ++j) {
+                for (std::size_t i = 0; i < n; ++i) state_[i] = value_[j * n + i] + missing_[j * n + i];
+                (*evaluator_)(static_cast<Real>(piece_.start.hi) + piece_.start.lo + unit * length * r.at[j], state_);
                 for (std::size_t i = 0; i < n; ++i)
-                    residual[index(j)][i] =
-                        length * (unit * evaluator_->output(static_cast<int>(i)) - slope[index(j)][i]);
+                    residual_[j * n + i] =
+                        length * (unit * evaluator_->output(static_cast<int>(i)) - slope_[j * n + i]);
             }
-            last = end_;
-            for (int row = 0; row <= points; ++row) {
-                std::vector<Real>& e = row < points ? missing[index(row)] : end_;
-                for (std::size_t i = 0; i < n; ++i) {
-                    e[i] = before[i];
-                    for (int j = 0; j < points; ++j) e[i] += r.weight[index(row)][index(j)] * residual[index(j)][i];
-                }
-            }
+            const auto integral = [&](std::size_t row, std::size_t i) {
+                Real sum = before[i];
+                for (std::size_t j = 0; j < points; ++j) sum += r.weight[row][j] * residual_[j * n + i];
+                return sum;
+            };
             Real change = 0.0L, size = 0.0L;
             for (std::size_t i = 0; i < n; ++i) {
-                change += std::abs(end_[i] - last[i]);
+                for (std::size_t j = 0; j < points; ++j) missing_[j * n + i] = integral(j, i);
+                const Real last = std::exchange(end_[i], integral(points, i));
+                change += std::abs(end_[i] - last);
                 size += std::abs(end_[i]);
             }
-            if (iteration > 1 && change <= 1e-4L * size) return is_rounding(value[points - 1]);
+            // three digits
+            if (iteration > 1 && change <= 1e-3L * size) return is_rounding();
         }
         return false;
     }
 
     /// Whether what is missing is of the size of rounding; else it is no smooth step: a spring met its anchor, say.
-    bool is_rounding(const std::vector<Real>& value) const {
+    bool is_rounding() const {
         for (const VariableGroup& group : equations_->groups) {
             Real missing = 0.0L, size = 0.0L;
             for (int i = group.first; i < group.first + group.count; ++i) {
                 missing += std::abs(end_[index(i)]);
-                size += std::abs(value[index(i)]) + std::abs(increment(index(i)));
+                size += std::abs(state_[index(i)]) + std::abs(increment(index(i)));
             }
             if (!(missing <= 1e-8L * size)) return false;
         }
@@ -193,7 +188,7 @@ private:
 
     const Equations* equations_ = nullptr;
     std::optional<Evaluator<Real>> evaluator_;
-    std::vector<Real> end_;
+    std::vector<Real> value_, slope_, missing_, residual_, end_, state_;
 };
 
 }  // namespace rbdyn

@@ -26,9 +26,7 @@ public:
     /// Local error per step relative to the motion's scales; `order` 0: chosen from the tolerance.
     /// `rounding`: of the constants that the projection does not make up for.
     explicit TaylorEngine(double tolerance, int order = 0, Program::Rounding rounding = Program::Rounding::nearest)
-        : log_tolerance_(std::log2(tolerance)),
-          order_(order > 0 ? order : order_for(tolerance)),
-          rounding_(rounding) {}
+        : log_tolerance_(std::log2(tolerance)), order_(order > 0 ? order : order_for(tolerance)), rounding_(rounding) {}
 
     std::string name() const override { return "taylor"; }
 

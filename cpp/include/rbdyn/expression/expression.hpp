@@ -388,7 +388,7 @@ Expression folded(const Expression& a, const Expression& b, F&& f) {
 }  // namespace recording
 
 inline Expression operator+(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) 
+    if (a.is_constant() && b.is_constant())
         return recording::folded(a, b, [](const auto& x, const auto& y) { return x + y; });
     if (a.is_zero()) return b;
     if (b.is_zero()) return a;
@@ -398,7 +398,7 @@ inline Expression operator+(const Expression& a, const Expression& b) {
 }
 
 inline Expression operator*(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) 
+    if (a.is_constant() && b.is_constant())
         return recording::folded(a, b, [](const auto& x, const auto& y) { return x * y; });
     if (a.is_zero() || b.is_zero()) return 0.0;
     if (a.is_constant() && a.exact() == DoubleDouble(1.0)) return b;
@@ -416,7 +416,7 @@ inline Expression operator-(const Expression& a, const Expression& b) {
 }
 
 inline Expression operator/(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) 
+    if (a.is_constant() && b.is_constant())
         return recording::folded(a, b, [](const auto& x, const auto& y) { return x / y; });
     if (a.is_zero()) return 0.0;
     if (b.is_constant()) return a * (Expression(1.0) / b);

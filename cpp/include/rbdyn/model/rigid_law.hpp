@@ -38,8 +38,8 @@ public:
         Vector3Of<DoubleDouble> origin;             // o, in body axes
         Vector3Of<DoubleDouble> center;             // G from o, in the frame
         Vector3Of<DoubleDouble> moments;            // about o: on the principal axes; on a hinge [2] is I_33
-        Vector3Of<DoubleDouble> coupling;  // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
-        Vector3Of<DoubleDouble> weight;    // world
+        Vector3Of<DoubleDouble> coupling;           // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
+        Vector3Of<DoubleDouble> weight;             // world
     };
 
     Kind kind = Kind::free;
@@ -76,8 +76,7 @@ public:
         exact.mass = given.mass;
         exact.origin = kind == Kind::free ? given.com : widened(origin);
         for (int i = 0; i < 3; ++i) exact.weight[i] = given.mass * scene.gravity()[i];
-        const Matrix3Of<DoubleDouble> about_o =
-            kind == Kind::free ? given.inertia : inertia_about(given, exact.origin);
+        const Matrix3Of<DoubleDouble> about_o = kind == Kind::free ? given.inertia : inertia_about(given, exact.origin);
         const Vector3Of<DoubleDouble> to_center = given.com - exact.origin;
         if (turns_freely()) {
             choose_principal_frame(scene, index, principal_axes(about_o), to_center);
@@ -128,8 +127,7 @@ public:
         if (kind == Kind::free) {
             const Matrix3Of<DoubleDouble> r = rotation_matrix(attitude);
             const Vector3Of<DoubleDouble> g = widened(b.position) + product(r, exact.origin),
-                                          u = widened(b.velocity) +
-                                              product(r, b.angular_velocity.cross(exact.origin));
+                                          u = widened(b.velocity) + product(r, b.angular_velocity.cross(exact.origin));
             for (int i = 0; i < 3; ++i) {
                 *q++ = g[i];
                 *v++ = u[i];

@@ -99,9 +99,11 @@ private:
         const RigidLaw::Exact& exact = law.exact;
         const DoubleDouble g = sqrt(dot<DoubleDouble>(a, a));
         const Vector3Of<DoubleDouble> omega = product(exact.frame.transpose(), b.angular_velocity);
-        return {exact.moments[0],     exact.moments[2],
+        return {exact.moments[0],
+                exact.moments[2],
                 b.rigid()->exact().mass * g * exact.center[2],
-                Vector3(-rounded(a)), b.attitude.exact() * exact.frame_attitude,
+                Vector3(-rounded(a)),
+                b.attitude.exact() * exact.frame_attitude,
                 {omega[0], omega[1], omega[2]}};
     }
     const RigidLaw law_;

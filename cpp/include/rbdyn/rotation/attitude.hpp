@@ -1,7 +1,8 @@
 // An attitude from any form a user may hold: a quaternion (w, x, y, z), a rotation matrix, Euler angles.
 //
-// R(body -> world). Invariant: | |q|^2 - 1 | <= 4 epsilon, and to 32 digits for exact(), which is what the numbers given
-// say. What is a rotation to within 1e-6, as text of seven digits is, becomes the nearest one; anything else is refused.
+// R(body -> world). Invariant: | |q|^2 - 1 | <= 4 epsilon, and to 32 digits for exact(), which is what the numbers
+// given say. What is a rotation to within 1e-6, as text of seven digits is, becomes the nearest one; anything else is
+// refused.
 #pragma once
 
 #include <algorithm>

@@ -101,8 +101,8 @@ inline QuaternionOf<DoubleDouble> quaternion(const Matrix3Of<DoubleDouble>& r) {
     for (int i = 1; i < 3; ++i)
         if (r(i, i) > r(largest, largest)) largest = i;
     if (trace > r(largest, largest))
-        return normalized(QuaternionOf<DoubleDouble>{1.0 + trace, r(2, 1) - r(1, 2), r(0, 2) - r(2, 0),
-                                                     r(1, 0) - r(0, 1)});
+        return normalized(
+            QuaternionOf<DoubleDouble>{1.0 + trace, r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)});
     const int i = largest, j = (i + 1) % 3, k = (i + 2) % 3;
     DoubleDouble v[3];
     v[i] = 1.0 + r(i, i) - r(j, j) - r(k, k);
