@@ -164,7 +164,7 @@ public:
         return RigidBody(MassProperties{central_.mass, central_.com + widened(r), central_.inertia});
     }
     /// Turned about the origin of its axes: what lay along v lies along R v.
-    RigidBody rotated(const Attitude& attitude) const { return RigidBody(turned(central_, attitude.quaternion())); }
+    RigidBody rotated(const Attitude& attitude) const { return RigidBody(turned(central_, attitude.exact())); }
     /// Two bodies in the same axes, welded.
     friend RigidBody operator+(const RigidBody& a, const RigidBody& b) {
         return RigidBody(welded(a.central_, b.central_));

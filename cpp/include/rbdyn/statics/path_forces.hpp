@@ -127,7 +127,7 @@ inline Effort effort(const PointLaws& laws, int body, const std::vector<PointSta
         }
         Wrench<double> w;
         add_load(w, *b.rigid, *p.rigid, load, 0.0, b.name);
-        sum.add(w.force.norm(), load.point);
+        sum.add(w.force.norm(), rounded(load.point));
         if (std::holds_alternative<Torque>(load.load)) sum.moment += w.moment.norm();
     }
     for (const auto& c : laws.springs()) {
@@ -189,7 +189,7 @@ public:
     double speed(double u) const { return body().curve ? curve().first(u).norm() : 1.0; }
     /// Twice the kinetic energy over the squared rate of the coordinate.
     double inertia(double u) const { return is_on_hinge() ? body().rigid->moments[2] : mass() * speed(u) * speed(u); }
-    double start() const { return body().rigid ? body().start_positions[0] : body().start_u; }
+    double start() const { return body().rigid ? body().start_positions[0].hi : body().start_u; }
     bool rough() const { return body().rough; }
     bool one_sided() const { return body().side != RailSide::both; }
     const std::string& name() const { return body().name; }

@@ -166,10 +166,11 @@ private:
 
 inline EulerAngles BodyMotion::euler_angles(double t, Side side) const {
     const RigidReport now = rigid(t, side);
-    return data_->angles->at(body_, t, now.attitude, data_->record.start, body().angles, [&](double time) {
-        const RigidReport r = rigid(time);
-        return std::pair(r.attitude, r.angular_velocity.norm());
-    });
+    return data_->angles->at(body_, t, now.attitude, data_->record.start, body().attitude.given_angles(),
+                             [&](double time) {
+                                 const RigidReport r = rigid(time);
+                                 return std::pair(r.attitude, r.angular_velocity.norm());
+                             });
 }
 
 /// Length and force of a spring of a run.
