@@ -87,7 +87,7 @@ inline Solved solve_together(Scene scene, Plan plan, const SimulateOptions& opti
 }
 
 /// The start alone of a part that was not begun.
-inline Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine, double start) {
+[[gnu::cold]] inline Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine, double start) {
     Solution solution;
     Record& record = solution.record;
     record.start = start;
@@ -115,7 +115,8 @@ inline bool may_stop(const Scene& scene) {
 
 /// The events of all parts up to a time, in order; of several parts closer together than rounding in the order that
 /// those of one part have: watched functions first, then by kind, then by body.
-inline std::vector<Event> events_of(const std::vector<Solved>& parts, const SceneParts& apart, double end) {
+[[gnu::cold]] inline std::vector<Event> events_of(const std::vector<Solved>& parts, const SceneParts& apart,
+                                                  double end) {
     struct Placed {
         Event event;
         std::size_t part;
@@ -146,7 +147,7 @@ inline std::vector<Event> events_of(const std::vector<Solved>& parts, const Scen
 }
 
 /// Solves a scene of several parts. Throws InvalidInput if the engine asked for cannot do one of them.
-inline Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options) {
+[[gnu::cold]] inline Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options) {
     using Outcome = Solution::Outcome;
     const SceneParts& apart = *plan.apart;
     const std::size_t count = plan.parts.size();

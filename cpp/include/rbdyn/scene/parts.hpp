@@ -30,7 +30,7 @@ struct SceneParts {
     std::vector<Place> bodies, loads, couplings;
     std::string joined_by;  // the watched function that keeps together what else falls apart; empty if none does
 
-    explicit SceneParts(const Scene& scene) {
+    [[gnu::cold]] explicit SceneParts(const Scene& scene) {
         const std::vector<int> heads = joined(scene);
         const auto is_head = [&](int i) { return heads[at(i)] == i; };
         const auto count = static_cast<int>(heads.size());
@@ -96,7 +96,7 @@ private:
     }
 
     /// For every body the first of those it is joined to by couplings and by functions that say what they ask for.
-    static std::vector<int> joined(const Scene& scene) {
+    [[gnu::cold]] static std::vector<int> joined(const Scene& scene) {
         std::vector<int> heads(scene.bodies().size());
         std::iota(heads.begin(), heads.end(), 0);
         const auto head = [&](int i) {
