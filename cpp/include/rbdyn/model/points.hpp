@@ -21,15 +21,27 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/rigid_change.hpp"
+#include "rbdyn/model/what_stays.hpp"
 #include "rbdyn/model/within.hpp"
 
 namespace rbdyn {
 
 class PointsModel : public RecordedModel {
 public:
-    PointsModel(const Scene& scene, const Placement& view) : laws_(scene, view), watches_(scene.watches()) {}
+    /// `leaves_out`: what stays as it starts is not simulated.
+    PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false)
+        : laws_(scene, view), watches_(scene.watches()) {
+        if (!leaves_out || changes_state(scene)) return;
+        std::vector<bool> stays = what_stays(laws_);
+        laws_.leave_out(stays);
+        if (laws_.map().size() > 0) return;
+        // something to watch for asks for time steps, and these for a variable
+        const std::unique_ptr<Structure> all = record_points(laws_, watches_, undecided().slip, {});
+        stays[0] = all->still;
+        laws_.leave_out(stays);
+    }
 
-    int variables() const override { return laws_.variables(); }
+    int variables() const override { return laws_.map().size(); }
     int bodies() const { return static_cast<int>(laws_.bodies().size()); }
     bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
     const PointLaws& laws() const { return laws_; }
@@ -43,7 +55,11 @@ public:
     }
 
     /// The state the scene starts in.
-    std::vector<double> start(double t = 0.0) const { return laws_.start(t); }
+    std::vector<double> start(double t = 0.0) const {
+        std::vector<double> x(at(variables()));
+        laws_.map().gather(laws_.start(t), x);
+        return x;
+    }
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {
@@ -58,7 +74,8 @@ public:
     Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const {
         const PointLaws::Body& b = laws_.body(body);
         if (!b.rigid) return center(mode, body, t, x);
-        const RigidState<double> s = b.rigid->state(x.data() + b.first, x.data() + b.first_rate);
+        const PointLaws::Variables own = laws_.variables_of(b, x);
+        const RigidState<double> s = b.rigid->state(own.q, own.v);
         return s.position(b.rigid->origin_in_frame(s));
     }
 
@@ -178,15 +195,24 @@ public:
         return after;
     }
 
-    bool slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope) const override {
+    int slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
+              std::span<double> bend) const override {
+        const StateMap& map = laws_.map();
+        std::vector<double> all(at(map.variables())), second(all.size(), 0.0);
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
-            if (b.rigid) return false;
-            laws_.slope(i, mode.slip, t, x, slope.subspan(at(b.first)), slope.subspan(at(b.first_rate)));
+            if (b.rigid) return 0;
+            laws_.slope(i, mode.slip, t, x, std::span(all).subspan(at(b.first)),
+                        std::span(all).subspan(at(b.first_rate)));
         }
-        for (double s : slope)
-            if (!std::isfinite(s)) return false;
-        return true;
+        for (double s : all)
+            if (!std::isfinite(s)) return 0;
+        std::copy(all.begin() + laws_.positions(), all.end(), second.begin());
+        map.gather(all, slope);
+        map.gather(second, bend);
+        int positions = 0;
+        for (int i = 0; i < laws_.positions(); ++i) positions += map.is_simulated(i) ? 1 : 0;
+        return positions;
     }
 
     /// Positions, velocities, and reactions of rails, body by body.
@@ -253,9 +279,9 @@ public:
             if (b.curve && mode.slip[at(i)] != flies) {
                 // a rate of the parameter that is beyond all measure beside a finite speed
                 const double slow = std::sqrt(p.curve.speed_squared),
-                             usual = b.curve->first(x[at(b.first)] - 0.125).norm();
+                             u = laws_.map().value(b.first, x), usual = b.curve->first(u - 0.125).norm();
                 if (slow < 1e-6 * usual)
-                    return "the rail of " + b.name + " at u = " + text(x[at(b.first)]) + ", where it has a cusp";
+                    return "the rail of " + b.name + " at u = " + text(u) + ", where it has a cusp";
             }
             const PointReport report = laws_.report(i, mode.slip, t, x);
             if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
@@ -266,6 +292,9 @@ public:
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// A variable that is simulated.
+    double& variable(std::span<double> x, int index) const { return x[at(laws_.map().place(index))]; }
 
     static std::string title(const Load& load) {
         if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
@@ -331,8 +360,8 @@ private:
             const double was = drive_of(before, i, t, x), is = drive_of(after, i, t, x);
             // what differs by the rounding of the time has a corner, no jump
             if (std::abs(is - was) <= 1e-10 * std::max(std::abs(is), std::abs(was))) continue;
-            const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-            const double speed = std::sqrt(c.speed_squared) * x[at(b.first_rate)];
+            const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+            const double speed = std::sqrt(c.speed_squared) * variable(x, b.first_rate);
             const signed char slip = slip_of(after, i, before.slip[at(i)] == sticks ? was : speed, t, x);
             if (slip == after.slip[at(i)]) continue;
             const EventKind kind = slip == sticks                ? EventKind::stick
@@ -349,8 +378,8 @@ private:
     /// Sets w of a bead without slip exactly: the speed of its rail.
     void carry(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
-        const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-        x[at(b.first_rate)] = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
+        const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+        variable(x, b.first_rate) = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
     }
 
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
@@ -378,10 +407,10 @@ private:
         const PointLaws::Body& b = laws_.body(i);
         const PointState<double> p = laws_.states(t, x, mode.slip)[at(i)];
         for (int k = 0; k < 3; ++k) {
-            x[at(b.first_of_space() + k)] = p.r[k];
-            x[at(b.first_of_velocity() + k)] = p.v[k];
+            variable(x, b.first_of_space() + k) = p.r[k];
+            variable(x, b.first_of_velocity() + k) = p.v[k];
         }
-        x[at(b.first_rate)] = 0.0;
+        variable(x, b.first_rate) = 0.0;
         mode.slip[at(i)] = flies;
     }
 
@@ -389,15 +418,15 @@ private:
     double land(Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         const int space = b.first_of_space(), velocity = b.first_of_velocity();
-        const Vector3 r{x[at(space)], x[at(space + 1)], x[at(space + 2)]},
-            v{x[at(velocity)], x[at(velocity + 1)], x[at(velocity + 2)]};
-        x[at(b.first)] = laws_.landing(i)->place(r);
-        const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
+        const Vector3 r{variable(x, space), variable(x, space + 1), variable(x, space + 2)},
+            v{variable(x, velocity), variable(x, velocity + 1), variable(x, velocity + 2)};
+        variable(x, b.first) = laws_.landing(i)->place(r);
+        const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
         // along the normal: what rounding leaves along the rail is none
         const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
         const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
-        x[at(b.first_rate)] = w;
-        for (int k = 0; k < 3; ++k) x[at(velocity + k)] = 0.0;
+        variable(x, b.first_rate) = w;
+        for (int k = 0; k < 3; ++k) variable(x, velocity + k) = 0.0;
         mode.slip[at(i)] = 1;
         if (b.rough) mode.slip[at(i)] = slip_of(mode, i, w * std::sqrt(c.speed_squared), t, x);
         return b.mass * (v - c.first * w).norm();
@@ -434,7 +463,7 @@ private:
                 leading_sign(mode, t, x, guard.output) >= 0)
                 continue;
             if (guard.role == GuardRole::stop)
-                throw InvalidInput(laws_.body(i).name + ": parameter is " + text(x[at(laws_.body(i).first)]) +
+                throw InvalidInput(laws_.body(i).name + ": parameter is " + text(laws_.map().value(laws_.body(i).first, x)) +
                                    ", an end of its rail, which it leaves at once; start it within the rail or moving "
                                    "inward, or let it fly on with ends \"release\"");
             release(mode, i, t, x);
@@ -442,7 +471,7 @@ private:
         }
     }
 
-    /// What the user's own action makes of the state.
+    /// What the user's own action makes of the state, of which nothing is left out.
     void change(Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const {
         for (const StateChange& c : watch.options.action.change(observing(mode, t, x))) {
             const int i = c.body.index;
@@ -504,7 +533,7 @@ private:
     void own_parameters(Mode& mode, std::span<const double> x) const override {
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
-            mode.parameters[at(bodies() + i)] = x[at(laws_.body(i).fixed_variable())];
+            mode.parameters[at(bodies() + i)] = laws_.map().value(laws_.body(i).fixed_variable(), x);
         }
     }
 
