@@ -209,7 +209,7 @@ inline Placement view_of(const Scene& scene) {
         {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
-    plan.model = std::make_shared<const PointsModel>(scene, plan.view);
+    plan.model = std::make_shared<const PointsModel>(scene, plan.view, true);
     for (const PointLaws::Body& b : plan.model->laws().bodies())
         if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
     plan.guards = planning::guards_of(*plan.model);
