@@ -178,11 +178,10 @@ public:
         map_ = StateMap(start(), stays);
         landings_.clear();
         for (const Body& b : bodies_)
-            landings_.push_back(b.side == RailSide::both
-                                    ? nullptr
-                                    : std::make_shared<const RailLanding>(*b.curve, view_.axes * b.binormal, view_,
-                                                                          map_.place(b.first),
-                                                                          map_.place(b.first_of_space())));
+            landings_.push_back(b.side == RailSide::both ? nullptr
+                                                         : std::make_shared<const RailLanding>(
+                                                               *b.curve, view_.axes * b.binormal, view_,
+                                                               map_.place(b.first), map_.place(b.first_of_space())));
     }
 
     const std::vector<Body>& bodies() const { return bodies_; }

@@ -31,8 +31,13 @@ public:
     /// `leaves_out`: what stays as it starts is not simulated.
     PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false)
         : laws_(scene, view), watches_(scene.watches()) {
-        if (!leaves_out || changes_state(scene)) return;
-        std::vector<bool> stays = what_stays(laws_);
+        if (!leaves_out) return;
+        for (const Scene::Watch& w : watches_)
+            if (w.options.action.kind == WatchAction::Kind::change)
+                why_all_ = "the action of \"" + w.name + "\" may change any of them";
+        if (!why_all_.empty()) return;
+        auto [stays, why_none] = what_stays(laws_);
+        why_all_ = std::move(why_none);
         laws_.leave_out(stays);
         if (laws_.map().size() > 0) return;
         // something to watch for asks for time steps, and these for a variable
@@ -45,6 +50,8 @@ public:
     int bodies() const { return static_cast<int>(laws_.bodies().size()); }
     bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
     const PointLaws& laws() const { return laws_; }
+    /// Why all variables are simulated, also what stays as it starts; empty if that is left out.
+    const std::string& why_all() const { return why_all_; }
 
     /// The equations for what every body does at the state the scene starts in.
     const Equations& equations(const std::vector<signed char>& slip, double t = 0.0) const {
@@ -278,8 +285,8 @@ public:
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
             if (b.curve && mode.slip[at(i)] != flies) {
                 // a rate of the parameter that is beyond all measure beside a finite speed
-                const double slow = std::sqrt(p.curve.speed_squared),
-                             u = laws_.map().value(b.first, x), usual = b.curve->first(u - 0.125).norm();
+                const double slow = std::sqrt(p.curve.speed_squared), u = laws_.map().value(b.first, x),
+                             usual = b.curve->first(u - 0.125).norm();
                 if (slow < 1e-6 * usual)
                     return "the rail of " + b.name + " at u = " + text(u) + ", where it has a cusp";
             }
@@ -463,7 +470,8 @@ private:
                 leading_sign(mode, t, x, guard.output) >= 0)
                 continue;
             if (guard.role == GuardRole::stop)
-                throw InvalidInput(laws_.body(i).name + ": parameter is " + text(laws_.map().value(laws_.body(i).first, x)) +
+                throw InvalidInput(laws_.body(i).name + ": parameter is " +
+                                   text(laws_.map().value(laws_.body(i).first, x)) +
                                    ", an end of its rail, which it leaves at once; start it within the rail or moving "
                                    "inward, or let it fly on with ends \"release\"");
             release(mode, i, t, x);
@@ -539,6 +547,7 @@ private:
 
     PointLaws laws_;
     std::vector<Scene::Watch> watches_;
+    std::string why_all_;
 };
 
 }  // namespace rbdyn
