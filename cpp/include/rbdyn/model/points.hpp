@@ -40,10 +40,10 @@ public:
         why_all_ = std::move(why_none);
         laws_.leave_out(stays);
         if (laws_.map().size() > 0) return;
-        // something to watch for asks for time steps, and these for a variable
-        const std::unique_ptr<Structure> all = record_points(laws_, watches_, undecided().slip, {});
-        stays[0] = all->still;
-        laws_.leave_out(stays);
+        // where something may happen all the same there have to be time steps, and so a state
+        if (record_points(laws_, watches_, undecided().slip, {})->still) return;
+        why_all_ = "nothing moves, and what is watched for needs time to pass";
+        laws_.leave_out(std::vector<bool>(stays.size(), false));
     }
 
     int variables() const override { return laws_.map().size(); }

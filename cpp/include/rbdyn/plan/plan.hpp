@@ -117,22 +117,22 @@ inline Placement view_of(const Scene& scene) {
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
     Plan plan;
     plan.view = planning::view_of(scene);
-    plan.model = std::make_shared<const PointsModel>(scene, plan.view, true);
-    const PointLaws& laws = plan.model->laws();
-    const bool rotation = planning::any_turns(laws);
-    bool any_rail = false, any_rigid = false, dynamic = false, statics = false, drive = false, drag = false,
-         user = false, spring = false, damper = false, is_rough = false, free = false, moving = false, torque = false;
+    bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
+         damper = false, is_rough = false, free = false, moving = false, rotation = false, torque = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
         plan.omissions.push_back({what, why});
     };
     const bool gravity = !scene.gravity().isZero(0.0);
-    for (int i = 0; i < plan.model->bodies(); ++i)
-        plan.coordinates.push_back(laws.body(i).name + ": " + planning::coordinates_of(laws, i));
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
-        any_rigid = any_rigid || b.rigid() != nullptr;
-        free = free || (b.rigid() == nullptr && rail == nullptr);
-        if (rail == nullptr) continue;
+        if (b.rigid() != nullptr) {
+            rotation = rotation || !std::holds_alternative<Prismatic>(b.joint);
+            continue;
+        }
+        if (rail == nullptr) {
+            free = true;
+            continue;
+        }
         any_rail = true;
         moving = moving || rail->motion().present();
         if (!rail->drive().is_constant()) plan.functions.push_back("drive of " + b.name + " traced, native");
@@ -164,19 +164,17 @@ inline Placement view_of(const Scene& scene) {
             plan.functions.push_back("potential \"" + potential->name() + "\" traced, native," + on);
         } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
             user = user || lorentz->present();
-            if (!lorentz->present())
-                leave_out("Lorentz force" + on, "its strength or its field is zero; both bring it in");
+            if (!lorentz->present()) leave_out("Lorentz force" + on, "its strength or its field is zero");
         } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
             drag = drag || d->present();
-            if (!d->present()) leave_out("drag" + on, "both its coefficients are zero; one brings it in");
+            if (!d->present()) leave_out("drag", "both its coefficients are zero");
         } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
             spring = spring || torsion->stiffness > 0.0;
             damper = damper || torsion->damping > 0.0;
-            if (!torsion->present())
-                leave_out("torsion spring" + on, "its stiffness and damping are zero; one brings it in");
+            if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
         } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
             torque = torque || twist->present();
-            if (!twist->present()) leave_out("torque" + on, "it is zero; any other brings it in");
+            if (!twist->present()) leave_out("torque" + on, "it is zero");
             if (twist->is_constant()) continue;
             if (twist->callback()) {
                 plan.calls_back = true;
@@ -200,7 +198,7 @@ inline Placement view_of(const Scene& scene) {
         const Spring& s = std::get<Spring>(c.coupling);
         spring = spring || s.stiffness > 0.0;
         damper = damper || s.damping > 0.0;
-        if (!s.present()) leave_out("a spring", "its stiffness and damping are zero; one brings it in");
+        if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
     }
     const std::pair<bool, const char*> effects[] = {
         {gravity, "gravity"},    {rotation, "rotation"},        {spring, "spring"},          {damper, "damper"},
@@ -208,17 +206,22 @@ inline Placement view_of(const Scene& scene) {
         {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
     for (const auto& [present, name] : effects)
         if (present) plan.effects.push_back(name);
+    plan.model = std::make_shared<const PointsModel>(scene, plan.view, true);
+    const PointLaws& laws = plan.model->laws();
+    for (int i = 0; i < plan.model->bodies(); ++i)
+        plan.coordinates.push_back(laws.body(i).name + ": " + planning::coordinates_of(laws, i));
+    if (!planning::any_turns(laws)) std::erase(plan.effects, "rotation");
     plan.guards = planning::guards_of(*plan.model);
     if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
-    if (!any_rigid)
-        leave_out("rotation", std::string(free && !any_rail ? "particles have no attitude" : "a bead is a point") +
-                                  "; a RigidBody brings it in");
+    if (!rotation)
+        leave_out("rotation", free && !any_rail ? "particles have no attitude; a RigidBody brings it in"
+                                                : "a bead is a point; a RigidBody brings it in");
+    if (any_rail && !is_rough)
+        leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     if (plan.model->why_all().empty())
         for (int i = 0; i < plan.model->bodies(); ++i) planning::leave_out_body(laws, i, plan.omissions);
     else
         leave_out("no variable", plan.model->why_all());
-    if (any_rail && !is_rough)
-        leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     if (plan.guards.empty()) leave_out("events", "nothing to watch for; scene.watch(...) brings them in");
     const FirstIntegrals conserved = planning::first_integrals(scene, laws);
     plan.integrals = conserved.names;
@@ -252,8 +255,7 @@ inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     out << "Plan\n";
     list("  coordinates ", plan.coordinates, "none");
     const StateMap& map = plan.model->laws().map();
-    out << "  state       " << map.size() << " variables"
-        << (map.has_all() ? std::string() : " of " + std::to_string(map.variables())) << '\n';
+    out << "  state       " << map.size() << " of " << map.variables() << " variables are simulated\n";
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
     if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");

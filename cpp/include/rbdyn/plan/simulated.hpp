@@ -95,10 +95,9 @@ inline constexpr std::array attitudes{"q0", "q1", "q2", "q3", "spin"};
     const Named attitude(laws.map(), b.first + skipped, attitudes, b.positions() - skipped),
         turn(laws.map(), first_turn, turns);
     if (attitude.in.empty() && turn.in.empty()) {
-        omissions.push_back({"rotation of " + b.name,
-                             std::string("it starts without spin, and ") +
-                                 (is_free ? "what acts, acts through its centre of mass" : "nothing turns it") +
-                                 "; a moment or a spin brings it in"});
+        omissions.push_back({"rotation of " + b.name, std::string("no spin, and no moment about its ") +
+                                                          (is_free ? "centre of mass" : "joint") +
+                                                          "; either brings it in"});
         return;
     }
     std::vector<std::string> still = attitude.out;
