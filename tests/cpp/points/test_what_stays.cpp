@@ -74,6 +74,20 @@ TEST(WhatStays, two_particles_on_a_spring_stay_in_the_plane_they_start_in) {
     EXPECT_LT(simulate(scene, {.until = 5.0, .error = 1e-12}).drift().at("angular momentum"), 1e-12);
 }
 
+TEST(WhatStays, a_motion_that_comes_along_a_chain_reaches_all_of_it_and_leaves_its_plane_to_none) {
+    Scene scene;
+    std::vector<BodyHandle> links;
+    for (int i = 0; i < 8; ++i)
+        links.push_back(scene.add(Particle{1.0}, FreeStart{{1.0 * i, 0, 0}, {0, i == 0 ? 0.5 : 0.0, 0}}));
+    for (std::size_t i = 1; i < links.size(); ++i)
+        scene.connect(Spring{.stiffness = 8.0, .rest_length = 1.0}, links[i - 1], links[i]);
+    EXPECT_EQ(simulated(scene), "32 of 48");
+    EXPECT_EQ(difference(scene, 4.0), 0.0);
+    // one at rest far away in balance is no part of it
+    scene.add(Particle{1.0}, FreeStart{{0, 0, 5}});
+    EXPECT_EQ(simulated(scene), "32 of 54");
+}
+
 TEST(WhatStays, on_a_line_a_spring_may_pass_its_anchor_without_loss) {
     Scene scene;
     const BodyHandle a = scene.add(Particle{1.0}, FreeStart{{1, 0, 0}});

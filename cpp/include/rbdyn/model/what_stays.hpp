@@ -2,10 +2,10 @@
 //
 // The largest set of variables whose rates are zero, exactly and at every time, while they are what they start with:
 // all are taken for constants, those whose rates are not zero are variables after all, and so on until none is left to
-// leave. Recording with constants has the last word, since it is what the equations are made of; but most of the way is
-// gone on one record of the rates, where a node is known if its operands are, or if one factor is known to be zero. A
-// particle loses what is across the plane of its start and its loads, a body without moment and spin its rotation, one
-// at rest in balance all it has.
+// leave. That is done by recording with constants, for this is what the equations are made of; where it takes long,
+// most of the way is gone on one record of the rates, where a node is known if its operands are, or if one factor is
+// known to be zero. A particle loses what is across the plane of its start and its loads, a body without moment and
+// spin its rotation, one at rest in balance all it has.
 //
 // Recorded as a function, so that both sides of every case distinction count. Beads that may stick or leave their rails
 // are simulated whole: in flight they may be anywhere, and that covers the rail.
@@ -21,6 +21,9 @@
 namespace rbdyn {
 
 namespace staying {
+
+// scenes of a few bodies are through with less, at half the cost of the other way
+inline constexpr int most_passes = 3;
 
 /// Takes from `stays` the variables whose recorded rates, all variables being inputs, are not known to be zero.
 inline void follow(const Recorder& r, const std::vector<Expression>& rates, std::vector<bool>& stays) {
@@ -90,7 +93,8 @@ struct Staying {
     bool has_changed = true;
     for (int pass = 0; has_changed && any_stays(); ++pass) {
         has_changed = false;
-        if (pass == 1) {
+        // a motion that comes along a chain of bodies would take a pass for each
+        if (pass == staying::most_passes) {
             Recorder r(Recorder::Purpose::function);
             const std::vector<Expression> rates = rates_with(r, std::vector<bool>(stays.size(), false));
             staying::follow(r, rates, stays);
