@@ -82,7 +82,8 @@ TEST(WhatStays, a_motion_that_comes_along_a_chain_reaches_all_of_it_and_leaves_i
     for (std::size_t i = 1; i < links.size(); ++i)
         scene.connect(Spring{.stiffness = 8.0, .rest_length = 1.0}, links[i - 1], links[i]);
     EXPECT_EQ(simulated(scene), "32 of 48");
-    EXPECT_EQ(difference(scene, 4.0), 0.0);
+    // products of zero are no longer summed in between
+    EXPECT_LT(difference(scene, 4.0), 4.0 * epsilon);
     // one at rest far away in balance is no part of it
     scene.add(Particle{1.0}, FreeStart{{0, 0, 5}});
     EXPECT_EQ(simulated(scene), "32 of 54");
