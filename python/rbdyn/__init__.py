@@ -20,6 +20,7 @@ from rbdyn._core import (
     Drag,
     Equilibrium,
     EulerAngles,
+    EulerTop,
     Event,
     Events,
     Expression,
@@ -51,6 +52,7 @@ from rbdyn._core import (
     Spline,
     Spring,
     SpringMotion,
+    StateRun,
     Statistics,
     Torque,
     TorsionSpring,
@@ -69,7 +71,7 @@ from rbdyn._core import (
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
-from rbdyn.frames import Axis, Frenet, PointMotion, PrincipalAxes
+from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
 from rbdyn.sample import Sample
 
 __all__ = [
@@ -91,6 +93,7 @@ __all__ = [
     "Equilibrium",
     "Error",
     "EulerAngles",
+    "EulerTop",
     "Event",
     "Events",
     "Expression",
@@ -100,6 +103,7 @@ __all__ = [
     "Function",
     "Handle",
     "Helix",
+    "Imbalance",
     "IntegrationError",
     "InvalidInput",
     "Line",
@@ -128,6 +132,7 @@ __all__ = [
     "Spline",
     "Spring",
     "SpringMotion",
+    "StateRun",
     "Statistics",
     "Torque",
     "TorsionSpring",

@@ -228,16 +228,17 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     for (int i = 0; i < count; ++i)
         if (laws.is_conservative(i) && laws.moves(i)) held.push_back(i);
     if (!held.empty())
-        result->equations.projection = [&laws, held](std::span<const double> state) {
-            std::vector<double> x(static_cast<std::size_t>(laws.variables()));
+        result->equations.projection = [&laws, held](std::span<const double> state, std::span<const double> rest) {
+            std::vector<double> x(static_cast<std::size_t>(laws.variables())), low(x.size());
             laws.map().spread(state, x);
+            laws.map().spread_zero(rest, low);
             std::vector<std::unique_ptr<const Projection>> parts;
             for (const int i : held) {
                 const PointLaws::Body& b = laws.body(i);
                 if (b.rigid->turns_freely())
-                    parts.push_back(std::make_unique<RigidProjection>(*b.rigid, b.first, b.first_rate, b.force, x));
+                    parts.push_back(std::make_unique<RigidProjection>(*b.rigid, b.first, b.first_rate, x, low));
                 else
-                    parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, b.force, x));
+                    parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, x, low));
             }
             return std::make_unique<const Projections>(laws.map(), std::move(parts));
         };

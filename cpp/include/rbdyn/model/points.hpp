@@ -67,6 +67,13 @@ public:
         laws_.map().gather(laws_.start(t), x);
         return x;
     }
+    std::vector<double> start_rest() const override {
+        const std::vector<double> rest = laws_.start_rest();
+        if (rest.empty()) return rest;
+        std::vector<double> x(at(variables()));
+        laws_.map().gather(rest, x);
+        return x;
+    }
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {

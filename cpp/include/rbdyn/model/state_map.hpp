@@ -37,6 +37,11 @@ public:
     void spread(std::span<const double> x, std::span<double> all) const {
         for (int i = 0; i < variables(); ++i) all[static_cast<std::size_t>(i)] = value(i, x);
     }
+    /// The same of something that what stays has none of.
+    void spread_zero(std::span<const double> x, std::span<double> all) const {
+        for (int i = 0; i < variables(); ++i)
+            all[static_cast<std::size_t>(i)] = is_simulated(i) ? x[static_cast<std::size_t>(place(i))] : 0.0;
+    }
     /// What belongs to the state, of something for each variable.
     void gather(std::span<const double> all, std::span<double> x) const {
         for (int i = 0; i < variables(); ++i)

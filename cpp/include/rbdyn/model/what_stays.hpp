@@ -77,6 +77,9 @@ struct Staying {
     std::vector<signed char> slip;
     for (const PointLaws::Body& b : laws.bodies()) {
         slip.push_back(b.may_fly ? flies : 1);
+        // a velocity that is no double is held to more digits in the state: what it is short of grows with time
+        for (int k = 0; b.rigid && k < b.velocities(); ++k)
+            if (b.start_velocities[k].lo != 0.0) stays[at(b.first_rate + k)] = false;
         if (!b.rough && !b.may_fly) continue;
         for (int k = 0; k < b.positions(); ++k) stays[at(b.first + k)] = stays[at(b.first_rate + k)] = false;
     }
