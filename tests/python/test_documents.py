@@ -8,7 +8,10 @@ import sys
 import pytest
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/functions.md"])
+DOCUMENTS = ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/functions.md", "docs/plan.md"]
+
+
+@pytest.mark.parametrize("document", DOCUMENTS)
 def test_the_python_in_a_document_runs(document, root, tmp_path):
     blocks = re.findall(r"^```python\n(.*?)^```", (root / document).read_text(), re.MULTILINE | re.DOTALL)
     assert blocks

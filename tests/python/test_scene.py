@@ -1,6 +1,7 @@
 """Scenes as Python sees them: what they take, what they refuse and how, and the handles they give back."""
 
 import copy
+import math
 
 import numpy as np
 import pytest
@@ -154,3 +155,46 @@ def test_the_plan_names_what_the_scene_calls_for_and_what_it_does_not():
     assert plan.engine == "taylor" and plan.integrals == []
     assert str(plan).startswith("Plan\n") and not str(plan).endswith("\n")
     assert rb.simulate(scene, 1.0).plan.effects == plan.effects
+
+
+def thrown(**velocity):
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    ball = scene.add(rb.Particle(1.0), position=[0, 7, 10], name="ball", **velocity)
+    scene.apply(rb.Drag(linear=0.1, quadratic=0.02), ball)
+    return scene, ball
+
+
+def test_a_throw_in_a_plane_is_simulated_in_two_coordinates_and_seen_in_three():
+    scene, ball = thrown(velocity=[20, 0, 15])
+    plan = rb.plan(scene)
+    assert plan.coordinates == ["ball: x, z in the world"]
+    why = {omission.what: omission.why for omission in plan.omissions}
+    assert why["y, vy of ball"] == "stay as they start; a force, velocity or start along y brings them in"
+    assert "  state       4 of 6 variables are simulated\n" in str(plan)
+    run = rb.simulate(scene, 3.0)
+    positions = run[ball].position(np.linspace(0, 3, 7))
+    assert positions.shape == (7, 3) and np.all(positions[:, 1] == 7.0)
+    # turned out of its plane the motion is the same
+    scene, ball = thrown(velocity=[12, 16, 15])
+    assert rb.plan(scene).coordinates == ["ball: x, y, z in the world"]
+    turned = rb.simulate(scene, 3.0)[ball].position(3.0) - [0, 7, 0]
+    assert [np.hypot(*turned[:2]), turned[2]] == pytest.approx(positions[-1][[0, 2]], rel=1e-9)
+
+
+def test_what_is_called_back_may_be_anything():
+    scene, ball = thrown(velocity=[20, 0, 15])
+    scene.apply(rb.Force(lambda t, r, v: [0, math.cos(t), 0]), ball)
+    assert rb.plan(scene).coordinates == ["ball: x, y, z in the world"]
+    assert rb.simulate(scene, 3.0)[ball].position(3.0)[1] > 7.5
+
+
+def test_where_nothing_moves_the_plan_says_what_would():
+    scene = rb.Scene()
+    body = scene.add(rb.RigidBody(1.0, [1, 2, 3]), name="body")
+    plan = rb.plan(scene)
+    assert plan.coordinates == ["body: none, it stays as it starts"]
+    assert "rotation" not in plan.effects
+    assert "motion of body: it stays as it starts; a force, a moment or a velocity brings it in" in str(plan)
+    run = rb.simulate(scene, 2.0)
+    assert run.status == "reached end" and run.end == 2.0
+    assert run[body].quaternion(1.0).tolist() == [1, 0, 0, 0]

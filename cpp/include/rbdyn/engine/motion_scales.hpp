@@ -28,7 +28,7 @@ public:
 
     /// Extent of positions, largest magnitude of velocities; 0 before there is motion.
     double scale(const VariableGroup& group) const {
-        double scale = 0.0;
+        double scale = group.is_position ? 0.0 : group.steady;
         for (int i = group.first; i < group.first + group.count; ++i) {
             const Variable& v = variables_[static_cast<std::size_t>(i)];
             scale = std::max(scale, group.is_position ? v.high - v.low : v.magnitude);
@@ -38,7 +38,7 @@ public:
 
     /// Largest number that stands for the group, whose rounding nothing can undo.
     double magnitude(const VariableGroup& group) const {
-        double magnitude = 0.0;
+        double magnitude = group.steady;
         for (int i = group.first; i < group.first + group.count; ++i)
             magnitude = std::max(magnitude, variables_[static_cast<std::size_t>(i)].magnitude);
         return magnitude;

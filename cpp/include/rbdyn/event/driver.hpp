@@ -176,24 +176,26 @@ private:
     /// short that its error is rounding, from the model's own slopes at its start and at its middle, which is past the
     /// point also where rounding has put the start a little before it.
     bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until) {
-        const std::size_t n = x.size() / 2;
-        std::vector<double> slope(x.size());
-        if (!model_.slope(mode, t.hi, x, slope)) return false;
+        std::vector<double> slope(x.size()), bend(x.size());
+        const auto n = static_cast<std::size_t>(model_.slope(mode, t.hi, x, slope, bend));
+        if (n == 0) return false;
         double time = until - t;
         for (std::size_t i = 0; i < n; ++i)
-            if (slope[n + i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / slope[n + i]));
+            if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
         const double h = 0x1p-27 * time;
         if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
-        std::vector<double> middle = x, later(x.size());
+        std::vector<double> middle = x, later(x.size()), later_bend(x.size());
         for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-        if (model_.slope(mode, t.hi + 0.5 * h, middle, later))
+        if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend) > 0) {
             std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
                       slope.begin() + static_cast<std::ptrdiff_t>(n));
+            bend = later_bend;
+        }
         std::vector<double> c(3 * x.size(), 0.0);
         for (std::size_t i = 0; i < x.size(); ++i) {
             c[3 * i] = x[i];
             c[3 * i + 1] = slope[i] * h;
-            if (i < n) c[3 * i + 2] = 0.5 * slope[n + i] * h * h;
+            if (i < n) c[3 * i + 2] = 0.5 * bend[i] * h * h;
         }
         const Piece piece{t, h, 1.0, record.variables, 2, c.data(), 3};
         store(record, piece, 1.0, true);

@@ -239,6 +239,9 @@ public:
         for (const Node& n : nodes_) values_.push_back(value_of(n));
     }
 
+    /// The number a node stands for in the state that is followed; not a number where cases are kept, or before a call.
+    double value(std::int32_t index) const { return values_[at(index)]; }
+
     /// From here on, what lies on a surface is blended with this weight instead of distinguished.
     void blend(std::uint64_t surface, const Expression& weight) { blends_[surface].weight = weight; }
     const std::map<std::uint64_t, Blend>& blends() const { return blends_; }

@@ -66,7 +66,8 @@ struct Guard {
 /// State variables that share a scale, [first, first + count).
 struct VariableGroup {
     int first, count;
-    bool is_position;  // measured by the extent of its motion; else by its largest magnitude
+    bool is_position;     // measured by the extent of its motion; else by its largest magnitude
+    double steady = 0.0;  // the largest magnitude of what belongs to it and stays as it starts
 };
 
 /// Holds what a motion conserves against the errors of its integration.

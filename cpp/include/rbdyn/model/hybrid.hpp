@@ -93,9 +93,11 @@ public:
         return {};
     }
 
-    /// x' where the equations are not finite but the motion is; false if there is none. Positions come first in x.
-    virtual bool slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/) const {
-        return false;
+    /// x' where the equations are not finite but the motion is, and x'' of the positions. Returns how many of x these
+    /// are, which come first; 0 if there is no slope.
+    virtual int slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/,
+                      std::span<double> /*bend*/) const {
+        return 0;
     }
 };
 

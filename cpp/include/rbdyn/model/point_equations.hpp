@@ -1,7 +1,8 @@
 // The equations of particles as recorded programs, one for each structure: which bodies stick, slip or fly, and on
 // which side of every case distinction they are.
 //
-// What does not move is not in the equations: a bead that sticks to a rail at rest is a parameter, not a variable.
+// What does not move is not in the equations: a bead that sticks to a rail at rest is a parameter, not a variable; what
+// stays as it starts is a number (what_stays.hpp).
 // Guards: the slip of a bead that slides (reverse), the static limit of one that sticks (slip), the ends of rails, the
 // reaction of rails that only push (detach) and the way back (land), watched functions, the case distinctions of
 // recorded functions and their switches (normal reactions, speeds under quadratic drag).
@@ -21,37 +22,40 @@
 
 namespace rbdyn {
 
-/// What is written beside rates and guards.
+/// What is written beside guards.
 struct WrittenPoints {
+    std::vector<Expression> rates;  // of all variables
     std::vector<VariableGroup> groups;
     std::vector<Vector3Of<Expression>> forces;  // active ones, by body
     std::vector<Expression> drives;             // of rough rails, by body; none if no drive changes in time
 };
 
-/// Writes what every body does: sticks, slips or flies.
-inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const PointLaws& laws,
+/// Writes what every body does: sticks, slips or flies. `map`: which variables are simulated.
+inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const PointLaws& laws, const StateMap& map,
                                   const std::vector<Scene::Watch>& watches, const std::vector<signed char>& slip) {
     using S = Expression;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = laws.positions(), count = static_cast<int>(laws.bodies().size());
     const S t = r.time();
     const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
+    const auto variable = [&](int i) { return map.is_simulated(i) ? r.input(map.place(i)) : S(map.start(i)); };
     // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
-    std::vector<S> q(at(n)), v(at(laws.variables() - n));
+    std::vector<S> q(at(n)), v(at(laws.variables() - n)), rates(at(laws.variables()), S(0.0));
     std::vector<bool> fixed(at(count), false);
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
         fixed[at(i)] = held(i) && b.drive.is_zero();
         for (int k = 0; k < b.positions(); ++k) {
             const bool is_still = fixed[at(i)] && k == 0;
-            q[at(b.first + k)] = is_still ? r.parameter(count + i) : r.input(b.first + k);
+            q[at(b.first + k)] = is_still ? r.parameter(count + i) : variable(b.first + k);
         }
         for (int k = 0; k < b.velocities(); ++k) {
             const bool is_still = fixed[at(i)] && k == 0;
-            v[at(b.first_rate - n + k)] = is_still ? S(0.0) : r.input(b.first_rate + k);
+            v[at(b.first_rate - n + k)] = is_still ? S(0.0) : variable(b.first_rate + k);
         }
         // the spin of a body whose frame follows its axis does not change
-        if (b.rigid && b.rigid->follows_axis) v[at(b.first_rate - n + b.velocities() - 1)] = r.parameter(count + i);
+        if (b.rigid && b.rigid->follows_axis && map.is_simulated(b.fixed_variable()))
+            v[at(b.fixed_variable() - n)] = r.parameter(count + i);
     }
     std::vector<PointState<S>> states;
     for (int i = 0; i < count; ++i) {
@@ -67,8 +71,8 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
         r.set_subject(i);
         if (b.rigid) {
             const Wrench<S> w = laws.wrench<S>(i, t, states);
-            b.rigid->rates<S>(*p.rigid, &q[at(b.first)], w, &write.rate(b.first), &write.rate(b.first_rate));
-            present.push_back({p, {w.force, S(0.0)}, 0.0, false, w.moment, &write.rate(b.first_rate)});
+            b.rigid->rates<S>(*p.rigid, &q[at(b.first)], w, &rates[at(b.first)], &rates[at(b.first_rate)]);
+            present.push_back({p, {w.force, S(0.0)}, 0.0, false, w.moment, &rates[at(b.first_rate)]});
             continue;
         }
         const S sign = slips ? r.parameter(i) : S(1.0);
@@ -81,8 +85,8 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
         if (!b.curve || is_flying) {
             const int space = b.first_of_space();
             for (int k = 0; k < 3; ++k) {
-                write.rate(space + k) = p.v[k];
-                write.rate(b.first_of_velocity() + k) = f.force[k] / S(b.mass);
+                rates[at(space + k)] = p.v[k];
+                rates[at(b.first_of_velocity() + k)] = f.force[k] / S(b.mass);
             }
             if (is_flying && b.side != RailSide::both)
                 write.outside({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
@@ -114,8 +118,8 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
         if (b.side != RailSide::both)
             write.guard({.kind = EventKind::detach, .subject = i},
                         dot<S>(b.binormal, PointLaws::friction_vector<S>(b, c, p.w, g)));
-        write.rate(b.first) = p.w;
-        write.rate(b.first_rate) = rate;
+        rates[at(b.first)] = p.w;
+        rates[at(b.first_rate)] = rate;
         present.push_back({p, f, rate, true});
         const Domain domain = b.curve->domain();
         if (!b.curve->closed() && !fixed[at(i)]) {
@@ -148,19 +152,29 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
         write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
     }
     std::vector<VariableGroup> groups;
+    const auto add = [&](const VariableGroup& g) {
+        VariableGroup simulated{0, 0, g.is_position};
+        for (int i = g.first; i < g.first + g.count; ++i) {
+            if (!map.is_simulated(i))
+                simulated.steady = std::max(simulated.steady, std::abs(map.start(i)));
+            else if (simulated.count++ == 0)
+                simulated.first = map.place(i);
+        }
+        if (simulated.count > 0) groups.push_back(simulated);
+    };
     for (const bool is_position : {true, false})
         for (const PointLaws::Body& b : laws.bodies()) {
             const int first = is_position ? b.first : b.first_rate;
             if (b.rigid) {
                 for (VariableGroup g : b.rigid->groups(is_position)) {
                     g.first += first;
-                    groups.push_back(g);
+                    add(g);
                 }
                 continue;
             }
-            if (b.may_fly) groups.push_back({first, 1, is_position});
+            if (b.may_fly) add({first, 1, is_position});
             const int size = b.may_fly ? 3 : b.positions();
-            groups.push_back({first + b.positions() - size, size, is_position});
+            add({first + b.positions() - size, size, is_position});
         }
     std::vector<Vector3Of<S>> forces;
     for (const RecordedPoints::Body& b : present) forces.push_back(b.force.force);
@@ -169,7 +183,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
     const auto changes = [](const PointLaws::Body& b) { return b.rough && !b.drive.is_constant(); };
     if (std::any_of(laws.bodies().begin(), laws.bodies().end(), changes))
         for (const PointLaws::Body& b : laws.bodies()) drives.push_back(b.rough ? b.drive(t) : S(0.0));
-    return {std::move(groups), std::move(forces), std::move(drives)};
+    return {std::move(rates), std::move(groups), std::move(forces), std::move(drives)};
 }
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
@@ -179,16 +193,23 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     Recorder r;
     const int count = static_cast<int>(laws.bodies().size());
     if (count > 0) r.parameter(2 * count - 1);
+    const StateMap& map = laws.map();
     std::vector<double> parameters(at(2 * count));
     for (int i = 0; i < count; ++i) {
         parameters[at(i)] = slip[at(i)];
-        parameters[at(count + i)] = at_state.x[at(laws.body(i).fixed_variable())];
+        parameters[at(count + i)] = map.value(laws.body(i).fixed_variable(), at_state.x);
     }
     const Decisions& decided = at_state.decided;
     r.follow(at_state.t, at_state.x, parameters, decided.forced, decided.sides);
     int forces = -1, drives = -1;
-    auto result = written(r, laws.variables(), decided.sliding, [&](EquationsWriter& write) {
-        WrittenPoints points = write_points(r, write, laws, watches, slip);
+    auto result = written(r, map.size(), decided.sliding, [&](EquationsWriter& write) {
+        WrittenPoints points = write_points(r, write, laws, map, watches, slip);
+        for (int i = 0; i < map.variables(); ++i) {
+            if (map.is_simulated(i))
+                write.rate(map.place(i)) = points.rates[at(i)];
+            else if (!points.rates[at(i)].is_zero())
+                throw Error("a variable that was left out of the state does not stay as it starts");
+        }
         forces = drives = -1;
         const auto put = [&](int& first, const Expression& value) {
             const int output = write.output(value);
@@ -205,9 +226,12 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     result->equations.drives = drives;
     std::vector<int> held;
     for (int i = 0; i < count; ++i)
-        if (laws.is_conservative(i)) held.push_back(i);
+        if (laws.is_conservative(i) && laws.moves(i)) held.push_back(i);
     if (!held.empty())
-        result->equations.projection = [&laws, held](std::span<const double> x, std::span<const double> low) {
+        result->equations.projection = [&laws, held](std::span<const double> state, std::span<const double> rest) {
+            std::vector<double> x(static_cast<std::size_t>(laws.variables())), low(x.size());
+            laws.map().spread(state, x);
+            laws.map().spread_zero(rest, low);
             std::vector<std::unique_ptr<const Projection>> parts;
             for (const int i : held) {
                 const PointLaws::Body& b = laws.body(i);
@@ -216,7 +240,7 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
                 else
                     parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, x, low));
             }
-            return std::make_unique<const Projections>(std::move(parts));
+            return std::make_unique<const Projections>(laws.map(), std::move(parts));
         };
     return result;
 }

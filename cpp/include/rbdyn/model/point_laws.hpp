@@ -14,8 +14,9 @@
 // Vectors are seen from one placement (`view`), chosen so that what vanishes vanishes exactly: a bead on a plane
 // curve under forces in its plane then has c = (0, 0, c_z), and |c| is c_z with its sign locked.
 // Rigid bodies, on joints to the ground, obey rigid_law.hpp; scenes with any are seen from the world.
-// Invariant: state variables are the positions of all bodies (u; x y z; u x y z for one that may leave its rail, those
-// not in use at rest; what rigid_law.hpp says), then their velocities.
+// Invariant: variables are the positions of all bodies (u; x y z; u x y z for one that may leave its rail, those not in
+// use at rest; what rigid_law.hpp says), then their velocities. The state holds those that are simulated
+// (state_map.hpp).
 #pragma once
 
 #include <algorithm>
@@ -32,6 +33,7 @@
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/rail_landing.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/model/state_map.hpp"
 #include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn {
@@ -147,11 +149,6 @@ public:
             b.first_rate = variables_;
             variables_ += b.velocities();
         }
-        for (const Body& b : bodies_)
-            landings_.push_back(b.side == RailSide::both
-                                    ? nullptr
-                                    : std::make_shared<const RailLanding>(*b.curve, view_.axes * b.binormal, view_,
-                                                                          b.first, b.first_of_space()));
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
             if (body.rigid) {
@@ -175,15 +172,41 @@ public:
             const Spring& spring = std::get<Spring>(c.coupling);
             springs_.push_back({spring, end(c.a), end(c.b)});
         }
+        leave_out(std::vector<bool>(at(variables_), false));
     }
+
+    /// Takes what stays as it starts out of the state.
+    [[gnu::cold]] void leave_out(const std::vector<bool>& stays) {
+        map_ = StateMap(start(), stays);
+        landings_.clear();
+        for (const Body& b : bodies_)
+            landings_.push_back(b.side == RailSide::both ? nullptr
+                                                         : std::make_shared<const RailLanding>(
+                                                               *b.curve, view_.axes * b.binormal, view_,
+                                                               map_.place(b.first), map_.place(b.first_of_space())));
+    }
+
     const std::vector<Body>& bodies() const { return bodies_; }
     const Body& body(int i) const { return bodies_[at(i)]; }
     const Placement& view() const { return view_; }
     /// Position variables of all bodies together, and all variables.
     int positions() const { return positions_; }
     int variables() const { return variables_; }
+    /// Which of them are simulated.
+    const StateMap& map() const { return map_; }
 
-    /// What the state that rigid bodies start in is short of 32 digits; empty if nothing.
+    /// All variables of a body, from a state.
+    struct Variables {
+        double q[8], v[6];
+    };
+    Variables variables_of(const Body& b, std::span<const double> x) const {
+        Variables own;
+        for (int k = 0; k < b.positions(); ++k) own.q[k] = map_.value(b.first + k, x);
+        for (int k = 0; k < b.velocities(); ++k) own.v[k] = map_.value(b.first_rate + k, x);
+        return own;
+    }
+
+    /// What the variables that rigid bodies start with are short of 32 digits; empty if nothing.
     std::vector<double> start_rest() const {
         std::vector<double> rest(at(variables_), 0.0);
         for (const Body& b : bodies_) {
@@ -195,7 +218,7 @@ public:
         return is_exact ? std::vector<double>() : rest;
     }
 
-    /// The state the scene starts in at time t.
+    /// All variables as the scene starts at time t.
     std::vector<double> start(double t = 0.0) const {
         std::vector<double> x(at(variables_), 0.0);
         for (const Body& b : bodies_) {
@@ -231,7 +254,8 @@ public:
         std::vector<PointState<double>> result;
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             const Body& b = bodies_[i];
-            result.push_back(moving<double>(b, t, x.data() + b.first, x.data() + b.first_rate, slip[i] == flies));
+            const Variables own = variables_of(b, x);
+            result.push_back(moving<double>(b, t, own.q, own.v, slip[i] == flies));
             // held by its rail: the rail's own speed, exactly
             if (b.rough && slip[i] == sticks)
                 result.back().set_rate(b.drive(t) / std::sqrt(result.back().curve.speed_squared));
@@ -267,7 +291,7 @@ public:
         if (!b.curve || phase == flies) {
             acceleration = force / b.mass;
             if (b.curve) {
-                result.u = x[at(b.first)];
+                result.u = map_.value(b.first, x);
                 result.speed = p.v.norm();
             }
         } else {
@@ -285,7 +309,7 @@ public:
             const double turn = result.rail_speed / norm;
             result.effort =
                 force.norm() + b.mass * (acceleration.norm() + turn * turn * c.first_cross_second.norm() / norm);
-            result.u = x[at(b.first)];
+            result.u = map_.value(b.first, x);
             result.w = p.w;
             result.w_rate = w_rate;
             result.speed = stuck ? b.drive(t) : p.w * norm;
@@ -303,7 +327,7 @@ public:
                              const std::vector<PointState<double>>& all) const {
         const Body& b = bodies_[at(index)];
         const Wrench<double> w = wrench<double>(index, t, all);
-        return RigidReport(*b.rigid, *all[at(index)].rigid, w, x.data() + b.first);
+        return RigidReport(*b.rigid, *all[at(index)].rigid, w, variables_of(b, x).q);
     }
     RigidReport rigid_report(int index, double t, std::span<const double> x) const {
         return rigid_report(index, t, x, states(t, x, std::vector<signed char>(bodies_.size(), 1)));
@@ -317,10 +341,20 @@ public:
         return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
                std::none_of(springs_.begin(), springs_.end(), touches);
     }
+    /// Whether any variable of a body is simulated.
+    bool moves(int index) const {
+        const Body& b = bodies_[at(index)];
+        for (int k = 0; k < b.positions(); ++k)
+            if (map_.is_simulated(b.first + k)) return true;
+        for (int k = 0; k < b.velocities(); ++k)
+            if (map_.is_simulated(b.first_rate + k)) return true;
+        return false;
+    }
     /// Power of a load on a rigid body.
     double power(const Scene::AppliedLoad& load, double t, std::span<const double> x) const {
         const Body& b = bodies_[at(load.body)];
-        const RigidState<double> s = b.rigid->state(x.data() + b.first, x.data() + b.first_rate);
+        const Variables own = variables_of(b, x);
+        const RigidState<double> s = b.rigid->state(own.q, own.v);
         Wrench<double> w;
         add_load(w, *b.rigid, s, {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->exact.center}, t,
                  b.name);
@@ -332,8 +366,8 @@ public:
         const Body& b = bodies_[at(index)];
         if (b.rigid) {
             const std::vector<PointState<double>> all = states(t, x, slip);
-            b.rigid->rates<double>(*all[at(index)].rigid, x.data() + b.first, wrench<double>(index, t, all), dq.data(),
-                                   dv.data());
+            b.rigid->rates<double>(*all[at(index)].rigid, variables_of(b, x).q, wrench<double>(index, t, all),
+                                   dq.data(), dv.data());
             return;
         }
         const PointReport r = report(index, slip, t, x);
@@ -564,6 +598,7 @@ private:
     std::vector<std::shared_ptr<const RailLanding>> landings_;
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
+    StateMap map_;
     int positions_ = 0, variables_ = 0;
 };
 

@@ -112,7 +112,7 @@ inline double observed(const PointLaws& laws, std::span<const signed char> slip,
         const RigidState<double>& s = *all[static_cast<std::size_t>(o.subject)].rigid;
         const Wrench<double> w = laws.wrench<double>(o.subject, t, all);
         double q_rate[8], v_rate[6];
-        body.rigid->rates<double>(s, x.data() + body.first, w, q_rate, v_rate);
+        body.rigid->rates<double>(s, laws.variables_of(body, x).q, w, q_rate, v_rate);
         return observed<double>(*body.rigid, s, w, v_rate, o);
     }
     const PointReport r = laws.report(o.subject, slip, t, x, active);

@@ -21,18 +21,37 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/rigid_change.hpp"
+#include "rbdyn/model/what_stays.hpp"
 #include "rbdyn/model/within.hpp"
 
 namespace rbdyn {
 
 class PointsModel : public RecordedModel {
 public:
-    PointsModel(const Scene& scene, const Placement& view) : laws_(scene, view), watches_(scene.watches()) {}
+    /// `leaves_out`: what stays as it starts is not simulated.
+    PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false)
+        : laws_(scene, view), watches_(scene.watches()) {
+        if (!leaves_out) return;
+        for (const Scene::Watch& w : watches_)
+            if (w.options.action.kind == WatchAction::Kind::change)
+                why_all_ = "the action of \"" + w.name + "\" may change any of them";
+        if (!why_all_.empty()) return;
+        auto [stays, why_none] = what_stays(laws_);
+        why_all_ = std::move(why_none);
+        laws_.leave_out(stays);
+        if (laws_.map().size() > 0) return;
+        // where something may happen all the same there have to be time steps, and so a state
+        if (record_points(laws_, watches_, undecided().slip, {})->still) return;
+        why_all_ = "nothing moves, and what is watched for needs time to pass";
+        laws_.leave_out(std::vector<bool>(stays.size(), false));
+    }
 
-    int variables() const override { return laws_.variables(); }
+    int variables() const override { return laws_.map().size(); }
     int bodies() const { return static_cast<int>(laws_.bodies().size()); }
     bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
     const PointLaws& laws() const { return laws_; }
+    /// Why all variables are simulated, also what stays as it starts; empty if that is left out.
+    const std::string& why_all() const { return why_all_; }
 
     /// The equations for what every body does at the state the scene starts in.
     const Equations& equations(const std::vector<signed char>& slip, double t = 0.0) const {
@@ -43,8 +62,18 @@ public:
     }
 
     /// The state the scene starts in.
-    std::vector<double> start(double t = 0.0) const { return laws_.start(t); }
-    std::vector<double> start_rest() const override { return laws_.start_rest(); }
+    std::vector<double> start(double t = 0.0) const {
+        std::vector<double> x(at(variables()));
+        laws_.map().gather(laws_.start(t), x);
+        return x;
+    }
+    std::vector<double> start_rest() const override {
+        const std::vector<double> rest = laws_.start_rest();
+        if (rest.empty()) return rest;
+        std::vector<double> x(at(variables()));
+        laws_.map().gather(rest, x);
+        return x;
+    }
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {
@@ -59,7 +88,8 @@ public:
     Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const {
         const PointLaws::Body& b = laws_.body(body);
         if (!b.rigid) return center(mode, body, t, x);
-        const RigidState<double> s = b.rigid->state(x.data() + b.first, x.data() + b.first_rate);
+        const PointLaws::Variables own = laws_.variables_of(b, x);
+        const RigidState<double> s = b.rigid->state(own.q, own.v);
         return s.position(b.rigid->origin_in_frame(s));
     }
 
@@ -179,15 +209,24 @@ public:
         return after;
     }
 
-    bool slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope) const override {
+    int slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
+              std::span<double> bend) const override {
+        const StateMap& map = laws_.map();
+        std::vector<double> all(at(map.variables())), second(all.size(), 0.0);
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_.body(i);
-            if (b.rigid) return false;
-            laws_.slope(i, mode.slip, t, x, slope.subspan(at(b.first)), slope.subspan(at(b.first_rate)));
+            if (b.rigid) return 0;
+            laws_.slope(i, mode.slip, t, x, std::span(all).subspan(at(b.first)),
+                        std::span(all).subspan(at(b.first_rate)));
         }
-        for (double s : slope)
-            if (!std::isfinite(s)) return false;
-        return true;
+        for (double s : all)
+            if (!std::isfinite(s)) return 0;
+        std::copy(all.begin() + laws_.positions(), all.end(), second.begin());
+        map.gather(all, slope);
+        map.gather(second, bend);
+        int positions = 0;
+        for (int i = 0; i < laws_.positions(); ++i) positions += map.is_simulated(i) ? 1 : 0;
+        return positions;
     }
 
     /// Positions, velocities, and reactions of rails, body by body.
@@ -253,10 +292,10 @@ public:
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
             if (b.curve && mode.slip[at(i)] != flies) {
                 // a rate of the parameter that is beyond all measure beside a finite speed
-                const double slow = std::sqrt(p.curve.speed_squared),
-                             usual = b.curve->first(x[at(b.first)] - 0.125).norm();
+                const double slow = std::sqrt(p.curve.speed_squared), u = laws_.map().value(b.first, x),
+                             usual = b.curve->first(u - 0.125).norm();
                 if (slow < 1e-6 * usual)
-                    return "the rail of " + b.name + " at u = " + text(x[at(b.first)]) + ", where it has a cusp";
+                    return "the rail of " + b.name + " at u = " + text(u) + ", where it has a cusp";
             }
             const PointReport report = laws_.report(i, mode.slip, t, x);
             if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
@@ -267,6 +306,9 @@ public:
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// A variable that is simulated.
+    double& variable(std::span<double> x, int index) const { return x[at(laws_.map().place(index))]; }
 
     static std::string title(const Load& load) {
         if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
@@ -332,8 +374,8 @@ private:
             const double was = drive_of(before, i, t, x), is = drive_of(after, i, t, x);
             // what differs by the rounding of the time has a corner, no jump
             if (std::abs(is - was) <= 1e-10 * std::max(std::abs(is), std::abs(was))) continue;
-            const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-            const double speed = std::sqrt(c.speed_squared) * x[at(b.first_rate)];
+            const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+            const double speed = std::sqrt(c.speed_squared) * variable(x, b.first_rate);
             const signed char slip = slip_of(after, i, before.slip[at(i)] == sticks ? was : speed, t, x);
             if (slip == after.slip[at(i)]) continue;
             const EventKind kind = slip == sticks                ? EventKind::stick
@@ -350,8 +392,8 @@ private:
     /// Sets w of a bead without slip exactly: the speed of its rail.
     void carry(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
-        const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
-        x[at(b.first_rate)] = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
+        const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+        variable(x, b.first_rate) = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
     }
 
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
@@ -379,10 +421,10 @@ private:
         const PointLaws::Body& b = laws_.body(i);
         const PointState<double> p = laws_.states(t, x, mode.slip)[at(i)];
         for (int k = 0; k < 3; ++k) {
-            x[at(b.first_of_space() + k)] = p.r[k];
-            x[at(b.first_of_velocity() + k)] = p.v[k];
+            variable(x, b.first_of_space() + k) = p.r[k];
+            variable(x, b.first_of_velocity() + k) = p.v[k];
         }
-        x[at(b.first_rate)] = 0.0;
+        variable(x, b.first_rate) = 0.0;
         mode.slip[at(i)] = flies;
     }
 
@@ -390,15 +432,15 @@ private:
     double land(Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_.body(i);
         const int space = b.first_of_space(), velocity = b.first_of_velocity();
-        const Vector3 r{x[at(space)], x[at(space + 1)], x[at(space + 2)]},
-            v{x[at(velocity)], x[at(velocity + 1)], x[at(velocity + 2)]};
-        x[at(b.first)] = laws_.landing(i)->place(r);
-        const CurvePoint<double> c = laws_.curve_point(b, x[at(b.first)]);
+        const Vector3 r{variable(x, space), variable(x, space + 1), variable(x, space + 2)},
+            v{variable(x, velocity), variable(x, velocity + 1), variable(x, velocity + 2)};
+        variable(x, b.first) = laws_.landing(i)->place(r);
+        const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
         // along the normal: what rounding leaves along the rail is none
         const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
         const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
-        x[at(b.first_rate)] = w;
-        for (int k = 0; k < 3; ++k) x[at(velocity + k)] = 0.0;
+        variable(x, b.first_rate) = w;
+        for (int k = 0; k < 3; ++k) variable(x, velocity + k) = 0.0;
         mode.slip[at(i)] = 1;
         if (b.rough) mode.slip[at(i)] = slip_of(mode, i, w * std::sqrt(c.speed_squared), t, x);
         return b.mass * (v - c.first * w).norm();
@@ -435,7 +477,8 @@ private:
                 leading_sign(mode, t, x, guard.output) >= 0)
                 continue;
             if (guard.role == GuardRole::stop)
-                throw InvalidInput(laws_.body(i).name + ": parameter is " + text(x[at(laws_.body(i).first)]) +
+                throw InvalidInput(laws_.body(i).name + ": parameter is " +
+                                   text(laws_.map().value(laws_.body(i).first, x)) +
                                    ", an end of its rail, which it leaves at once; start it within the rail or moving "
                                    "inward, or let it fly on with ends \"release\"");
             release(mode, i, t, x);
@@ -443,7 +486,7 @@ private:
         }
     }
 
-    /// What the user's own action makes of the state.
+    /// What the user's own action makes of the state, of which nothing is left out.
     void change(Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const {
         for (const StateChange& c : watch.options.action.change(observing(mode, t, x))) {
             const int i = c.body.index;
@@ -505,12 +548,13 @@ private:
     void own_parameters(Mode& mode, std::span<const double> x) const override {
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
-            mode.parameters[at(bodies() + i)] = x[at(laws_.body(i).fixed_variable())];
+            mode.parameters[at(bodies() + i)] = laws_.map().value(laws_.body(i).fixed_variable(), x);
         }
     }
 
     PointLaws laws_;
     std::vector<Scene::Watch> watches_;
+    std::string why_all_;
 };
 
 }  // namespace rbdyn

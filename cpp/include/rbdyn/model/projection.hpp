@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/state_map.hpp"
 
 namespace rbdyn {
 
@@ -302,19 +303,31 @@ private:
     Real moment_, depth_ = 0.0L, lowest_ = 0.0L, energy_[2];
 };
 
-/// All that is held in a scene.
+/// All that is held in a scene. The parts see all variables; what is not simulated stays.
 class Projections : public Projection {
 public:
-    explicit Projections(std::vector<std::unique_ptr<const Projection>> parts) : parts_(std::move(parts)) {}
+    /// The map outlives this.
+    Projections(const StateMap& map, std::vector<std::unique_ptr<const Projection>> parts)
+        : map_(map), parts_(std::move(parts)), x_(static_cast<std::size_t>(map.variables())), low_(x_.size(), 0.0) {}
     void apply(std::span<double> x, std::span<double> low, double step) const override {
-        for (const auto& p : parts_) p->apply(x, low, step);
+        if (map_.has_all()) {
+            for (const auto& p : parts_) p->apply(x, low, step);
+            return;
+        }
+        map_.spread(x, x_);
+        map_.spread_zero(low, low_);
+        for (const auto& p : parts_) p->apply(x_, low_, step);
+        map_.gather(x_, x);
+        map_.gather(low_, low);
     }
     bool makes_up_for_rounding() const override {
         return std::all_of(parts_.begin(), parts_.end(), [](const auto& p) { return p->makes_up_for_rounding(); });
     }
 
 private:
+    const StateMap& map_;
     std::vector<std::unique_ptr<const Projection>> parts_;
+    mutable std::vector<double> x_, low_;  // one engine's own
 };
 
 }  // namespace rbdyn

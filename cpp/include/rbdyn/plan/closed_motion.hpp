@@ -181,10 +181,13 @@ public:
         int first, first_rate;
         std::unique_ptr<const BodyForm> form;
     };
-    explicit ClosedMotion(std::vector<Part> parts) : parts_(std::move(parts)) {}
+    ClosedMotion(StateMap map, std::vector<Part> parts) : map_(std::move(map)), parts_(std::move(parts)) {}
 
     void state(Instant since, std::span<double> x) const override {
-        for (const Part& p : parts_) p.form->state(since, x.data() + p.first, x.data() + p.first_rate);
+        if (map_.has_all()) return whole(since, x);
+        std::vector<double> all(static_cast<std::size_t>(map_.variables()));
+        whole(since, all);
+        map_.gather(all, x);
     }
     double error(double since) const override {
         double worst = 0.0;
@@ -199,6 +202,12 @@ public:
     }
 
 private:
+    /// All variables.
+    void whole(Instant since, std::span<double> x) const {
+        for (const Part& p : parts_) p.form->state(since, x.data() + p.first, x.data() + p.first_rate);
+    }
+
+    StateMap map_;
     std::vector<Part> parts_;
 };
 
@@ -315,7 +324,7 @@ inline std::optional<Vector3> only_constant_force(const Scene& scene, int index)
         if (!form) return {nullptr, "the motion of " + b.name + " has none here"};
         parts.push_back({b.first, b.first_rate, std::move(form)});
     }
-    return {std::make_shared<const ClosedMotion>(std::move(parts)), ""};
+    return {std::make_shared<const ClosedMotion>(laws.map(), std::move(parts)), ""};
 }
 
 }  // namespace planning

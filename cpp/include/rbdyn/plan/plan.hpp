@@ -10,15 +10,14 @@
 
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
+#include "rbdyn/plan/simulated.hpp"
 #include "rbdyn/scene/parts.hpp"
 
 namespace rbdyn {
 
 /// The decisions made from a scene before anything is computed.
 struct Plan {
-    struct Omission {
-        std::string what, why;
-    };
+    using Omission = rbdyn::Omission;
 
     std::vector<std::string> coordinates;  // one line a body
     std::vector<std::string> effects;      // of the closed list
@@ -137,18 +136,19 @@ inline std::string names_of(const Scene& part) {
 inline Plan plan_of(const Scene& scene, bool beside_rigid);
 
 /// Plans the parts of a scene, each by itself: guards, engines and the reason for them are theirs together.
-[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, Plan& plan) {
+[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, Plan& plan,
+                                     Simulated& simulated) {
     std::vector<std::string> names, engines;
     for (const SceneParts::Part& part : apart.parts) {
         const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid));
         plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
         if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
         names.push_back(names_of(part.scene) + " (" + own.engine + ")");
+        simulated.take(*own.model);
     }
     for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
         const auto& [part, index] = apart.bodies[i];
-        const PointLaws::Body& b = plan.parts[static_cast<std::size_t>(part)].model->laws().body(index);
-        if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
+        simulated.take(*plan.parts[static_cast<std::size_t>(part)].model, index);
     }
     plan.engine = first_of(engines, engines.size(), ", ");
     plan.reason = std::to_string(names.size()) + " parts, solved apart: " + first_of(names, 6, ", ") +
@@ -173,14 +173,12 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
         }
         if (rail == nullptr) {
             free = true;
-            plan.coordinates.push_back(b.name + ": x, y, z in the world");
             continue;
         }
         any_rail = true;
         moving = moving || rail->motion().present();
         if (!rail->drive().is_constant()) plan.functions.push_back("drive of " + b.name + " traced, native");
         if (rail->motion().present()) plan.functions.push_back("motion of the rail of " + b.name + " traced, native");
-        plan.coordinates.push_back(b.name + ": parameter u of its " + rail->curve().name());
         if (const auto friction = rail->friction()) {
             is_rough = true;
             statics = statics || friction->mu_static > 0.0;
@@ -258,11 +256,12 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
                                "bodies; all are solved together");
     plan.engine = plan.integrator = plan.calls_back ? "dop853" : "taylor";
     const RigidLaw* only = nullptr;
+    Simulated simulated;
     if (apart.parts.empty()) {
         plan.view = view_of(scene);
-        plan.model = std::make_shared<const PointsModel>(scene, plan.view);
-        for (const PointLaws::Body& b : plan.model->laws().bodies())
-            if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
+        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true);
+        simulated.take(*plan.model);
+        for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
         plan.guards = guards_of(*plan.model);
         if (const auto& rigid = plan.model->laws().body(0).rigid; rigid && scene.bodies().size() == 1) only = &*rigid;
         plan.reason =
@@ -270,20 +269,25 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
                 ? "a force that is called back has no Taylor series; events are located but not certain"
                 : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
     } else {
-        plan_parts(scene, std::move(apart), any_rigid, plan);
+        plan_parts(scene, std::move(apart), any_rigid, plan, simulated);
     }
+    plan.coordinates = std::move(simulated.coordinates);
+    if (!simulated.any_turns) std::erase(plan.effects, "rotation");
     if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
-    if (!rotation) leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
+    if (!rotation)
+        leave_out("rotation", free && !any_rail ? "particles have no attitude; a RigidBody brings it in"
+                                                : "a bead is a point; a RigidBody brings it in");
     if (any_rail && !is_rough)
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
-    if (plan.guards.empty()) leave_out("events", "nothing to watch for");
+    plan.omissions.insert(plan.omissions.end(), simulated.omissions.begin(), simulated.omissions.end());
+    if (plan.guards.empty()) leave_out("events", "nothing to watch for; scene.watch(...) brings them in");
     const FirstIntegrals conserved = first_integrals(scene, only);
     plan.integrals = conserved.names;
     plan.pole = conserved.pole;
     plan.up = conserved.up;
     for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
     for (const Plan& part : plan.parts)
-        for (const Plan::Omission& o : part.omissions)
+        for (const Omission& o : part.omissions)
             if (o.what == "closed form") leave_out(o.what, o.why);
     if (!any_rigid || !plan.model) return plan;
     const auto [closed, why_not] = closed_motion(scene, plan.model->laws());
@@ -315,6 +319,8 @@ inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     for (const std::string& e : plan.effects) effects += (effects.empty() ? "" : ", ") + e;
     out << "Plan\n";
     list("  coordinates ", plan.coordinates, "none");
+    const StateMap& map = plan.model->laws().map();
+    out << "  state       " << map.size() << " of " << map.variables() << " variables are simulated\n";
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
     if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");

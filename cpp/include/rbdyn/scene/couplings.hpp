@@ -35,7 +35,7 @@ struct Spring {
         Vector3Of<S> force = d * S(-stiffness);
         if (tension == 0.0 && damping == 0.0) return force;
         if (const int only = only_component(d); only >= 0) {
-            if (tension != 0.0) force[only] += S(tension) * locked_sign(d[only], "direction of a spring");
+            if (tension != 0.0) force[only] += S(tension) * locked_sign(d[only], "length of a spring");
             force[only] -= S(damping) * v[only];
             return force;
         }

@@ -328,9 +328,10 @@ inline double Trajectory::integral(const std::string& name, double t, Side side)
     if (name == "angular momentum z") return angular_momentum(t, p.pole, {}, side)[2];
     if (name == "vertical angular momentum") return angular_momentum(t, p.pole, {}, side).dot(p.up);
     if ((name == "spin" || name == "Kovalevskaya") && data_->parts.empty()) {
-        const RigidLaw& law = *data_->model->laws().body(0).rigid;
-        const Moment m(*data_, t, side);
-        const RigidState<double> s = law.state(m.x.data(), m.x.data() + law.positions());
+        const PointLaws& laws = data_->model->laws();
+        const RigidLaw& law = *laws.body(0).rigid;
+        const PointLaws::Variables own = laws.variables_of(laws.body(0), Moment(*data_, t, side).x);
+        const RigidState<double> s = law.state(own.q, own.v);
         if (name == "spin") return s.omega[2];
         return planning::kovalevskaya(law, data_->scene.gravity().norm(), s.omega, s.to_frame(p.up));
     }

@@ -1,0 +1,57 @@
+// Which variables of a scene are simulated, and what the others stay at.
+//
+// Conventions: a variable goes by its index among all of the scene's, those simulated by their place in the state too;
+// their order is the same.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace rbdyn {
+
+class StateMap {
+public:
+    StateMap() = default;
+    /// `start`: what all variables start with; `stays`: which of them stay so and are left out.
+    StateMap(std::vector<double> start, const std::vector<bool>& stays) : all_(std::move(start)) {
+        for (std::size_t i = 0; i < all_.size(); ++i) place_.push_back(stays[i] ? -1 : size_++);
+    }
+
+    /// How many variables are simulated, and how many there are.
+    int size() const { return size_; }
+    int variables() const { return static_cast<int>(all_.size()); }
+    bool has_all() const { return size() == variables(); }
+
+    /// Where a variable is in the state; -1: nowhere, it stays as it starts.
+    int place(int variable) const { return place_[static_cast<std::size_t>(variable)]; }
+    bool is_simulated(int variable) const { return place(variable) >= 0; }
+    /// What a variable starts with.
+    double start(int variable) const { return all_[static_cast<std::size_t>(variable)]; }
+    double value(int variable, std::span<const double> x) const {
+        const int i = place(variable);
+        return i < 0 ? start(variable) : x[static_cast<std::size_t>(i)];
+    }
+
+    /// All variables at a state.
+    void spread(std::span<const double> x, std::span<double> all) const {
+        for (int i = 0; i < variables(); ++i) all[static_cast<std::size_t>(i)] = value(i, x);
+    }
+    /// The same of something that what stays has none of.
+    void spread_zero(std::span<const double> x, std::span<double> all) const {
+        for (int i = 0; i < variables(); ++i)
+            all[static_cast<std::size_t>(i)] = is_simulated(i) ? x[static_cast<std::size_t>(place(i))] : 0.0;
+    }
+    /// What belongs to the state, of something for each variable.
+    void gather(std::span<const double> all, std::span<double> x) const {
+        for (int i = 0; i < variables(); ++i)
+            if (is_simulated(i)) x[static_cast<std::size_t>(place(i))] = all[static_cast<std::size_t>(i)];
+    }
+
+private:
+    int size_ = 0;
+    std::vector<int> place_;
+    std::vector<double> all_;
+};
+
+}  // namespace rbdyn
