@@ -178,14 +178,16 @@ private:
             log_length =
                 std::min(log_length, series::log_step(size.data(), order_, scales_.scale(group), log_tolerance_));
         }
-        // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow
+        // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow.
+        // The rounding of a speed's series grows by the distance from its zero, which must not keep a step from passing
+        // there
+        const double log_tolerance = std::max(log_tolerance_ + guard_slack, rounding_counts);
         for (const Guard& guard : equations_->guards) {
             if (guard.output < 0 || equations_->is_variable(guard)) continue;
             const double* c = series_->output(guard.output);
             size.fill(0.0);
             series::widen(size.data(), c, order_);
-            log_length =
-                std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance_ + guard_slack));
+            log_length = std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance));
         }
         return std::exp2(log_length);
     }

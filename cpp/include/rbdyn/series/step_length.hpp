@@ -47,19 +47,22 @@ inline void widen(double* size, const double* c, int order) {
 /// degree, which is exact at any length. Only ratios of sizes enter, so units do not. p >= 4.
 inline double log_step(const double* size, int p, double scale, double log_tolerance) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
+    // counts as zero: close to where doubles end they lose their digits
+    constexpr double tiny = 0x1p-960;
     // the last coefficients against the first one give the radius of convergence
     int first = 1;
-    while (first < p - 3 && size[first] == 0.0) ++first;
+    while (first < p - 3 && !(size[first] > tiny)) ++first;
     double log_radius = infinity;
     for (int k = p; k > p - 4; --k)
-        if (k > first && size[k] > 0.0)
+        if (k > first && size[k] > tiny)
             log_radius = std::min(log_radius, rough_log2_ratio(size[first], size[k]) / (k - first));
     const int middle = p / 2;
     if (log_radius == infinity) {
-        // a polynomial of low degree; what stands alone in the upper half may be the rounding of one computed as more
+        // a polynomial of low degree; what stands alone in the upper half may be the rounding of one computed as more,
+        // or a series so small that its last terms are beyond where doubles end
         double log_length = infinity;
-        for (int k = middle + 1; k <= p - 4; ++k)
-            if (k > first && size[k] > 0.0)
+        for (int k = middle + 1; k <= p - 4 && size[first] > std::sqrt(tiny); ++k)
+            if (k > first && size[k] > tiny)
                 log_length =
                     std::min(log_length, (log_tolerance + rough_log2_ratio(size[first], size[k])) / (k - first));
         return log_length;
@@ -67,11 +70,11 @@ inline double log_step(const double* size, int p, double scale, double log_toler
     // how far the motion goes within a fraction of the radius that is typical of a step
     const double reach = 0.3 * rough_exp2(log_radius);
     scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
-    if (!(scale > 0.0)) return infinity;
+    if (!(scale > tiny)) return infinity;
     // the last two terms meet the tolerance, earlier ones are on the way there from one
     double log_length = infinity;
     for (int k = p; k > p - 4; --k) {
-        if (!(size[k] > 0.0)) continue;
+        if (!(size[k] > tiny)) continue;
         const double target = k >= p - 1 ? log_tolerance : log_tolerance * k / p;
         log_length = std::min(log_length, (target + rough_log2_ratio(scale, size[k])) / k);
     }
@@ -79,10 +82,10 @@ inline double log_step(const double* size, int p, double scale, double log_toler
     // term to the next, and each term is an error
     double largest = -infinity;
     for (int k = middle - 1; k <= middle + 1; ++k)
-        if (size[k] > 0.0) largest = std::max(largest, k * log_length - rough_log2_ratio(scale, size[k]));
+        if (size[k] > tiny) largest = std::max(largest, k * log_length - rough_log2_ratio(scale, size[k]));
     if (largest < 0.75 * log_tolerance)
         for (int k = middle - 1; k < p - 1; ++k)
-            if (size[k] > 0.0)
+            if (size[k] > tiny)
                 log_length = std::min(log_length, (log_tolerance + rough_log2_ratio(scale, size[k])) / k);
     return log_length;
 }
