@@ -82,6 +82,7 @@ inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
     s.guard_evaluations = w.guard_evaluations;
     s.events = static_cast<std::int64_t>(solution.record.events.size());
     s.runs = solution.runs;
+    if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
     s.python_calls = data.plan.python_calls() - calls;
     data.error = solution.error;
     data.certain_until = solution.certain_until;

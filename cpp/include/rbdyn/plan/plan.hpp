@@ -42,6 +42,11 @@ struct Plan {
             if (c->is_python) sum += c->calls.load(std::memory_order_relaxed);
         return sum;
     }
+    /// Of the equations that a motion from the scene's state at time 0 begins with.
+    Size size() const {
+        std::vector<double> x = model->start(0.0);
+        return Size(model->begin(0.0, x));
+    }
     bool has(const std::string& effect) const {
         return std::find(effects.begin(), effects.end(), effect) != effects.end();
     }
@@ -118,33 +123,25 @@ inline Placement view_of(const Scene& scene) {
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
     Plan plan;
     plan.view = planning::view_of(scene);
-    bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
-         damper = false, is_rough = false, free = false, moving = false, rotation = false, torque = false;
+    plan.effects = effects_of(scene);
+    bool any_rail = false, is_rough = false, free = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
         plan.omissions.push_back({what, why});
     };
-    const bool gravity = !scene.gravity().isZero(0.0);
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
-        if (b.rigid() != nullptr) {
-            rotation = rotation || !std::holds_alternative<Prismatic>(b.joint);
-            continue;
-        }
+        if (b.rigid() != nullptr) continue;
         if (rail == nullptr) {
             free = true;
             plan.coordinates.push_back(b.name + ": x, y, z in the world");
             continue;
         }
         any_rail = true;
-        moving = moving || rail->motion().present();
         if (!rail->drive().is_constant()) plan.functions.push_back("drive of " + b.name + " traced, native");
         if (rail->motion().present()) plan.functions.push_back("motion of the rail of " + b.name + " traced, native");
         plan.coordinates.push_back(b.name + ": parameter u of its " + rail->curve().name());
-        if (const auto friction = rail->friction()) {
+        if (rail->friction()) {
             is_rough = true;
-            statics = statics || friction->mu_static > 0.0;
-            dynamic = dynamic || friction->dynamic() > 0.0;
-            drive = drive || !rail->drive().is_zero();
         } else if (!rail->drive().is_zero()) {
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
@@ -152,7 +149,7 @@ inline Placement view_of(const Scene& scene) {
     for (const auto& load : scene.loads()) {
         const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
         if (const Force* force = std::get_if<Force>(&load.load)) {
-            if (!force->is_constant() || !force->constant().isZero(0.0)) user = true;
+            if (!force->present()) leave_out("force" + on, "it is zero");
             if (force->is_constant()) continue;
             if (force->callback()) {
                 plan.calls_back = true;
@@ -163,20 +160,15 @@ inline Placement view_of(const Scene& scene) {
                 plan.functions.push_back("force \"" + force->name() + "\" traced, native," + on);
             }
         } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
-            user = true;
+            if (!potential->present()) leave_out("potential" + on, "it does not vary with the position");
             plan.functions.push_back("potential \"" + potential->name() + "\" traced, native," + on);
         } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
-            user = user || lorentz->present();
             if (!lorentz->present()) leave_out("Lorentz force" + on, "its strength or its field is zero");
         } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
-            drag = drag || d->present();
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
-            spring = spring || torsion->stiffness > 0.0;
-            damper = damper || torsion->damping > 0.0;
             if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
         } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
-            torque = torque || twist->present();
             if (!twist->present()) leave_out("torque" + on, "it is zero");
             if (twist->is_constant()) continue;
             if (twist->callback()) {
@@ -199,22 +191,15 @@ inline Placement view_of(const Scene& scene) {
     }
     for (const auto& c : scene.connections()) {
         const Spring& s = std::get<Spring>(c.coupling);
-        spring = spring || s.stiffness > 0.0;
-        damper = damper || s.damping > 0.0;
         if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
     }
-    const std::pair<bool, const char*> effects[] = {
-        {gravity, "gravity"},    {rotation, "rotation"},        {spring, "spring"},          {damper, "damper"},
-        {drag, "drag"},          {user, "user force"},          {torque, "user torque"},     {drive, "drive"},
-        {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
-    for (const auto& [present, name] : effects)
-        if (present) plan.effects.push_back(name);
     plan.model = std::make_shared<const PointsModel>(scene, plan.view);
     for (const PointLaws::Body& b : plan.model->laws().bodies())
         if (b.rigid) plan.coordinates.push_back(b.name + ": " + b.rigid->coordinates());
     plan.guards = planning::guards_of(*plan.model);
-    if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
-    if (!rotation) leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
+    if (!plan.has("gravity")) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
+    if (!plan.has("rotation"))
+        leave_out("rotation", free && !any_rail ? "particles have no attitude" : "a bead is a point");
     if (any_rail && !is_rough)
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     if (plan.guards.empty()) leave_out("events", "nothing to watch for");
@@ -251,6 +236,7 @@ inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     list("  coordinates ", plan.coordinates, "none");
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
+    out << "  size        " << plan.size() << '\n';
     if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");
     list("  conserved   ", plan.integrals, "nothing");
     out << "  engine      " << plan.engine << ": " << plan.reason << '\n';
