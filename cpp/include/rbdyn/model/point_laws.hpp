@@ -18,6 +18,7 @@
 // not in use at rest; what rigid_law.hpp says), then their velocities.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -302,6 +303,11 @@ public:
         };
         return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
                std::none_of(springs_.begin(), springs_.end(), touches);
+    }
+    /// Whether equations take numbers of their mode, two a body: the sign of its slip, and what is fixed in the mode.
+    bool takes_numbers() const {
+        return std::any_of(bodies_.begin(), bodies_.end(),
+                           [](const Body& b) { return b.rough || (b.rigid && b.rigid->follows_axis); });
     }
     /// Power of a load on a rigid body.
     double power(const Scene::AppliedLoad& load, double t, std::span<const double> x) const {
