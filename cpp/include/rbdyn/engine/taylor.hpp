@@ -29,9 +29,9 @@ public:
 
     std::string name() const override { return "taylor"; }
 
-    /// Measured on the scenes of the benchmarks: the cost of a run is flat within 10 percent for orders 2 away.
+    /// Measured on a hoop, a free and a heavy body: the cost of a run is flat within 10 percent for orders 3 away.
     static int order_for(double tolerance) {
-        return std::clamp(static_cast<int>(std::lround(3.0 - 0.6 * std::log(tolerance))), 8, max_order);
+        return std::clamp(static_cast<int>(std::lround(8.0 - 0.58 * std::log(tolerance))), 12, max_order);
     }
 
     void start(const Equations& equations, std::span<const double> parameters, Instant t,
@@ -56,9 +56,9 @@ public:
         if (!(unit_ > 0.0)) unit_ = power_of_two(span);
         double length = 0.0;
         for (int attempt = 0;; ++attempt) {
-            const int orders = expand(n);
-            if (orders == 0) return StepStatus::not_finite;
-            const bool is_finite = orders == order_;
+            expand(n);
+            if (!series_->is_finite(0)) return StepStatus::not_finite;
+            const bool is_finite = series_->is_finite(order_ - 1);
             length = is_finite ? step_length() : 0.0;
             natural_ = length;
             if (length * unit_ > span) length = span / unit_;
@@ -136,17 +136,16 @@ private:
         return *evaluators_.back().second;
     }
 
-    /// Coefficients 0 .. order of the state, and of the guards where there are any; how many orders are finite.
-    int expand(int n) {
+    /// Coefficients 0 .. order of the state, and of the guards where there are any.
+    void expand(int n) {
         series_->begin(t_.hi, unit_);
         for (int i = 0; i < n; ++i) series_->set_input(i, 0, x_[static_cast<std::size_t>(i)]);
         for (int k = 0; k < order_; ++k) {
             series_->advance(k);
-            if (!series_->integrate(k)) return k;
+            series_->integrate(k);
         }
         work_.right_hand_sides += order_;
         if (!equations_->guards.empty()) series_->advance(order_);
-        return order_;
     }
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
@@ -155,7 +154,8 @@ private:
         Sizes size;
         for (const VariableGroup& group : equations_->groups) {
             size.fill(0.0);
-            for (int i = group.first; i < group.first + group.count; ++i) take(series_->coefficients(i), size);
+            for (int i = group.first; i < group.first + group.count; ++i)
+                series::widen(size.data(), series_->coefficients(i), order_);
             log_length =
                 std::min(log_length, series::log_step(size.data(), order_, scales_.scale(group), log_tolerance_));
         }
@@ -164,7 +164,7 @@ private:
             if (guard.output < 0 || equations_->is_variable(guard)) continue;
             const double* c = series_->output(guard.output);
             size.fill(0.0);
-            take(c, size);
+            series::widen(size.data(), c, order_);
             log_length =
                 std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance_ + guard_slack));
         }
@@ -172,10 +172,6 @@ private:
     }
 
     using Sizes = std::array<double, max_order + 1>;
-
-    void take(const double* c, Sizes& size) const {
-        for (int k = 0; k <= order_; ++k) size[at(k)] = std::max(size[at(k)], std::abs(c[k]));
-    }
 
     double log_tolerance_;
     int order_;

@@ -12,21 +12,22 @@
 #include <vector>
 
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/series/coefficients.hpp"
-#include "rbdyn/series/packed_products.hpp"
+#include "rbdyn/series/product_sums.hpp"
 
 namespace rbdyn {
 
 class SeriesEvaluator {
 public:
-    /// Room for series of orders 0 .. max_order. Throws Error above series::most_packed.
+    /// Room for series of orders 0 .. max_order. Throws Error above series::most_lanes.
     SeriesEvaluator(const Program& program, int max_order)
         : program_(&program),
           top_(max_order),
           stride_(2 * (max_order + 1)),
           storage_(static_cast<std::size_t>(program.slots() * stride_), 0.0),
           valuations_(static_cast<std::size_t>(program.states()), -1) {
-        if (max_order > series::most_packed) throw Error("SeriesEvaluator: there is no code for series of this order");
+        if (max_order > series::most_lanes) throw Error("SeriesEvaluator: there is no code for series of this order");
         resolve();
     }
     SeriesEvaluator(const SeriesEvaluator&) = delete;
@@ -38,10 +39,13 @@ public:
 
     void set_parameters(std::span<const double> parameters) {
         program_->set_parameters(parameters, scalars_);
-        for (std::size_t i = 0; i < packed_.size(); ++i) {
-            const auto& [first, second] = lane_weights_[i];
-            packed_[i].weight = series::Pair{first.factor * scalars_[static_cast<std::size_t>(first.scalar)],
-                                             second.factor * scalars_[static_cast<std::size_t>(second.scalar)]};
+        const auto weight = [&](const Schedule::Weighted& w) {
+            if (w.scalar < 0) return w.scalar == Schedule::one ? 1.0 : 0.0;
+            return scalars_[static_cast<std::size_t>(w.scalar)];
+        };
+        for (std::size_t i = 0; i < lane_series_.size(); ++i) {
+            const Schedule::Series& w = lane_weights_[i];
+            lane_series_[i].weight = series::Quad{weight(w[0]), weight(w[1]), weight(w[2]), weight(w[3])};
         }
     }
 
@@ -59,135 +63,32 @@ public:
 
     void set_input(int variable, int order, double value) { slot(variable).set(order, value); }
 
-    /// Gives the inputs their coefficient k + 1 if output i is the derivative of input i; false if a derivative is not
-    /// finite.
-    bool integrate(int k) {
+    /// Gives the inputs their coefficient k + 1 if output i is the derivative of input i.
+    void integrate(int k) {
         const double factor = unit_ / (k + 1);
+        for (const auto& [input, rate] : motion_) input.set(k + 1, rate[k] * factor);
+    }
+
+    /// Whether the derivatives' coefficients of order k are finite. What is not in one order is not in any higher one.
+    bool is_finite(int k) const {
         double check = 0.0;
-        for (const auto& [input, rate] : motion_) {
-            check += 0.0 * rate[k];
-            input.set(k + 1, rate[k] * factor);
-        }
+        for (const Motion& m : motion_) check += 0.0 * m.rate[k];
         return check == 0.0;
     }
 
     /// Computes coefficient k of every slot from coefficients 0..k of the inputs.
     void advance(int k) {
-        const double* w = scalars_.data();
-        const series::PackedSum packed_sum = series::packed_sums[static_cast<std::size_t>(k)];
-        for (const Step& i : steps_) {
-            const series::View& out = i.out;
-            switch (i.code) {
-                case Code::combine: {
-                    double sum = k == 0 && i.weight >= 0 ? w[i.weight] : 0.0;
-                    for (const ResolvedTerm *t = i.terms, *end = t + i.term_count; t != end; ++t)
-                        sum += w[t->weight] * t->series[k];
-                    if (i.packed != i.packed_end)
-                        sum = k > 0 ? packed_sum(sum, i.packed, i.packed_end) : sum + products(i);
-                    out.set(k, sum);
-                    break;
-                }
-                case Code::divide: out.set(k, series::quotient(i.a, i.b, out, k)); break;
-                case Code::square_root: {
-                    const double a_k = i.a[k];
-                    out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root(a_k, out, k));
-                    break;
-                }
-                case Code::norm: norm(i, out, k); break;
-                case Code::sine_cosine: {
-                    const series::View &a = i.a, &cosine = i.out2;
-                    if (k == 0) {
-                        out.set(0, std::sin(a[0]));
-                        cosine.set(0, std::cos(a[0]));
-                        break;
-                    }
-                    double* slope = i.slope;
-                    slope[k] = k * a[k];
-                    const double s_k = series::integral_of_slope(slope, cosine, k);
-                    cosine.set(k, -series::integral_of_slope(slope, out, k));
-                    out.set(k, s_k);
-                    break;
-                }
-                case Code::hyperbolic: {
-                    const series::View &a = i.a, &cosine = i.out2;
-                    double* slope = i.slope;
-                    slope[k] = k * a[k];
-                    if (k == 0) {
-                        out.set(0, std::sinh(a[0]));
-                        cosine.set(0, std::cosh(a[0]));
-                        break;
-                    }
-                    const double s_k = series::integral_of_slope(slope, cosine, k);
-                    cosine.set(k, series::integral_of_slope(slope, out, k));
-                    out.set(k, s_k);
-                    break;
-                }
-                case Code::tangent: {
-                    // t' = (1 - t^2) a'
-                    const series::View &a = i.a, &rest = i.out2;
-                    double* slope = i.slope;
-                    slope[k] = k * a[k];
-                    if (k == 0) {
-                        const double t = std::tanh(a[0]), c = std::cosh(a[0]);
-                        out.set(0, t);
-                        rest.set(0, 1.0 / (c * c));
-                        break;
-                    }
-                    out.set(k, series::integral_of_slope(slope, rest, k));
-                    rest.set(k, -series::square(out, k));
-                    break;
-                }
-                case Code::angle: {
-                    // (x^2 + y^2) p' = x y' - y x'
-                    const series::View &y = i.a, &x = i.b, &square = i.c;
-                    double* slope = i.slope;
-                    if (k == 0) {
-                        out.set(0, std::atan2(y[0], x[0]));
-                        break;
-                    }
-                    double turn = 0.0;
-                    for (int j = 1; j <= k; ++j) turn += j * (y[j] * x[k - j] - x[j] * y[k - j]);
-                    const double sum = series::dot(slope + 1, square.from(k - 1), k - 1);
-                    slope[k] = (turn - sum) / square[0];
-                    out.set(k, slope[k] / k);
-                    break;
-                }
-                case Code::call: call(*i.call, k); break;
-                case Code::exponential: {
-                    const series::View& a = i.a;
-                    double* slope = i.slope;
-                    slope[k] = k * a[k];
-                    out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope(slope, out, k));
-                    break;
-                }
-                case Code::logarithm: {
-                    // a l' = a'
-                    const series::View& a = i.a;
-                    double* slope = i.slope;
-                    if (k == 0) {
-                        out.set(0, std::log(a[0]));
-                        break;
-                    }
-                    const double sum = series::dot(slope + 1, a.from(k - 1), k - 1);
-                    out.set(k, (a[k] - sum / k) / a[0]);
-                    slope[k] = k * out[k];
-                    break;
-                }
-                case Code::power: {
-                    // a p' = r a' p
-                    const series::View& a = i.a;
-                    double* slope = i.slope;
-                    slope[k] = k * a[k];
-                    if (k == 0) {
-                        out.set(0, std::pow(a[0], i.value));
-                        break;
-                    }
-                    const double weighted = series::dot(slope + 1, out.from(k - 1), k) / k;
-                    const double plain = series::dot(a.forward + 1, out.from(k - 1), k);
-                    out.set(k, ((i.value + 1.0) * weighted - plain) / a[0]);
-                    break;
-                }
+        const series::lanes::Order sums = (*orders_)[static_cast<std::size_t>(k)];
+        for (const Stage& stage : stages_) {
+            if (stage.sum != stage.sum_end) sums(stage.series, stage.series_end, stage.sum, stage.sum_end);
+            for (const Lane *lane = stage.lane, *end = stage.lane_end; lane != end; ++lane)
+                lane->out.set(k, *lane->sum);
+            for (const Combination *c = stage.combination, *end = stage.combination_end; c != end; ++c) {
+                double sum = linear(c->linear, k);
+                for (const double *lane = c->lane, *last = c->lane_end; lane != last; ++lane) sum += *lane;
+                c->out.set(k, sum);
             }
+            for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step) compute(*step, k);
         }
     }
 
@@ -204,10 +105,10 @@ private:
         const double* series;
         int weight;
     };
-    // a lane of a packed product: factor times a scalar
-    struct LaneWeight {
-        int scalar;
-        double factor;
+    /// A constant and multiples of slots; weight -1: no constant.
+    struct Linear {
+        int weight;
+        const ResolvedTerm *first, *last;
     };
     struct Motion {
         series::View input;
@@ -215,31 +116,150 @@ private:
     };
     struct Step {
         Code code;
-        int weight;
+        Linear linear;
         series::View out, out2, a, b, c;
         double* slope;
         int* valuation;
         double value;
-        const ResolvedTerm* terms;
-        series::PackedProduct *packed, *packed_end;
-        int term_count;
-        const Instruction* source;
         const Program::Call* call;
+    };
+    /// A combination that is one lane of a sum.
+    struct Lane {
+        series::View out;
+        const double* sum;
+    };
+    /// One that has a linear part, and lanes or none.
+    struct Combination {
+        series::View out;
+        Linear linear;
+        const double *lane, *lane_end;
+    };
+    struct Stage {
+        const series::LaneSeries *series, *series_end;
+        series::LaneSum *sum, *sum_end;
+        const Lane *lane, *lane_end;
+        const Combination *combination, *combination_end;
+        const Step *step, *step_end;
     };
 
     series::View slot(int index) {
         double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
-        return {start, start + top_ + 1, top_};
+        return {start, start + stride_ - 1};
     }
 
-    /// Coefficient 0 of the products of a combination.
-    double products(const Step& i) {
-        double sum = 0.0;
-        const ProductTerm* p = program_->products(*i.source);
-        for (const ProductTerm* end = p + i.source->products; p != end; ++p)
-            sum += scalars_[static_cast<std::size_t>(p->weight)] * (coefficients(p->a)[0] * coefficients(p->b)[0]);
-        for (series::PackedProduct* q = i.packed; q != i.packed_end; ++q) q->take(0);
+    double linear(const Linear& part, int k) const {
+        const double* w = scalars_.data();
+        double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
+        for (const ResolvedTerm* t = part.first; t != part.last; ++t) sum += w[t->weight] * t->series[k];
         return sum;
+    }
+
+    /// Coefficient k of the slots of an instruction without products.
+    void compute(const Step& i, int k) {
+        const series::View& out = i.out;
+        switch (i.code) {
+            case Code::combine: break;  // not here
+            case Code::divide: out.set(k, series::quotient(i.a, i.b, out, k)); break;
+            case Code::square_root: {
+                const double a_k = i.a[k];
+                out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root(a_k, out, k));
+                break;
+            }
+            case Code::norm: norm(i, out, k); break;
+            case Code::sine_cosine: {
+                const series::View &a = i.a, &cosine = i.out2;
+                if (k == 0) {
+                    out.set(0, std::sin(a[0]));
+                    cosine.set(0, std::cos(a[0]));
+                    break;
+                }
+                double* slope = i.slope;
+                slope[k] = k * a[k];
+                const double s_k = series::integral_of_slope(slope, cosine, k);
+                cosine.set(k, -series::integral_of_slope(slope, out, k));
+                out.set(k, s_k);
+                break;
+            }
+            case Code::hyperbolic: {
+                const series::View &a = i.a, &cosine = i.out2;
+                double* slope = i.slope;
+                slope[k] = k * a[k];
+                if (k == 0) {
+                    out.set(0, std::sinh(a[0]));
+                    cosine.set(0, std::cosh(a[0]));
+                    break;
+                }
+                const double s_k = series::integral_of_slope(slope, cosine, k);
+                cosine.set(k, series::integral_of_slope(slope, out, k));
+                out.set(k, s_k);
+                break;
+            }
+            case Code::tangent: {
+                // t' = (1 - t^2) a'
+                const series::View &a = i.a, &rest = i.out2;
+                double* slope = i.slope;
+                slope[k] = k * a[k];
+                if (k == 0) {
+                    const double t = std::tanh(a[0]), c = std::cosh(a[0]);
+                    out.set(0, t);
+                    rest.set(0, 1.0 / (c * c));
+                    break;
+                }
+                out.set(k, series::integral_of_slope(slope, rest, k));
+                rest.set(k, -series::square(out, k));
+                break;
+            }
+            case Code::angle: {
+                // (x^2 + y^2) p' = x y' - y x'
+                const series::View &y = i.a, &x = i.b, &square = i.c;
+                double* slope = i.slope;
+                if (k == 0) {
+                    out.set(0, std::atan2(y[0], x[0]));
+                    break;
+                }
+                double turn = 0.0;
+                for (int j = 1; j <= k; ++j) turn += j * (y[j] * x[k - j] - x[j] * y[k - j]);
+                const double sum = series::dot(slope + 1, square.from(k - 1), k - 1);
+                slope[k] = (turn - sum) / square[0];
+                out.set(k, slope[k] / k);
+                break;
+            }
+            case Code::call: call(*i.call, k); break;
+            case Code::exponential: {
+                const series::View& a = i.a;
+                double* slope = i.slope;
+                slope[k] = k * a[k];
+                out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope(slope, out, k));
+                break;
+            }
+            case Code::logarithm: {
+                // a l' = a'
+                const series::View& a = i.a;
+                double* slope = i.slope;
+                if (k == 0) {
+                    out.set(0, std::log(a[0]));
+                    break;
+                }
+                const double sum = series::dot(slope + 1, a.from(k - 1), k - 1);
+                out.set(k, (a[k] - sum / k) / a[0]);
+                slope[k] = k * out[k];
+                break;
+            }
+            case Code::power: {
+                // a p' = r a' p
+                const series::View& a = i.a;
+                double* slope = i.slope;
+                slope[k] = k * a[k];
+                if (k == 0) {
+                    out.set(0, std::pow(a[0], i.value));
+                    break;
+                }
+                const double weighted = series::dot(slope + 1, out.from(k - 1), k) / k;
+                const double plain = series::dot(a.forward + 1, out.from(k - 1), k);
+                out.set(k, ((i.value + 1.0) * weighted - plain) / a[0]);
+                break;
+            }
+        }
     }
 
     /// A function of the user's has a value and no more.
@@ -257,7 +277,8 @@ private:
         int& m = *i.valuation;
         const series::View part[3] = {i.a, i.b, i.c};
         if (m < 0) {
-            const bool ignored = k == 0 && i.weight >= 0 && scalars_[static_cast<std::size_t>(i.weight)] != 0.0;
+            const bool ignored =
+                k == 0 && i.linear.weight >= 0 && scalars_[static_cast<std::size_t>(i.linear.weight)] != 0.0;
             const double x = part[0][k], y = part[1][k], z = part[2][k];
             if (ignored || (x == 0.0 && y == 0.0 && z == 0.0)) {
                 out.set(k, 0.0);
@@ -275,76 +296,77 @@ private:
     }
 
     void resolve() {
-        const auto view = [&](int index) { return index >= 0 ? slot(index) : series::View{nullptr, nullptr, 0}; };
-        std::size_t terms = 0, products = 0;
-        for (const Instruction& i : program_->instructions()) {
-            terms += static_cast<std::size_t>(i.terms);
-            products += static_cast<std::size_t>(i.products);
-        }
+        const Schedule schedule(*program_);
+        std::size_t terms = 0;
+        for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);
         terms_.reserve(terms);
-        packed_.reserve(products);
-        lanes_.resize(products * lanes_each());
-        for (const Instruction& i : program_->instructions()) {
-            Step s{i.code,
-                   i.weight,
-                   view(i.out),
-                   view(i.out2),
-                   view(i.a),
-                   view(i.b),
-                   view(i.c),
-                   nullptr,
-                   nullptr,
-                   i.value,
-                   terms_.data() + terms_.size(),
-                   packed_.data() + packed_.size(),
-                   nullptr,
-                   i.terms,
-                   &i,
-                   i.code == Code::call ? &program_->calls()[static_cast<std::size_t>(i.extra)] : nullptr};
-            if (i.code == Code::norm)
-                s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
-            else if (i.extra >= 0 && i.code != Code::call)
-                s.slope = slot(i.extra).forward;
-            for (int j = 0; j < i.terms; ++j) {
-                const Term& t = program_->terms(i)[j];
-                terms_.push_back({slot(t.slot).forward, t.weight});
+        // what points into a list comes after the list is whole
+        const auto row = static_cast<std::size_t>(top_ + 1);
+        lanes_.resize(schedule.series.size() * row);
+        for (const Schedule::Series& s : schedule.series) {
+            series::LaneSeries lane{{}, {}, lanes_.data() + lane_series_.size() * row};
+            for (std::size_t l = 0; l < s.size(); ++l) lane.from[l] = coefficients(s[l].slot);
+            lane_series_.push_back(lane);
+            lane_weights_.push_back(s);
+        }
+        for (const auto& [x, y] : schedule.products)
+            lane_products_.push_back({lanes_.data() + x * row, lanes_.data() + y * row});
+        for (const auto& [first, last] : schedule.sums)
+            lane_sums_.push_back(
+                {lane_products_.data() + first, lane_products_.data() + last, series::Quad{}, series::Quad{}});
+        std::vector<std::array<std::size_t, 3>> ends{{0, 0, 0}};
+        for (const Schedule::Stage& stage : schedule.stages) {
+            for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
+                const Schedule::Combination& c = schedule.combinations[i];
+                const double* sum = reinterpret_cast<const double*>(&lane_sums_[c.sum].sum) + c.first_lane;
+                if (c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0)
+                    lane_outputs_.push_back({slot(c.instruction->out), sum});
+                else
+                    combinations_.push_back(
+                        {slot(c.instruction->out), linear_part(*c.instruction), sum, sum + c.lanes});
             }
-            pack(program_->products(i), program_->products(i) + i.products);
-            s.packed_end = packed_.data() + packed_.size();
-            steps_.push_back(s);
+            for (std::size_t i = stage.others.first; i < stage.others.last; ++i) {
+                const Instruction& other = *schedule.others[i];
+                if (other.code == Code::combine)
+                    combinations_.push_back({slot(other.out), linear_part(other), nullptr, nullptr});
+                else
+                    steps_.push_back(step(other));
+            }
+            ends.push_back({lane_outputs_.size(), combinations_.size(), steps_.size()});
+        }
+        for (std::size_t i = 0; i < schedule.stages.size(); ++i) {
+            const auto& [series, sums, combinations, others] = schedule.stages[i];
+            const auto &from = ends[i], &to = ends[i + 1];
+            stages_.push_back({lane_series_.data() + series.first, lane_series_.data() + series.last,
+                               lane_sums_.data() + sums.first, lane_sums_.data() + sums.last,
+                               lane_outputs_.data() + from[0], lane_outputs_.data() + to[0],
+                               combinations_.data() + from[1], combinations_.data() + to[1], steps_.data() + from[2],
+                               steps_.data() + to[2]});
         }
         for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i)
             motion_.push_back({slot(i), output(i)});
     }
 
-    std::size_t lanes_each() const { return static_cast<std::size_t>(top_ / 2 + 1 + top_ + 1); }
-
-    /// Packs the products of a combination; a square without another one has a lane of zeros beside it.
-    void pack(const ProductTerm* first, const ProductTerm* last) {
-        const ProductTerm* square = nullptr;  // waits for another one
-        for (const ProductTerm* p = first; p != last; ++p) {
-            if (p->a != p->b) {
-                pack({p->a, p->b}, {p->b, p->a}, {{{p->weight, 1.0}, {p->weight, 1.0}}});
-            } else if (square == nullptr) {
-                square = p;
-            } else {
-                pack({square->a, p->a}, {square->a, p->a}, {{{square->weight, 2.0}, {p->weight, 2.0}}});
-                square = nullptr;
-            }
+    Linear linear_part(const Instruction& i) {
+        const ResolvedTerm* first = terms_.data() + terms_.size();
+        for (int j = 0; j < i.terms; ++j) {
+            const Term& t = program_->terms(i)[j];
+            terms_.push_back({slot(t.slot).forward, t.weight});
         }
-        if (square)
-            pack({square->a, square->a}, {square->a, square->a}, {{{square->weight, 2.0}, {square->weight, 0.0}}});
+        return {i.weight, first, terms_.data() + terms_.size()};
     }
 
-    void pack(std::array<int, 2> x, std::array<int, 2> y, const std::array<LaneWeight, 2>& weights) {
-        series::Pair* low = lanes_.data() + packed_.size() * lanes_each();
-        packed_.push_back({{coefficients(x[0]), coefficients(x[1])},
-                           {coefficients(y[0]), coefficients(y[1])},
-                           series::Pair{},
-                           low,
-                           low + top_ / 2 + 1,
-                           top_ / 2});
-        lane_weights_.push_back(weights);
+    Step step(const Instruction& i) {
+        const auto view = [&](int index) { return index >= 0 ? slot(index) : series::View{nullptr, nullptr}; };
+        Step s{i.code,    linear_part(i), view(i.out), view(i.out2), view(i.a), view(i.b),
+               view(i.c), nullptr,        nullptr,     i.value,      nullptr};
+        if (i.code == Code::norm)
+            s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
+        else if (i.code == Code::call)
+            s.call = &program_->calls()[static_cast<std::size_t>(i.extra)];
+        else if (i.extra >= 0)
+            s.slope = slot(i.extra).forward;
+        return s;
     }
 
     const Program* program_;
@@ -353,12 +375,18 @@ private:
     std::vector<double> storage_;
     std::vector<double> scalars_;
     std::vector<int> valuations_;
+    std::vector<Stage> stages_;
+    std::vector<Lane> lane_outputs_;
+    std::vector<Combination> combinations_;
     std::vector<Step> steps_;
     std::vector<Motion> motion_;
     std::vector<ResolvedTerm> terms_;
-    std::vector<series::PackedProduct> packed_;
-    std::vector<std::array<LaneWeight, 2>> lane_weights_;
-    std::vector<series::Pair> lanes_;
+    std::vector<series::LaneValues> lanes_;
+    std::vector<series::LaneSeries> lane_series_;
+    std::vector<Schedule::Series> lane_weights_;
+    std::vector<series::LaneProduct> lane_products_;
+    std::vector<series::LaneSum> lane_sums_;
+    const std::array<series::lanes::Order, series::most_lanes + 1>* orders_ = &series::lane_orders();
 };
 
 }  // namespace rbdyn

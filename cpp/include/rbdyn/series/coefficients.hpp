@@ -5,7 +5,7 @@
 // (Jorba and Zou, "A software package for the numerical integration of ODEs by means of high-order Taylor methods",
 // Experimental Mathematics 14, 2005, eqs. 6-12; Griewank and Walther, "Evaluating Derivatives", ch. 13).
 //
-// Storage: a series is kept forwards (a_0 first) and reversed (a_0 last), so that the convolution
+// Storage: a series is kept forwards (a_0 first) and backwards (a_0 last), so that the convolution
 // sum_j a_j b_{k-j} runs forwards through both arrays. Sums are taken in four fixed lanes: the same bits on every
 // processor, whatever the width of its registers.
 #pragma once
@@ -14,8 +14,19 @@
 
 namespace rbdyn::series {
 
+/// Two lanes; a loop over them is left alone by compilers that do not look for it.
 #if defined(__GNUC__) || defined(__clang__)
-using Lanes = double __attribute__((vector_size(32), aligned(8), may_alias));
+using Pair = double __attribute__((vector_size(16), aligned(8), may_alias));
+inline Pair pair_at(const double* a) { return *reinterpret_cast<const Pair*>(a); }
+#else
+struct Pair {
+    double lanes[2];
+    double operator[](int i) const { return lanes[i]; }
+    Pair operator*(const Pair& b) const { return {lanes[0] * b[0], lanes[1] * b[1]}; }
+    Pair operator+(const Pair& b) const { return {lanes[0] + b[0], lanes[1] + b[1]}; }
+    Pair& operator+=(const Pair& b) { return *this = *this + b; }
+};
+inline Pair pair_at(const double* a) { return {a[0], a[1]}; }
 #endif
 
 /// sum_{j < n} a[j] b[j], in four lanes.
@@ -24,42 +35,33 @@ __attribute__((always_inline))
 #endif
 inline double
 dot(const double* a, const double* b, int n) {
-#if defined(__GNUC__) || defined(__clang__)
     double sum = 0.0;
     int j = 0;
     if (n >= 4) {
-        Lanes lanes = *reinterpret_cast<const Lanes*>(a) * *reinterpret_cast<const Lanes*>(b);
-        for (j = 4; j + 4 <= n; j += 4)
-            lanes += *reinterpret_cast<const Lanes*>(a + j) * *reinterpret_cast<const Lanes*>(b + j);
-        sum = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+        Pair low = pair_at(a) * pair_at(b), high = pair_at(a + 2) * pair_at(b + 2);
+        for (j = 4; j + 4 <= n; j += 4) {
+            low += pair_at(a + j) * pair_at(b + j);
+            high += pair_at(a + j + 2) * pair_at(b + j + 2);
+        }
+        low += high;
+        sum = low[0] + low[1];
     }
-#else
-    double sum = 0.0;
-    int j = 0;
-    if (n >= 4) {
-        double lanes[4] = {a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]};
-        for (j = 4; j + 4 <= n; j += 4)
-            for (int l = 0; l < 4; ++l) lanes[l] += a[j + l] * b[j + l];
-        sum = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
-    }
-#endif
     for (; j < n; ++j) sum += a[j] * b[j];
     return sum;
 }
 
-/// A view of one series: coefficient k is forward[k] and reversed[top - k].
+/// A view of one series: coefficient k is forward[k] and last[-k].
 struct View {
     double* forward;
-    double* reversed;
-    int top;
+    double* last;
 
     double operator[](int k) const { return forward[k]; }
     void set(int k, double value) const {
         forward[k] = value;
-        reversed[top - k] = value;
+        last[-k] = value;
     }
     /// Pointer to a_k, a_{k-1}, ..., a_0.
-    const double* from(int k) const { return reversed + (top - k); }
+    const double* from(int k) const { return last - k; }
 };
 
 // In each sum the newest coefficients stand alone: what was stored a moment ago one by one is slow to load in lanes.

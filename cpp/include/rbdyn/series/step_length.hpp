@@ -9,12 +9,37 @@
 #include <cstdint>
 #include <limits>
 
+#include "rbdyn/series/coefficients.hpp"
+
 namespace rbdyn::series {
 
 /// log2 x within 0.09, enough for a step length, from the bits of x; -infinity for 0.
 inline double rough_log2(double x) {
     if (!(x > 0.0)) return -std::numeric_limits<double>::infinity();
     return static_cast<double>(std::bit_cast<std::int64_t>(x)) * 0x1p-52 - 1023.0;
+}
+
+/// log2 a/b within 0.09 for finite a, b > 0: the same bits in all units that differ by powers of two.
+inline double rough_log2_ratio(double a, double b) {
+    return static_cast<double>(std::bit_cast<std::int64_t>(a) - std::bit_cast<std::int64_t>(b)) * 0x1p-52;
+}
+
+/// 2^x within 6 percent, the inverse of rough_log2(); x of any size.
+inline double rough_exp2(double x) {
+    return std::bit_cast<double>(static_cast<std::int64_t>((std::clamp(x, -1022.0, 1023.0) + 1023.0) * 0x1p52));
+}
+
+/// size[k] = max(size[k], |c[k]|), k = 0 .. order.
+inline void widen(double* size, const double* c, int order) {
+    int k = 0;
+#if defined(__GNUC__) || defined(__clang__)
+    for (; k < order; k += 2) {
+        const Pair x = pair_at(c + k), negative = -x, old = pair_at(size + k);
+        const Pair magnitude = x > negative ? x : negative;
+        *reinterpret_cast<Pair*>(size + k) = old > magnitude ? old : magnitude;
+    }
+#endif
+    for (; k <= order; ++k) size[k] = std::max(size[k], std::abs(c[k]));
 }
 
 /// log2 of the longest step on which a series whose coefficients 0 .. p have given sizes is cut off below a tolerance
@@ -28,10 +53,19 @@ inline double log_step(const double* size, int p, double scale, double log_toler
     double log_radius = infinity;
     for (int k = p; k > p - 4; --k)
         if (k > first && size[k] > 0.0)
-            log_radius = std::min(log_radius, rough_log2(size[first] / size[k]) / (k - first));
-    if (log_radius == infinity) return infinity;
+            log_radius = std::min(log_radius, rough_log2_ratio(size[first], size[k]) / (k - first));
+    const int middle = p / 2;
+    if (log_radius == infinity) {
+        // a polynomial of low degree; what stands alone in the upper half may be the rounding of one computed as more
+        double log_length = infinity;
+        for (int k = middle + 1; k <= p - 4; ++k)
+            if (k > first && size[k] > 0.0)
+                log_length =
+                    std::min(log_length, (log_tolerance + rough_log2_ratio(size[first], size[k])) / (k - first));
+        return log_length;
+    }
     // how far the motion goes within a fraction of the radius that is typical of a step
-    const double reach = 0.3 * std::exp2(log_radius);
+    const double reach = 0.3 * rough_exp2(log_radius);
     scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
     if (!(scale > 0.0)) return infinity;
     // the last two terms meet the tolerance, earlier ones are on the way there from one
@@ -39,17 +73,17 @@ inline double log_step(const double* size, int p, double scale, double log_toler
     for (int k = p; k > p - 4; --k) {
         if (!(size[k] > 0.0)) continue;
         const double target = k >= p - 1 ? log_tolerance : log_tolerance * k / p;
-        log_length = std::min(log_length, (target + rough_log2(scale / size[k])) / k);
+        log_length = std::min(log_length, (target + rough_log2_ratio(scale, size[k])) / k);
     }
     // what is far below the way there is rounding, of a polynomial that was computed as more: it need not fall from one
     // term to the next, and each term is an error
-    const int middle = p / 2;
     double largest = -infinity;
     for (int k = middle - 1; k <= middle + 1; ++k)
-        largest = std::max(largest, rough_log2(size[k] / scale) + k * log_length);
+        if (size[k] > 0.0) largest = std::max(largest, k * log_length - rough_log2_ratio(scale, size[k]));
     if (largest < 0.75 * log_tolerance)
         for (int k = middle - 1; k < p - 1; ++k)
-            if (size[k] > 0.0) log_length = std::min(log_length, (log_tolerance + rough_log2(scale / size[k])) / k);
+            if (size[k] > 0.0)
+                log_length = std::min(log_length, (log_tolerance + rough_log2_ratio(scale, size[k])) / k);
     return log_length;
 }
 
