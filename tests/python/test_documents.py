@@ -8,7 +8,7 @@ import sys
 import pytest
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/bodies.md", "docs/functions.md"])
+@pytest.mark.parametrize("document", ["README.md", "docs/bodies.md", "docs/effects.md", "docs/functions.md"])
 def test_the_python_in_a_document_runs(document, root, tmp_path):
     blocks = re.findall(r"^```python\n(.*?)^```", (root / document).read_text(), re.MULTILINE | re.DOTALL)
     assert blocks
