@@ -140,7 +140,7 @@ inline EffectTable effects(const Scene& scene, const SimulateOptions& options) {
                       whole.statistics().steps,
                       static_cast<int>(whole.events().size())};
     if (whole.status() == Status::stopped_by_user) return table;
-    for (const std::string& effect : effects_of(scene.frozen())) {
+    for (const std::string& effect : whole.plan().effects) {
         EffectRow row{.effect = effect};
         try {
             const Scene rest = scene.without(effect);
