@@ -20,14 +20,13 @@ namespace rbdyn {
 
 class SeriesEvaluator {
 public:
-    /// Room for series of orders 0 .. max_order. Throws Error above series::most_lanes.
+    /// Room for series of orders 0 .. max_order.
     SeriesEvaluator(const Program& program, int max_order)
         : program_(&program),
           top_(max_order),
           stride_(2 * (max_order + 1)),
           storage_(static_cast<std::size_t>(program.slots() * stride_), 0.0),
           valuations_(static_cast<std::size_t>(program.states()), -1) {
-        if (max_order > series::most_lanes) throw Error("SeriesEvaluator: there is no code for series of this order");
         resolve();
     }
     SeriesEvaluator(const SeriesEvaluator&) = delete;
@@ -78,9 +77,8 @@ public:
 
     /// Computes coefficient k of every slot from coefficients 0..k of the inputs.
     void advance(int k) {
-        const series::lanes::Order sums = (*orders_)[static_cast<std::size_t>(k)];
         for (const Stage& stage : stages_) {
-            if (stage.sum != stage.sum_end) sums(stage.series, stage.series_end, stage.sum, stage.sum_end);
+            if (stage.sum != stage.sum_end) lane_order_(stage.series, stage.series_end, stage.sum, stage.sum_end, k);
             for (const Lane *lane = stage.lane, *end = stage.lane_end; lane != end; ++lane)
                 lane->out.set(k, *lane->sum);
             for (const Combination *c = stage.combination, *end = stage.combination_end; c != end; ++c) {
@@ -386,7 +384,7 @@ private:
     std::vector<Schedule::Series> lane_weights_;
     std::vector<series::LaneProduct> lane_products_;
     std::vector<series::LaneSum> lane_sums_;
-    const std::array<series::lanes::Order, series::most_lanes + 1>* orders_ = &series::lane_orders();
+    series::LaneOrder lane_order_ = series::lane_order();
 };
 
 }  // namespace rbdyn

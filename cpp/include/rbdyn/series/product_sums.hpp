@@ -4,13 +4,9 @@
 // lanes stand side by side, coefficient by coefficient (LaneSeries). Two orders are done in one pass through them: what
 // coefficients below k contribute to order k + 1 is known at order k, and each is loaded once for both.
 //
-// Each even order has its own straight code, for processors with four lanes (AVX2) and for all others; both do the same
-// operations in the same order, without fused multiply-add: the same bits on every processor.
+// There is code for processors with four lanes (AVX2) and for all others; both do the same operations in the same
+// order, without fused multiply-add: the same bits on every processor.
 #pragma once
-
-#include <array>
-#include <cstddef>
-#include <utility>
 
 #if (defined(__GNUC__) || defined(__clang__)) && defined(__x86_64__)
 #define RBDYN_WIDE_LANES 1
@@ -56,95 +52,71 @@ struct LaneSum {
     Quad sum, next;  // next: what of the coming order is known
 };
 
-/// The highest order that there is code for: that of Taylor series at the least tolerance.
-inline constexpr int most_lanes = 24;
-
 namespace lanes {
 
-RBDYN_INLINE_LANES void take(const LaneSeries* first, const LaneSeries* last, int k) {
-    for (const LaneSeries* s = first; s != last; ++s)
-        s->to[k].value = s->weight * Quad{s->from[0][k], s->from[1][k], s->from[2][k], s->from[3][k]};
-}
-
-template <int k>
-RBDYN_INLINE_LANES void even_order(const LaneSeries* first_series, const LaneSeries* last_series, LaneSum* first,
-                                   LaneSum* last) {
-    take(first_series, last_series, k);
-    for (LaneSum* s = first; s != last; ++s) {
-        Quad sum{}, next{};
-        for (const LaneProduct* p = s->first; p != s->last; ++p) {
-            const LaneValues *x = p->x, *y = p->y;
-            if constexpr (k == 0) {
-                sum += x[0].value * y[0].value;
-            } else {
-                // of order k in a and b, of order k + 1 in c and d; the newest come last, for they come late
-                Quad above = y[k - 1].value, a{}, b = x[1].value * above, c{}, d{};
-#pragma GCC unroll 24
-                for (int j = 2; j < k; ++j) {
-                    const Quad left = x[j].value, right = y[k - j].value;
-                    (j % 2 == 0 ? a : b) += left * right;
-                    (j % 2 == 0 ? c : d) += left * above;
-                    above = right;
-                }
-                c += x[1].value * y[k].value;
-                d += x[k].value * y[1].value;
-                a += x[0].value * y[k].value;
-                b += x[k].value * y[0].value;
-                sum += a + b;
-                next += c + d;
-            }
+RBDYN_INLINE_LANES void even_order(LaneSum& s, int k) {
+    s.sum = s.next = Quad{};
+    for (const LaneProduct* p = s.first; p != s.last; ++p) {
+        const LaneValues *x = p->x, *y = p->y;
+        if (k == 0) {
+            s.sum += x[0].value * y[0].value;
+            continue;
         }
-        s->sum = sum;
-        s->next = next;
+        // of order k in a and b, of order k + 1 in c and d; the newest come last, for they come late
+        const LaneValues* right = y + k - 1;
+        Quad above = right->value, a{}, b = x[1].value * above, c{}, d{};
+        for (const LaneValues *left = x + 2, *end = x + k; left != end; left += 2) {
+            const Quad first = right[-1].value, second = right[-2].value;
+            a += left[0].value * first;
+            c += left[0].value * above;
+            b += left[1].value * second;
+            d += left[1].value * first;
+            above = second;
+            right -= 2;
+        }
+        c += x[1].value * y[k].value;
+        d += x[k].value * y[1].value;
+        a += x[0].value * y[k].value;
+        b += x[k].value * y[0].value;
+        s.sum += a + b;
+        s.next += c + d;
     }
 }
 
-RBDYN_INLINE_LANES void odd_order(const LaneSeries* first_series, const LaneSeries* last_series, LaneSum* first,
-                                  LaneSum* last, int k) {
-    take(first_series, last_series, k);
-    for (LaneSum* s = first; s != last; ++s) {
-        Quad sum = s->next;
-        for (const LaneProduct* p = s->first; p != s->last; ++p)
-            sum += p->x[0].value * p->y[k].value + p->x[k].value * p->y[0].value;
-        s->sum = sum;
-    }
+RBDYN_INLINE_LANES void odd_order(LaneSum& s, int k) {
+    s.sum = s.next;
+    for (const LaneProduct* p = s.first; p != s.last; ++p)
+        s.sum += p->x[0].value * p->y[k].value + p->x[k].value * p->y[0].value;
 }
 
-using Order = void (*)(const LaneSeries*, const LaneSeries*, LaneSum*, LaneSum*);
+RBDYN_INLINE_LANES void advance(const LaneSeries* series, const LaneSeries* series_end, LaneSum* sum, LaneSum* sum_end,
+                                int k) {
+    for (const LaneSeries* s = series; s != series_end; ++s)
+        s->to[k].value = s->weight * Quad{s->from[0][k], s->from[1][k], s->from[2][k], s->from[3][k]};
+    for (LaneSum* s = sum; s != sum_end; ++s) k % 2 == 0 ? even_order(*s, k) : odd_order(*s, k);
+}
 
-template <int k>
-void plain(const LaneSeries* s, const LaneSeries* t, LaneSum* first, LaneSum* last) {
-    if constexpr (k % 2 == 0)
-        even_order<k>(s, t, first, last);
-    else
-        odd_order(s, t, first, last, k);
+inline void plain(const LaneSeries* series, const LaneSeries* series_end, LaneSum* sum, LaneSum* sum_end, int k) {
+    advance(series, series_end, sum, sum_end, k);
 }
 #ifdef RBDYN_WIDE_LANES
-template <int k>
-__attribute__((target("avx2"))) void wide(const LaneSeries* s, const LaneSeries* t, LaneSum* first, LaneSum* last) {
-    if constexpr (k % 2 == 0)
-        even_order<k>(s, t, first, last);
-    else
-        odd_order(s, t, first, last, k);
+__attribute__((target("avx2"))) inline void wide(const LaneSeries* series, const LaneSeries* series_end, LaneSum* sum,
+                                                 LaneSum* sum_end, int k) {
+    advance(series, series_end, sum, sum_end, k);
 }
 #endif
-
-template <int... k>
-const std::array<Order, most_lanes + 1>& all_orders(std::integer_sequence<int, k...>) {
-    static constexpr std::array<Order, most_lanes + 1> everywhere{plain<k>...};
-#ifdef RBDYN_WIDE_LANES
-    static constexpr std::array<Order, most_lanes + 1> here{wide<k>...};
-    if (__builtin_cpu_supports("avx2")) return here;
-#endif
-    return everywhere;
-}
 
 }  // namespace lanes
 
-/// For each order, what takes the coefficients of series and computes those of sums.
-inline const std::array<lanes::Order, most_lanes + 1>& lane_orders() {
-    static const auto& orders = lanes::all_orders(std::make_integer_sequence<int, most_lanes + 1>{});
-    return orders;
+/// What takes coefficient k of series and computes that of sums, order after order from 0.
+using LaneOrder = void (*)(const LaneSeries*, const LaneSeries*, LaneSum*, LaneSum*, int k);
+
+/// The one for this processor.
+inline LaneOrder lane_order() {
+#ifdef RBDYN_WIDE_LANES
+    if (__builtin_cpu_supports("avx2")) return lanes::wide;
+#endif
+    return lanes::plain;
 }
 
 }  // namespace rbdyn::series
