@@ -59,7 +59,7 @@ public:
             expand(n);
             if (!series_->is_finite(0)) return StepStatus::not_finite;
             const bool is_finite = series_->is_finite(order_ - 1);
-            length = is_finite ? step_length() : 0.0;
+            length = is_finite ? step_length() * unevenness() : 0.0;
             natural_ = length;
             if (length * unit_ > span) length = span / unit_;
             const bool capped = is_finite && length * unit_ >= span;
@@ -70,7 +70,7 @@ public:
             unit_ *= factor;
             if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
         }
-        // a step that ends so that t + h is exact
+        // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
         double h = length * unit_;
         Instant end{limit, 0.0};
         if (h < span) {
@@ -78,7 +78,7 @@ public:
             h = next - t_.hi;
             if (!(h > 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi)) || h <= 0.0)
                 return StepStatus::stalled;
-            end = {next, t_.lo};
+            end = t_ + h;
         } else {
             h = span;
         }
@@ -171,6 +171,15 @@ private:
         return std::exp2(log_length);
     }
 
+    /// Makes steps a little uneven where rounding is the error: steps that come at the same phases of every period
+    /// would round alike, and their errors add up.
+    double unevenness() const {
+        if (log_tolerance_ > rounding_counts) return 1.0;
+        constexpr double golden_section = 0.6180339887498949;
+        return 1.0 - 0x1p-4 * std::fmod(golden_section * static_cast<double>(work_.steps), 1.0);
+    }
+
+    static constexpr double rounding_counts = -46.0;  // log2 of a tolerance
     using Sizes = std::array<double, max_order + 1>;
 
     double log_tolerance_;

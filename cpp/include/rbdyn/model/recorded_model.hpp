@@ -266,13 +266,16 @@ private:
             // a variable may have been set by the event
             const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
             if (settled[k] && (!is_variable || value * sign >= 0.0)) continue;
-            at_zero[k] = value == 0.0;
+            // an event's own state, taken up again, is at its zero but for rounding
+            at_zero[k] = std::abs(value) <= 8.0 * epsilon * values.magnitude(program.outputs() + static_cast<int>(k));
             sign = value < 0.0 ? -1.0 : 1.0;
         }
         // what starts at zero takes the sign of its first change, which may depend on the signs of the others
-        for (std::size_t k = 0; k < program.switches().size(); ++k)
-            if (at_zero[k] && leading_sign(mode, t, x, program.outputs() + static_cast<int>(k)) < 0)
-                mode.parameters[at(program.switches()[k].parameter)] = -1.0;
+        for (std::size_t k = 0; k < program.switches().size(); ++k) {
+            if (!at_zero[k]) continue;
+            const int sign = leading_sign(mode, t, x, program.outputs() + static_cast<int>(k));
+            if (sign != 0) mode.parameters[at(program.switches()[k].parameter)] = sign;
+        }
     }
 
     using Key = std::pair<std::vector<signed char>, std::set<std::uint64_t>>;  // kind, and what it slides along
