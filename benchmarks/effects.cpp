@@ -23,12 +23,13 @@ alignas(4096) unsigned char block[block_size];
 std::size_t used = block_size;  // nothing is given out from it
 
 void* allocated(std::size_t size) {
+    // enough for every alignment there is
     const std::size_t rounded = (size + 63) / 64 * 64;
     if (used + rounded <= block_size) {
         used += rounded;
         return block + used - rounded;
     }
-    void* memory = std::malloc(size);
+    void* memory = std::aligned_alloc(64, rounded);
     if (memory == nullptr) throw std::bad_alloc();
     return memory;
 }
@@ -39,8 +40,11 @@ void released(void* memory) {
 }  // namespace
 
 void* operator new(std::size_t size) { return allocated(size); }
+void* operator new(std::size_t size, std::align_val_t) { return allocated(size); }
 void operator delete(void* memory) noexcept { released(memory); }
 void operator delete(void* memory, std::size_t) noexcept { released(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { released(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { released(memory); }
 
 namespace {
 
