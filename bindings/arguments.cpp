@@ -1,4 +1,6 @@
 // Arguments from Python: numbers and vectors of the right shape, or an InvalidInput that says what they are.
+#include <algorithm>
+
 #include "binding.hpp"
 
 namespace binding {
@@ -61,6 +63,13 @@ std::vector<double> list_of_doubles(py::handle value, const std::string& object,
     if (array.ndim() != 1)
         throw InvalidInput(object + ": " + what + " has shape " + shape_of(array) + "; it is a list of numbers");
     return {array.data(), array.data() + array.size()};
+}
+
+py::array_t<double> rows_of(const std::vector<Vector3>& vectors) {
+    py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
+    double* out = result.mutable_data();
+    for (const Vector3& v : vectors) out = std::copy_n(v.data(), 3, out);
+    return result;
 }
 
 std::string list_text(const Vector3& v) {

@@ -90,6 +90,9 @@ class FrenetObject : public py::object {
 class PrincipalObject : public py::object {
     PYBIND11_OBJECT_DEFAULT(PrincipalObject, py::object, any_object)
 };
+class ImbalanceObject : public py::object {
+    PYBIND11_OBJECT_DEFAULT(ImbalanceObject, py::object, any_object)
+};
 class AxisObject : public py::object {
     PYBIND11_OBJECT_DEFAULT(AxisObject, py::object, any_object)
 };
@@ -246,6 +249,8 @@ std::string printed(const T& value) {
 
 /// [1, 2, 3]
 std::string list_text(const Vector3& v);
+/// Vectors, one a row.
+py::array_t<double> rows_of(const std::vector<Vector3>& vectors);
 
 // --- one function a file ---
 
@@ -263,6 +268,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
+void bind_euler_top(py::module_& m);
 void bind_verbs(py::module_& m);
 void bind_watch(py::module_& m);
 
@@ -337,5 +343,9 @@ struct handle_type_name<binding::BoundsLike> {
 template <>
 struct handle_type_name<binding::PrincipalObject> {
     static constexpr auto name = const_name("rbdyn.frames.PrincipalAxes");
+};
+template <>
+struct handle_type_name<binding::ImbalanceObject> {
+    static constexpr auto name = const_name("rbdyn.frames.Imbalance");
 };
 }  // namespace pybind11::detail

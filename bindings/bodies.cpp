@@ -193,6 +193,30 @@ The columns of axes (3, 3) are unit vectors in body axes, right-handed, each the
             },
             py::arg("rtol") = 1e-9,
             "The gyroscopic axis e_3, a unit vector in body axes, or None; the third axis if all moments are equal.")
+        .def(
+            "imbalance",
+            [](const RigidBody& b, const ArrayLike& axis, const ArrayLike& point) {
+                const rbdyn::Imbalance i =
+                    b.imbalance(vector3(axis, body_name, "axis"), vector3(point, body_name, "point"));
+                return ImbalanceObject(
+                    py::module_::import("rbdyn.frames").attr("Imbalance")(to_python(i.offset), to_python(i.couple)));
+            },
+            py::arg("axis"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0),
+            R"(What the body asks of the bearings of an axis, by its motion alone: a named tuple (7.47).
+
+axis: a direction (3,) through a point (3,) [m], fixed in the body, body axes. offset (3,) [kg m]: mass times the way
+from the axis to the centre of mass, across it. couple (3,) [kg m^2]: e x I e, with I about the point. Turning at a rate
+w the bearings exert the force -w^2 offset and about the point the moment w^2 couple, body axes.)")
+        .def(
+            "is_balanced",
+            [](const RigidBody& b, const ArrayLike& axis, const ArrayLike& point, double rtol) {
+                return b.is_balanced(vector3(axis, body_name, "axis"), vector3(point, body_name, "point"), rtol);
+            },
+            py::arg("axis"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0), py::arg("rtol") = 1e-9,
+            R"(Whether it turns about an axis without load on its bearings: a principal axis about the centre of mass.
+
+axis: a direction (3,) through a point (3,) [m], body axes. rtol: of the moments about the point, and of mass times
+radius of gyration.)")
         .def_property_readonly("is_rod", &RigidBody::is_rod,
                                "Whether all mass lies on a line: nothing resists a spin about it.")
         .def(

@@ -34,5 +34,6 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_plan(m);
     binding::bind_statics(m);
     binding::bind_trajectory(m);
+    binding::bind_euler_top(m);
     binding::bind_verbs(m);
 }

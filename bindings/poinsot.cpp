@@ -7,18 +7,6 @@ namespace binding {
 
 using rbdyn::PoinsotMotion, rbdyn::RigidBody;
 
-namespace {
-
-py::array_t<double> rows_of(const std::vector<Vector3>& points) {
-    py::array_t<double> result({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
-    double* out = result.mutable_data();
-    for (const Vector3& p : points)
-        for (int i = 0; i < 3; ++i) *out++ = p[i];
-    return result;
-}
-
-}  // namespace
-
 void bind_poinsot(py::module_& m) {
     py::class_<PoinsotMotion>(m, "PoinsotMotion", R"(The motion of a rigid body without torque (Def. 7.2, 7.53-7.56).
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <rbdyn/trajectory/trajectory.hpp>
 
 #include "handles.hpp"
@@ -12,5 +13,14 @@ struct BoundTrajectory {
     rbdyn::Trajectory run;
     std::shared_ptr<const Handles> handles;
 };
+
+struct BoundEvent {
+    rbdyn::Event event;
+    std::optional<BodyHandle> subject;
+};
+
+/// From "after" or "before"; the first is what is meant where nothing is said.
+rbdyn::Side side_of(const SideName& side);
+SideName after();
 
 }  // namespace binding

@@ -10,8 +10,8 @@
 
 namespace binding {
 
-using rbdyn::BodyStart, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint, rbdyn::Particle, rbdyn::Prismatic, rbdyn::Rail,
-    rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene, rbdyn::Spherical;
+using rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint, rbdyn::Particle,
+    rbdyn::Prismatic, rbdyn::Rail, rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene, rbdyn::Spherical;
 
 namespace {
 
@@ -193,12 +193,38 @@ std::vector<H> handles_from(const py::handle& data, Handle::Of of) {
     return result;
 }
 
+/// Numbers of 32 digits, each as two doubles.
+py::list digits(std::initializer_list<DoubleDouble> numbers) {
+    py::list result;
+    for (const DoubleDouble& x : numbers) result.append(py::make_tuple(x.hi, x.lo));
+    return result;
+}
+template <std::size_t n>
+std::array<DoubleDouble, n> digits_from(const py::handle& data) {
+    std::array<DoubleDouble, n> result;
+    const auto pairs = data.cast<std::array<std::pair<double, double>, n>>();
+    for (std::size_t i = 0; i < n; ++i) result[i] = {pairs[i].first, pairs[i].second};
+    return result;
+}
+
+/// An attitude by the angles it was given by, if it was, else by its quaternion.
+py::object attitude_data(const rbdyn::Attitude& attitude) {
+    if (attitude.given_angles()) return py::cast(*attitude.given_angles());
+    const auto& q = attitude.exact();
+    return digits({q.w, q.x, q.y, q.z});
+}
+rbdyn::Attitude attitude_from(const py::handle& data) {
+    if (py::isinstance<rbdyn::EulerAngles>(data)) return data.cast<rbdyn::EulerAngles>();
+    const auto q = digits_from<4>(data);
+    return rbdyn::QuaternionOf<DoubleDouble>{q[0], q[1], q[2], q[3]};
+}
+
 py::tuple data(const BoundScene& s) {
     py::list bodies, loads, couplings, watches, integrals;
     for (const Scene::Body& b : s.scene.bodies()) {
-        const rbdyn::Quaternion& q = b.attitude;
+        const auto& w = b.angular_velocity;
         bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
-                                     b.speed, py::make_tuple(q.w, q.x, q.y, q.z), tuple_of(b.angular_velocity)));
+                                     b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]})));
     }
     const auto point = [](const std::optional<Vector3>& p) -> py::object {
         return p ? py::object(tuple_of(*p)) : py::none();
@@ -228,17 +254,15 @@ py::tuple data(const BoundScene& s) {
                                          data_of(s.handles.couplings), data_of(s.handles.watches)));
 }
 
-/// The start of a body as a scene keeps it, in the words of each joint.
+/// Where a body starts as a scene keeps it, in the words of each joint.
 struct Started {
     Vector3 position, velocity;
     double parameter, speed;
-    rbdyn::Attitude attitude;
-    Vector3 angular_velocity;
 
     FreeStart as(const Particle&, const Free&) const { return {position, velocity}; }
     RailStart as(const Particle&, const Rail&) const { return {.parameter = parameter, .speed = speed}; }
-    BodyStart as(const RigidBody&, const Free&) const { return {position, velocity, attitude, angular_velocity}; }
-    rbdyn::SphericalStart as(const RigidBody&, const Spherical&) const { return {attitude, angular_velocity}; }
+    BodyStart as(const RigidBody&, const Free&) const { return {position, velocity}; }
+    rbdyn::SphericalStart as(const RigidBody&, const Spherical&) const { return {}; }
     rbdyn::RevoluteStart as(const RigidBody&, const Revolute&) const { return {parameter, speed}; }
     rbdyn::PrismaticStart as(const RigidBody&, const Prismatic&) const { return {parameter, speed}; }
 };
@@ -247,13 +271,10 @@ BoundScene scene_from(const py::tuple& d) {
     BoundScene s{Scene(vector3(d[0], "Scene", "gravity")), {}};
     for (const py::handle item : d[1]) {
         const auto b = item.cast<py::tuple>();
-        const auto q = b[7].cast<std::array<double, 4>>();
         const Started at{.position = vector_from(b[3]),
                          .velocity = vector_from(b[4]),
                          .parameter = b[5].cast<double>(),
-                         .speed = b[6].cast<double>(),
-                         .attitude = rbdyn::Quaternion{q[0], q[1], q[2], q[3]},
-                         .angular_velocity = vector_from(b[8])};
+                         .speed = b[6].cast<double>()};
         const auto body = b[0].cast<AnyBody>();
         const auto joint = b[1].cast<Joint>();
         std::visit(
@@ -262,6 +283,8 @@ BoundScene scene_from(const py::tuple& d) {
                     s.scene.add(one, held, at.as(one, held), b[2].cast<std::string>());
             },
             body, joint);
+        const auto w = digits_from<3>(b[8]);
+        s.scene.start_turning({static_cast<int>(s.scene.bodies().size()) - 1}, attitude_from(b[7]), {w[0], w[1], w[2]});
     }
     const auto point = [](const py::handle p) { return p.is_none() ? std::nullopt : std::optional(vector_from(p)); };
     for (const py::handle item : d[2]) {

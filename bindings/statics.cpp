@@ -21,6 +21,11 @@ py::tuple tuple_of(const std::vector<double>& values) {
     for (std::size_t k = 0; k < values.size(); ++k) result[k] = values[k];
     return result;
 }
+std::string rows_text(const std::vector<Vector3>& vectors) {
+    std::string text = "(";
+    for (std::size_t k = 0; k < vectors.size(); ++k) text += (k == 0 ? "" : ", ") + list_text(vectors[k]);
+    return text + (vectors.size() == 1 ? ",)" : ")");
+}
 std::string shown_value(const std::optional<double>& value) { return value ? rbdyn::text(*value) : "None"; }
 
 void bind_equilibria(py::module_& m) {
@@ -28,13 +33,22 @@ void bind_equilibria(py::module_& m) {
     py::class_<Equilibrium>(m, "Equilibrium", "Where a scene stays at rest, and what it does nearby (eq. 7.16).")
         .def_property_readonly(
             "coordinates", [](const Equilibrium& e) { return array_of(e.coordinates); },
-            "In order of addition: the parameter of a bead; x, y, z of a free particle [m]. (n,)")
-        .def_readonly("stable", &Equilibrium::stable,
-                      "Whether U has a strict maximum there, or friction holds it. False where it is indifferent.")
+            R"(In order of addition (n,): the parameter of a bead; x, y, z of a free particle [m]; the angle of a hinge
+[rad], in (-pi, pi] of one body alone without torsion spring; the displacement of a slide [m]; the attitude of a body on
+a ball joint, quaternion (w, x, y, z); position [m] and attitude of a free body, seven numbers.)")
+        .def_readonly(
+            "stable", &Equilibrium::stable,
+            R"(Whether U has a strict maximum there, or friction holds it. False where it is indifferent; turns about `axes`
+are left aside.)")
         .def_readonly(
             "interval", &Equilibrium::interval,
-            R"(The parameters of one bead between which all is equilibrium, or None: what friction holds on a rough rail,
-or where no force acts along it.)")
+            R"(The coordinates of one bead, hinge or slide between which all is equilibrium, or None: what friction holds
+on a rough rail, or where no force acts along it.)")
+        .def_property_readonly(
+            "axes", [](const Equilibrium& e) { return rows_of(e.axes); },
+            R"(Directions in the world about which one body alone may be turned, and all stay at rest (k, 3).
+
+A heavy body on a ball joint has the vertical; `coordinates` are then one of these states. Empty where there are none.)")
         .def_property_readonly(
             "periods", [](const Equilibrium& e) { return array_of(e.periods); },
             "Of small oscillations about it [s], the longest first; empty where there are none. (n,)")
@@ -48,7 +62,7 @@ or where no force acts along it.)")
             return "Equilibrium(coordinates=" + tuple_text(e.coordinates) +
                    ", stable=" + (e.stable ? "True" : "False") + ", interval=" +
                    (e.interval ? tuple_text({e.interval->first, e.interval->second}) : std::string("None")) +
-                   ", periods=" + tuple_text(e.periods) + ")";
+                   ", periods=" + tuple_text(e.periods) + (e.axes.empty() ? "" : ", axes=" + rows_text(e.axes)) + ")";
         });
 
     m.def(
@@ -65,16 +79,21 @@ or where no force acts along it.)")
             return rbdyn::equilibria(scene.scene, place);
         },
         py::arg("scene"), py::arg("near") = py::none(),
-        R"(The states of rest of a scene, velocities zero (eq. 7.16).
+        R"(The states of rest of a scene, velocities zero (eqs. 7.16, 7.60).
 
-One bead on a rail: all there are, in order of the parameter. A rail without ends that is not closed is searched on both
-sides of `near`, its parameter (the bead's start otherwise), as far as 32 Taylor series on each side go, each up to
-twice as long as the one before. On a rough rail each is an `interval`. A bead that is only pressed against an end of
-its rail is in none.
-More freedoms: at most one, looked for from `near`, all coordinates in order of addition, or from where the scene
-starts; on rough rails it is one among others.
-An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces that depend on time or are
-called back, or with rails that move.)");
+One bead on a rail, one body on a hinge or a slide: all there are, in order of the coordinate. A hinge is searched for one
+turn, with a torsion spring as far as that lets there be any, 1000 turns to both sides at most. A slide, or a rail without
+ends that is not closed, is searched on both sides of `near`, its coordinate (the start otherwise), as far as 32 Taylor
+series on each side go, each up to twice as long as the one before. On a rough rail each is an `interval`. A bead that is
+only pressed against an end of its rail is in none.
+One body on a ball joint: those found from `near`, or from its start, and from attitudes spread over all; stable ones
+first. A heavy body has two, its centre of mass below and above the point that is held, free to turn about the vertical
+(`axes`): the attitudes given are those reached without such a turn.
+More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
+to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
+rails it is one among others.
+An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
+or are called back, or with rails that move.)");
 }
 
 void bind_rail_potential(py::module_& m) {

@@ -11,11 +11,6 @@ using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::Spring
 
 namespace {
 
-struct BoundEvent {
-    Event event;
-    std::optional<BodyHandle> subject;
-};
-
 struct BoundEvents {
     Trajectory run;
     std::shared_ptr<const Handles> handles;
@@ -37,15 +32,6 @@ struct BoundSpring {
     SpringMotion motion;
     std::string name;
 };
-
-Side side_of(const SideName& side) {
-    const auto name = side.cast<std::string>();
-    if (name == "after") return Side::after;
-    if (name == "before") return Side::before;
-    throw InvalidInput("Trajectory: side is \"" + name + "\"; it is \"after\" or \"before\"");
-}
-
-SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("after")); }
 
 /// quantity(motion, t, side) as a method of time.
 template <class Owner, class R>
@@ -374,6 +360,15 @@ auto of_system(R (Trajectory::*quantity)(double, Side) const) {
 }
 
 }  // namespace
+
+Side side_of(const SideName& side) {
+    const auto name = side.cast<std::string>();
+    if (name == "after") return Side::after;
+    if (name == "before") return Side::before;
+    throw InvalidInput("Trajectory: side is \"" + name + "\"; it is \"after\" or \"before\"");
+}
+
+SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("after")); }
 
 void bind_trajectory(py::module_& m) {
     bind_events(m);

@@ -63,7 +63,8 @@ public:
     }
 
     /// With the lock held: what Python raised is raised again, with `run` on it.
-    void raise_if_raised(const std::optional<BoundTrajectory>& run) {
+    template <class Run = BoundTrajectory>
+    void raise_if_raised(const std::optional<Run>& run) {
         if (!raised_) return;
         if (run && PyObject_SetAttrString(raised_->value().ptr(), "run", py::cast(*run).ptr()) != 0) PyErr_Clear();
         throw py::error_already_set(*raised_);
@@ -80,7 +81,9 @@ private:
     Clock::time_point last_ = Clock::now();
 };
 
-rbdyn::Keep keep_of(const std::variant<std::string, ArrayLike>& keep) {
+using KeepLike = std::variant<std::string, ArrayLike>;
+
+rbdyn::Keep keep_of(const KeepLike& keep) {
     using What = rbdyn::Keep::What;
     if (const auto* times = std::get_if<ArrayLike>(&keep)) {
         rbdyn::Keep result{What::times, list_of_doubles(*times, "simulate", "keep")};
@@ -105,10 +108,11 @@ bool calls_python(const rbdyn::Scene& scene) {
 }
 
 /// Raises an error of the library with the run it left behind.
-[[noreturn]] void raise_with(const BoundTrajectory& run, const char* type_name, const std::string& message) {
+template <class Run>
+[[noreturn]] void raise_with(const Run& run, const char* type_name, const std::string& message) {
     const py::object type = py::module_::import("rbdyn.errors").attr(type_name);
     const py::object raised = type(message);
-    raised.attr("run") = run;
+    raised.attr("run") = py::cast(run);
     PyErr_SetObject(type.ptr(), raised.ptr());
     throw py::error_already_set();
 }
@@ -127,13 +131,9 @@ bool calls_python(const rbdyn::Scene& scene) {
     }
 }
 
-BoundTrajectory simulate(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
-                         const std::string& engine, const std::variant<std::string, ArrayLike>& keep,
-                         std::int64_t max_steps, const py::object& progress) {
-    // copies, since other threads may change the scene while this one runs without the lock
-    const rbdyn::Scene copy = scene.scene;
-    const auto handles = std::make_shared<const Handles>(scene.handles);
-    Watch watch(progress, start, until);
+rbdyn::SimulateOptions options_of(double until, double start, double error, std::optional<double> rtol,
+                                  const std::string& engine, const KeepLike& keep, std::int64_t max_steps,
+                                  Watch& watch) {
     rbdyn::SimulateOptions options;
     options.until = until;
     options.start = start;
@@ -143,6 +143,17 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, do
     options.keep = keep_of(keep);
     options.max_steps = max_steps;
     options.monitor = watch.monitor();
+    return options;
+}
+
+BoundTrajectory simulate(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
+                         const std::string& engine, const KeepLike& keep, std::int64_t max_steps,
+                         const py::object& progress) {
+    // copies, since other threads may change the scene while this one runs without the lock
+    const rbdyn::Scene copy = scene.scene;
+    const auto handles = std::make_shared<const Handles>(scene.handles);
+    Watch watch(progress, start, until);
+    const rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps, watch);
 
     using Outcome = rbdyn::simulating::Solution::Outcome;
     std::optional<rbdyn::Attempt> result;
@@ -166,6 +177,30 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, do
     return *run;
 }
 
+rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& state, double until, double start,
+                             double error, std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
+                             std::int64_t max_steps, const py::object& progress) {
+    const std::vector<double> x = list_of_doubles(state, "simulate", "state");
+    Watch watch(progress, start, until);
+    const rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps, watch);
+    std::optional<rbdyn::StateRun> run;
+    std::string failure;
+    {
+        const py::gil_scoped_release free;
+        try {
+            run = rbdyn::simulate(model, x, options);
+        } catch (const rbdyn::ModelError& e) {
+            run = e.run;
+            failure = e.what();
+        }
+    }
+    watch.look((run->end() - start) / (until - start));
+    watch.raise_if_raised(run);
+    if (failure.empty()) return *run;
+    const bool inaccurate = run->status() == rbdyn::Status::accuracy_not_reached;
+    raise_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", failure);
+}
+
 Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
            const std::optional<std::vector<std::string>>& engines, double budget) {
     const rbdyn::Scene copy = scene.scene;
@@ -182,7 +217,7 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
         const py::gil_scoped_release free;
         price = rbdyn::cost(copy, options);
     }
-    watch.raise_if_raised(std::nullopt);
+    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
     return *price;
 }
 
@@ -317,6 +352,13 @@ integration. progress: True for a bar, or a function of the fraction done; it st
 Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
 cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
 Other threads run meanwhile.)");
+    m.def("simulate", &simulate_top, py::arg("model"), py::arg("state"), py::arg("until"), py::kw_only(),
+          py::arg("start") = defaults.start, py::arg("error") = defaults.error, py::arg("rtol") = py::none(),
+          py::arg("engine") = defaults.engine, py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps,
+          py::arg("progress") = false,
+          R"(Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
+
+The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.)");
     m.def("cost", &cost, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = 0.0,
           py::arg("errors") = py::none(), py::arg("engines") = py::none(), py::arg("budget") = 10.0,
           R"(What accuracy costs in time, for a scene: every engine over its tolerances.

@@ -22,6 +22,7 @@ from rbdyn._core import (
     EffectTable,
     Equilibrium,
     EulerAngles,
+    EulerTop,
     Event,
     Events,
     Expression,
@@ -54,6 +55,7 @@ from rbdyn._core import (
     Spline,
     Spring,
     SpringMotion,
+    StateRun,
     Statistics,
     Torque,
     TorsionSpring,
@@ -73,7 +75,7 @@ from rbdyn._core import (
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
-from rbdyn.frames import Axis, Frenet, PointMotion, PrincipalAxes
+from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
 from rbdyn.sample import Sample
 
 __all__ = [
@@ -97,6 +99,7 @@ __all__ = [
     "Equilibrium",
     "Error",
     "EulerAngles",
+    "EulerTop",
     "Event",
     "Events",
     "Expression",
@@ -106,6 +109,7 @@ __all__ = [
     "Function",
     "Handle",
     "Helix",
+    "Imbalance",
     "IntegrationError",
     "InvalidInput",
     "Line",
@@ -135,6 +139,7 @@ __all__ = [
     "Spline",
     "Spring",
     "SpringMotion",
+    "StateRun",
     "Statistics",
     "Torque",
     "TorsionSpring",

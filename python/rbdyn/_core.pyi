@@ -9,7 +9,7 @@ import rbdyn.frames
 import rbdyn.sample
 import scipy.spatial.transform
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -692,11 +692,26 @@ class RigidBody:
         """
         The gyroscopic axis e_3, a unit vector in body axes, or None; the third axis if all moments are equal.
         """
+    def imbalance(self, axis: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = (0.0, 0.0, 0.0)) -> rbdyn.frames.Imbalance:
+        """
+        What the body asks of the bearings of an axis, by its motion alone: a named tuple (7.47).
+
+        axis: a direction (3,) through a point (3,) [m], fixed in the body, body axes. offset (3,) [kg m]: mass times the way
+        from the axis to the centre of mass, across it. couple (3,) [kg m^2]: e x I e, with I about the point. Turning at a rate
+        w the bearings exert the force -w^2 offset and about the point the moment w^2 couple, body axes.
+        """
     def inertia(self, about: str | numpy.typing.ArrayLike = 'com') -> numpy.typing.NDArray[numpy.float64]:
         """
         The matrix of inertia about "com", "origin" or a point (3,) [m]; body axes, (3, 3) [kg m^2].
 
         Huygens-Steiner; elements -Int rho x_i x_j off the diagonal (eq. 7.33).
+        """
+    def is_balanced(self, axis: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), rtol: typing.SupportsFloat | typing.SupportsIndex = 1e-09) -> bool:
+        """
+        Whether it turns about an axis without load on its bearings: a principal axis about the centre of mass.
+
+        axis: a direction (3,) through a point (3,) [m], body axes. rtol: of the moments about the point, and of mass times
+        radius of gyration.
         """
     def is_gyroscope(self, rtol: typing.SupportsFloat | typing.SupportsIndex = 1e-09) -> bool:
         """
@@ -1723,15 +1738,24 @@ class Equilibrium:
     def __str__(self) -> str:
         ...
     @property
+    def axes(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Directions in the world about which one body alone may be turned, and all stay at rest (k, 3).
+
+        A heavy body on a ball joint has the vertical; `coordinates` are then one of these states. Empty where there are none.
+        """
+    @property
     def coordinates(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        In order of addition: the parameter of a bead; x, y, z of a free particle [m]. (n,)
+        In order of addition (n,): the parameter of a bead; x, y, z of a free particle [m]; the angle of a hinge
+        [rad], in (-pi, pi] of one body alone without torsion spring; the displacement of a slide [m]; the attitude of a body on
+        a ball joint, quaternion (w, x, y, z); position [m] and attitude of a free body, seven numbers.
         """
     @property
     def interval(self) -> tuple[float, float] | None:
         """
-        The parameters of one bead between which all is equilibrium, or None: what friction holds on a rough rail,
-        or where no force acts along it.
+        The coordinates of one bead, hinge or slide between which all is equilibrium, or None: what friction holds
+        on a rough rail, or where no force acts along it.
         """
     @property
     def periods(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -1741,7 +1765,8 @@ class Equilibrium:
     @property
     def stable(self) -> bool:
         """
-        Whether U has a strict maximum there, or friction holds it. False where it is indifferent.
+        Whether U has a strict maximum there, or friction holds it. False where it is indifferent; turns about `axes`
+        are left aside.
         """
 class TurningPoints:
     """
@@ -2238,6 +2263,84 @@ class Trajectory:
         """
         The ends of the integrator's pieces (n,) [s].
         """
+class EulerTop:
+    """
+    A heavy rigid body with a fixed point in Euler angles (7.50-7.52, 7.58), for teaching.
+
+    simulate(top, top.state(angles, angular_velocity), until) runs it; a state is (theta, psi, phi, theta', psi', phi')
+    [rad, rad/s]. Euler angles fail at theta = 0 and pi, where the motion does not: a run ends where |sin theta| falls to
+    `least`, status "stopped by event", the event "sin theta too small for Euler angles". A body of a Scene is computed in
+    quaternions and goes on.
+    """
+    @staticmethod
+    def state(angles: EulerAngles, angular_velocity: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The state (6,) of EulerAngles and an angular velocity in body axes (3,) [rad/s].
+        """
+    def __init__(self, body: RigidBody, gravity: typing.SupportsFloat | typing.SupportsIndex, point: numpy.typing.ArrayLike = (0.0, 0.0, 0.0), *, least: typing.SupportsFloat | typing.SupportsIndex = 0.001) -> None:
+        """
+        gravity [m/s^2], along -z of the world; point (3,), the one that is held, in body axes [m].
+
+        The body's axes are principal at that point. Raises InvalidInput for others.
+        """
+    def __repr__(self) -> str:
+        ...
+    def rates(self, state: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The derivative (6,) of a state (6,) in time: the right side of the equations.
+        """
+class StateRun:
+    """
+    The motion of a model that is no scene: its state at any time. print() shows it.
+    """
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    def state(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The variables at a time [s], or at each of an array of times; they come last.
+
+        side: at a jump the state "after" it, or "before". Raises InvalidInput for a time the run does not hold.
+        """
+    @property
+    def advice(self) -> str:
+        """
+        What to do about the status.
+        """
+    @property
+    def certain_until(self) -> float:
+        """
+        The time up to which the motion is as accurate as asked for [s].
+        """
+    @property
+    def end(self) -> float:
+        """
+        [s]
+        """
+    @property
+    def engine(self) -> str:
+        ...
+    @property
+    def error(self) -> float | None:
+        """
+        Estimated global error, each variable relative to its own scale; None with rtol.
+        """
+    @property
+    def events(self) -> list[Event]:
+        """
+        A list of Event in order of time.
+        """
+    @property
+    def start(self) -> float:
+        """
+        [s]
+        """
+    @property
+    def status(self) -> str:
+        """
+        reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or inconsistent.
+        """
 class CostRow:
     """
     One run of the table of cost().
@@ -2427,16 +2530,21 @@ def ellipsoid(mass: typing.SupportsFloat | typing.SupportsIndex, semi_axes: nump
     """
 def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list[Equilibrium]:
     """
-    The states of rest of a scene, velocities zero (eq. 7.16).
+    The states of rest of a scene, velocities zero (eqs. 7.16, 7.60).
 
-    One bead on a rail: all there are, in order of the parameter. A rail without ends that is not closed is searched on both
-    sides of `near`, its parameter (the bead's start otherwise), as far as 32 Taylor series on each side go, each up to
-    twice as long as the one before. On a rough rail each is an `interval`. A bead that is only pressed against an end of
-    its rail is in none.
-    More freedoms: at most one, looked for from `near`, all coordinates in order of addition, or from where the scene
-    starts; on rough rails it is one among others.
-    An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces that depend on time or are
-    called back, or with rails that move.
+    One bead on a rail, one body on a hinge or a slide: all there are, in order of the coordinate. A hinge is searched for one
+    turn, with a torsion spring as far as that lets there be any, 1000 turns to both sides at most. A slide, or a rail without
+    ends that is not closed, is searched on both sides of `near`, its coordinate (the start otherwise), as far as 32 Taylor
+    series on each side go, each up to twice as long as the one before. On a rough rail each is an `interval`. A bead that is
+    only pressed against an end of its rail is in none.
+    One body on a ball joint: those found from `near`, or from its start, and from attitudes spread over all; stable ones
+    first. A heavy body has two, its centre of mass below and above the point that is held, free to turn about the vertical
+    (`axes`): the attitudes given are those reached without such a turn.
+    More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
+    to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
+    rails it is one among others.
+    An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
+    or are called back, or with rails that move.
     """
 def parameter(value: typing.Any, name: str | None = None) -> typing.Any:
     """
@@ -2471,6 +2579,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     """
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
+@typing.overload
 def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
@@ -2483,6 +2592,13 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
     cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
     Other threads run meanwhile.
+    """
+@typing.overload
+def simulate(model: EulerTop, state: numpy.typing.ArrayLike, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> StateRun:
+    """
+    Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
+
+    The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.
     """
 def solid(density: float | collections.abc.Callable, bounds: collections.abc.Sequence, *, error: typing.SupportsFloat | typing.SupportsIndex = 1e-12) -> RigidBody:
     """

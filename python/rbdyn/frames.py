@@ -21,6 +21,13 @@ class PrincipalAxes(NamedTuple):
     axes: npt.NDArray[np.float64]
 
 
+class Imbalance(NamedTuple):
+    """What a body asks of the bearings of an axis fixed in it, body axes: (3,) [kg m] and (3,) [kg m^2]."""
+
+    offset: npt.NDArray[np.float64]
+    couple: npt.NDArray[np.float64]
+
+
 class Axis(NamedTuple):
     """An axis in the world: a point of it [m], and its direction."""
 

@@ -63,6 +63,27 @@ def test_the_axes_of_a_gyroscope_and_of_a_rod_are_found_in_any_attitude():
     assert rb.shapes.rod(1.0, 0.7, [1, 2, 3]).is_rod
 
 
+def test_a_rotor_out_of_balance_asks_of_its_bearings_what_it_says():
+    rotor = rb.RigidBody(1.5, [[0.6, 0.05, -0.02], [0.05, 0.8, 0.03], [-0.02, 0.03, 1.1]], com=[0.1, -0.2, 0.3])
+    axis, point, rate = np.array([1.0, 2.0, -0.5]), [0.3, 0.1, 0.2], 7.0
+    offset, couple = rotor.imbalance(axis, point)
+    assert not rotor.is_balanced(axis, point)
+    scene = rb.Scene()
+    body = scene.add(rotor, rb.Revolute(axis, point=point), rate=rate)
+    motion = rb.simulate(scene, until=1.0)[body]
+    turn = motion.rotation_matrix(0.7)
+    np.testing.assert_allclose(motion.reaction(0.7), -(rate**2) * turn @ offset, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(motion.reaction_torque(0.7), rate**2 * turn @ couple, rtol=0, atol=1e-13)
+    for principal in rotor.principal().axes.T:
+        assert rotor.is_balanced(principal, rotor.com) and not rotor.is_balanced(principal, point)
+        through = rb.Scene()
+        body = through.add(rotor, rb.Revolute(principal, point=rotor.com), rate=rate)
+        motion = rb.simulate(through, until=1.0)[body]
+        assert abs(motion.reaction(0.7)).max() < 1e-13 and abs(motion.reaction_torque(0.7)).max() < 1e-13
+    with pytest.raises(rb.InvalidInput, match="length of axis is 0"):
+        rotor.imbalance([0, 0, 0])
+
+
 def test_welded_halves_are_the_whole():
     half = rb.shapes.rod(mass=0.35, length=0.15, along=[0, 0, 1])
     both = half.shifted([0, 0, 0.075]) + half.shifted([0, 0, -0.075])

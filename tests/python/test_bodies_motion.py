@@ -193,6 +193,66 @@ def test_euler_angles_are_continuous_and_their_rates_are_their_slopes(spinning):
     assert_allclose(motion.euler_rates(t[1:-1]), slopes, rtol=0, atol=1e-5)
 
 
+@pytest.mark.parametrize("joint", [rb.Free(), rb.Spherical()])
+def test_euler_angles_start_as_they_were_given(joint):
+    given = rb.EulerAngles(theta=0.9, psi=7.0, phi=-20.0)
+    scene, body = held(joint=joint, attitude=given, angular_velocity=[0.3, 0.1, 7.0])
+    run = rb.simulate(scene, 1.0)
+    assert_allclose(run[body].euler_angles(0.0), [0.9, 7.0, -20.0], rtol=0, atol=1e-14)
+    unpickled = pickle.loads(pickle.dumps(scene))
+    assert unpickled == scene == copy.deepcopy(scene)
+    assert_array_equal(rb.simulate(unpickled, 1.0)[body].euler_angles(1.0), run[body].euler_angles(1.0))
+    plain, other = held(joint=joint, attitude=given.quaternion, angular_velocity=[0.3, 0.1, 7.0])
+    principal = rb.simulate(plain, 1.0)[other].euler_angles(0.0)
+    assert_allclose(principal, [0.9, 7.0 - 2 * np.pi, -20.0 + 6 * np.pi], rtol=0, atol=1e-14)
+
+
+def test_a_hinge_keeps_the_turns_it_starts_with():
+    scene, body = held(ROD, rb.Revolute([0, 1, 0]), angle=7.0)
+    for engine in ("closed form", "taylor"):
+        angle = rb.simulate(scene, 1.0, engine=engine)[body].angle
+        assert angle(0.0) == 7.0 and abs(angle(1.0) - 2 * np.pi) < 1.0
+
+
+# --- the heavy body in Euler angles ---
+
+
+def test_a_top_in_euler_angles_moves_as_in_quaternions():
+    top, spin = rb.EulerTop(TOP, 9.8), [0.3, 0.1, 7.0]
+    start = rb.EulerAngles(0.9, 7.0, 0.1)
+    x = top.state(start, spin)
+    assert_allclose(x[3:], start.rates(spin), rtol=1e-15)
+    assert_allclose(top.rates(x)[:3], x[3:], rtol=0)
+    run = rb.simulate(top, x, until=5.0, error=1e-11)
+    assert run.status == "reached end" and run.error < 1e-11 and run.events == []
+    t = np.linspace(0, 5, 21)
+    assert run.state(t).shape == (21, 6) and run.state(1.0).shape == (6,)
+    scene, body = held(TOP, rb.Spherical(), attitude=start, angular_velocity=spin)
+    assert_allclose(run.state(t)[:, :3], rb.simulate(scene, 5.0)[body].euler_angles(t), rtol=0, atol=1e-8)
+    assert rb.simulate(top, x, until=5.0, rtol=1e-8, engine="dop853").error is None
+    assert_allclose(rb.simulate(top, x, until=5.0, keep="end").state(5.0), run.state(5.0), rtol=0, atol=1e-7)
+    assert run.state([]).shape == (0, 6)
+
+
+def test_a_top_in_euler_angles_stops_where_they_fail():
+    top = rb.EulerTop(TOP, 9.8)
+    run = rb.simulate(top, top.state(rb.EulerAngles(2.0, 0.0, 0.0), [0, 0, 0]), 10.0)
+    assert run.status == "stopped by event" and run.end < 1.0 and run.certain_until == run.end
+    (event,) = run.events
+    assert event.name == "sin theta too small for Euler angles" and event.time == run.end
+    assert abs(np.sin(run.state(run.end)[0])) == pytest.approx(1e-3, abs=1e-12)
+    assert "sin theta too small for Euler angles" in str(run)
+    with pytest.raises(rb.InvalidInput, match=r"\|sin theta\| at the start is 0"):
+        rb.simulate(top, [0, 0, 0, 0, 0, 1], 1.0)
+    with pytest.raises(rb.InvalidInput, match="number of variables of the state is 2"):
+        rb.simulate(top, [1.0, 0], 1.0)
+    with pytest.raises(rb.InvalidInput, match="product of inertia"):
+        rb.EulerTop(STONE, 9.8)
+    with pytest.raises(rb.AccuracyError) as caught:
+        rb.simulate(top, top.state(ANGLES, [0.3, 0.1, 7.0]), 5.0, error=4e-15, engine="dop853")
+    assert caught.value.run.state(0.0)[0] == ANGLES.theta
+
+
 def test_a_run_that_kept_its_end_alone_has_the_angles_of_that_attitude(spinning):
     _, motion, _ = spinning
     scene, body = held(TOP, rb.Spherical(), attitude=rb.EulerAngles(0.9, 0.2, 0.1), angular_velocity=[0.3, 0.1, 7.0])

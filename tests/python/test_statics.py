@@ -98,3 +98,113 @@ def test_what_has_no_potential_says_why():
     timed.apply(rb.Force(lambda t, r, v: [np.sin(t), 0, 0]), bead)
     with pytest.raises(rb.InvalidInput, match="depends on time"):
         rb.equilibria(timed)
+
+
+BOB = rb.RigidBody(2.0, [0.7, 0.9, 0.4], com=[0, 0, -0.5], inertia_about="origin")
+MOMENT = 2.0 * 9.8125 * 0.5  # m g d
+
+
+def body_on(joint, body=BOB, **start):
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    return scene, scene.add(body, joint, **start)
+
+
+def test_a_compound_pendulum_swings_with_the_period_of_its_equilibrium():
+    scene, bob = body_on(rb.Revolute([0, 1, 0]), angle=1e-4)
+    below, above = rb.equilibria(scene)
+    assert (below.coordinates[0], above.coordinates[0]) == (0.0, math.pi)
+    assert below.stable and not above.stable and below.axes.shape == (0, 3)
+    assert below.periods == pytest.approx([2 * math.pi * math.sqrt(0.9 / MOMENT)], rel=1e-15)
+    run = rb.simulate(scene, until=below.periods[0], error=1e-12)
+    assert run[bob].angle(run.end) == pytest.approx(1e-4, abs=1e-12)
+
+
+@pytest.mark.parametrize("tilt", [0.05, 0.7])
+def test_a_door_on_a_tilted_axis_rests_where_it_hangs_lowest(tilt):
+    door = rb.shapes.box(20.0, [0.8, 0.04, 2.0]).shifted([0.4, 0, 0])
+    axis = np.array([0, math.sin(tilt), math.cos(tilt)])
+    scene, _ = body_on(rb.Revolute(axis), door)
+    above, below = sorted(rb.equilibria(scene), key=lambda e: e.stable)
+    assert below.stable and not above.stable
+    # the lowest way across an axis that leans towards y is y itself
+    assert below.coordinates[0] == pytest.approx(math.pi / 2, abs=1e-14)
+    assert above.coordinates[0] == pytest.approx(-math.pi / 2, abs=1e-14)
+    stiffness = 20.0 * 9.8125 * 0.4 * math.sin(tilt)
+    about = axis @ door.inertia("origin") @ axis
+    assert below.periods[0] == pytest.approx(2 * math.pi * math.sqrt(about / stiffness), rel=1e-13)
+
+
+def test_of_a_pendulum_on_a_soft_torsion_spring_every_equilibrium_is_found():
+    for share in (0.3, 0.02):
+        scene, bob = body_on(rb.Revolute([0, 1, 0]))
+        scene.apply(rb.TorsionSpring(stiffness=share * MOMENT, rest_angle=0.5), bob)
+        found = rb.equilibria(scene)
+        psi = np.linspace(0.5 - 1.1 / share, 0.5 + 1.1 / share, 200001)
+        torque = -share * (psi - 0.5) - np.sin(psi)
+        assert len(found) == np.count_nonzero(np.diff(np.sign(torque)))
+        places = np.array([e.coordinates[0] for e in found])
+        assert np.abs(share * (places - 0.5) + np.sin(places)).max() < 1e-14 / share
+        assert [e.stable for e in found] == [k % 2 == 0 for k in range(len(found))]
+
+
+def test_a_wheel_in_balance_is_indifferent():
+    scene, _ = body_on(rb.Revolute([0, 0, 1]), angle=0.25)
+    (state,) = rb.equilibria(scene)
+    assert not state.stable and state.coordinates.tolist() == [0.25]
+    assert state.interval == (0.25 - math.pi, 0.25 + math.pi)
+
+
+def test_a_slide_sinks_into_its_spring():
+    scene, body = body_on(rb.Prismatic([0, 0, 1]))
+    scene.connect(rb.Spring(stiffness=50.0), body, [0, 0, 0])
+    (state,) = rb.equilibria(scene)
+    assert state.coordinates[0] == pytest.approx(0.5 - 2.0 * 9.8125 / 50.0, abs=1e-15)
+    assert state.periods == pytest.approx([2 * math.pi * math.sqrt(2.0 / 50.0)], rel=1e-14)
+
+
+def test_a_heavy_body_on_a_ball_joint_hangs_or_stands_and_a_start_there_stays():
+    scene, _ = body_on(rb.Spherical(), attitude=rb.EulerAngles(2.0, 0.5, 1.0))
+    below, above = rb.equilibria(scene)
+    assert below.stable and not above.stable
+    assert below.periods == pytest.approx(2 * math.pi * np.sqrt(np.array([0.9, 0.7]) / MOMENT), rel=1e-14)
+    for state, height in (below, -0.5), (above, 0.5):
+        assert state.axes == pytest.approx(np.array([[0, 0, 1]]), abs=1e-14)
+        there, bob = body_on(rb.Spherical(), attitude=state.coordinates)
+        run = rb.simulate(there, until=0.5)
+        assert run[bob].center_of_mass(0.5)[2] == pytest.approx(height, abs=1e-14)
+    assert ", axes=([" in repr(below) and ", free to turn about (" in str(below)
+    (stone,) = rb.equilibria(body_on(rb.Spherical(point=[0, 0, -0.5]), attitude=[0, 1, 0, 0])[0])
+    assert not stone.stable and stone.coordinates.tolist() == [0, 1, 0, 0]
+
+
+def test_a_damped_run_of_bodies_and_beads_comes_to_rest_in_their_equilibrium():
+    def joined(damping):
+        scene = rb.Scene(gravity=[0, 0, -9.8125])
+        bead = scene.add(rb.Particle(0.5), rb.Rail(CIRCLE), parameter=0.3)
+        bob = scene.add(BOB, rb.Revolute([0, 1, 0], at=[1.5, 0, 0]), angle=-0.1)
+        ball = scene.add(BOB, rb.Spherical(at=[3, 0, 0]), attitude=rb.EulerAngles(0.3, 0.2, 0.1))
+        spring = rb.Spring(stiffness=30.0, rest_length=0.5, damping=damping)
+        scene.connect(spring, bead, bob.point([0, 0, -0.7]))
+        scene.connect(spring, bob.point([0, 0.1, -0.8]), ball.point([0.1, 0, -0.6]))
+        if damping:
+            for body in bead, bob:
+                scene.apply(rb.Drag(linear=damping), body)
+            scene.apply(rb.Torque(lambda t, rotation_matrix, angular_velocity: -damping * angular_velocity), ball)
+        return scene, bead, bob, ball
+
+    scene, bead, bob, ball = joined(2.0)
+    (state,) = rb.equilibria(joined(0.0)[0])
+    assert state.stable and len(state.coordinates) == 6 and len(state.periods) == 5
+    run = rb.simulate(scene, until=60.0, error=1e-10)
+    turn = run[ball].quaternion(60.0)
+    last = [run[bead].parameter(60.0), run[bob].angle(60.0), *(turn * np.sign(turn[0]))]
+    assert state.coordinates == pytest.approx(np.array(last), abs=1e-8)
+    (again,) = rb.equilibria(scene, near=state.coordinates)
+    assert again.coordinates == pytest.approx(state.coordinates, abs=1e-14)
+
+
+def test_a_torque_that_changes_with_time_has_no_equilibria():
+    scene, bob = body_on(rb.Revolute([0, 1, 0]))
+    scene.apply(rb.Torque(lambda t, rotation_matrix, angular_velocity: [0, np.sin(t), 0]), bob)
+    with pytest.raises(rb.InvalidInput, match="torque .* on body 1 depends on time"):
+        rb.equilibria(scene)

@@ -16,7 +16,7 @@
 
 #include "rbdyn/engine/closed_form.hpp"
 #include "rbdyn/engine/dop853.hpp"
-#include "rbdyn/engine/taylor.hpp"
+#include "rbdyn/engine/refined_taylor.hpp"
 #include "rbdyn/event/driver.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #ifdef RBDYN_WITH_SUNDIALS
@@ -56,12 +56,16 @@ inline std::vector<std::string> engines() {
 
 /// How an engine makes its steps: beside its tolerance, so that two runs need not share their rounding.
 struct Manner {
-    int order = 0;        // of Taylor series; 0: from the tolerance
-    double stride = 1.0;  // of dop853: how much of the steps that the tolerance allows is taken
+    int order = 0;            // of Taylor series; 0: from the tolerance
+    double stride = 1.0;      // of dop853: how much of the steps that the tolerance allows is taken
+    bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
+    Program::Rounding rounding = Program::Rounding::nearest;  // of Taylor series, so that no constant is shared
 };
 
 inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {}) {
-    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order);
+    if (name == "taylor" && manner.is_refined)
+        return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
+    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride);
 #ifdef RBDYN_WITH_SUNDIALS
     if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
@@ -219,8 +223,13 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         const bool at_floor = tolerance <= least_tolerance(engine);
         const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
                                       : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
-        Manner finer_manner;
-        if (is_judge) finer_manner = {at_floor ? other_order : 0, other_stride * manner.stride};
+        using Rounding = Program::Rounding;
+        Manner finer_manner{.rounding = manner.rounding == Rounding::nearest ? Rounding::other : Rounding::nearest};
+        if (is_judge) {
+            finer_manner.order = at_floor ? other_order : 0;
+            finer_manner.stride = other_stride * manner.stride;
+            finer_manner.is_refined = manner.is_refined;
+        }
         Timed better = form ? integrate(model, x, options, judge, 0.1 * least_tolerance("taylor"), compared, {}, form)
                             : run_with(judge, finer, compared, finer_manner);
         Comparison comparison;
@@ -250,6 +259,13 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         result.certain_until = comparison.certain_until;
         // between the places compared the error may be a little more
         if (comparison.same_events && comparison.error <= (at_floor ? 1.0 : 0.5) * options.error) break;
+        // what is left is the rounding of doubles, and what the motion makes of it
+        if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
+            tolerance = least_tolerance(engine);
+            manner = {.is_refined = true};
+            run = run_with(engine, tolerance, compared, manner);
+            continue;
+        }
         if (at_floor) {
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
@@ -267,7 +283,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         } else {
             tolerance = std::max(tolerance * std::clamp(0.2 * options.error / comparison.error, 1e-4, 0.1),
                                  least_tolerance(engine));
-            run = run_with(engine, tolerance, compared);
+            run = run_with(engine, tolerance, compared, manner);
         }
     }
     if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);

@@ -3,8 +3,11 @@
 
 #include <chrono>
 #include <exception>
+#include <iomanip>
 #include <memory>
 #include <optional>
+#include <ostream>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -125,6 +128,7 @@ public:
     const std::vector<Event>& events() const { return solution_->record.events; }
     const Work& work() const { return solution_->record.work; }
 
+    int variables() const { return static_cast<int>(solution_->record.first_state.size()); }
     /// The state at a time. Throws InvalidInput for a time the run does not hold.
     std::vector<double> state(double t, Side side = Side::after) const { return state_at(solution_->record, t, side); }
 
@@ -132,6 +136,17 @@ private:
     std::shared_ptr<const simulating::Solution> solution_;
     std::string engine_;
 };
+
+inline std::ostream& operator<<(std::ostream& out, const StateRun& run) {
+    out << "Run: " << name_of(run.status()) << " at t = " << text(run.end()) << " s";
+    if (run.status() == Status::stopped_by_event) out << ", " << run.events().back().name;
+    out << ". " << advice(run.status()) << "\n  engine " << run.engine() << ", " << run.work().steps << " steps, "
+        << run.events().size() << " events, ";
+    if (!run.error()) return out << "no estimate of the global error (rtol)\n";
+    std::ostringstream error;
+    error << std::setprecision(2) << *run.error();
+    return out << "estimated global error " << error.str() << '\n';
+}
 
 /// A run of a model of the user's own came to less than was asked for; `run` is what is there.
 struct ModelError : Error {

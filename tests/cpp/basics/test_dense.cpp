@@ -82,6 +82,23 @@ TEST(Dense, the_modes_of_a_chain_are_those_of_the_closed_form) {
     }
 }
 
+TEST(Dense, eigenvectors_are_orthonormal_and_only_stretched) {
+    for (const int n : {1, 2, 5, 40}) {
+        const SquareMatrix a = chain(n);
+        const rbdyn::SymmetricEigen e = rbdyn::symmetric_eigen(a);
+        for (int k = 0; k < n; ++k)
+            for (int i = 0; i < n; ++i) {
+                double stretched = 0.0, product = 0.0;
+                for (int j = 0; j < n; ++j) {
+                    stretched += a(i, j) * e.vectors(j, k);
+                    product += e.vectors(j, i) * e.vectors(j, k);
+                }
+                EXPECT_NEAR(stretched, e.values[static_cast<std::size_t>(k)] * e.vectors(i, k), 8.0 * n * epsilon);
+                EXPECT_NEAR(product, i == k ? 1.0 : 0.0, 8.0 * n * epsilon);
+            }
+    }
+}
+
 TEST(Dense, a_power_of_two_in_the_unit_changes_no_digit_of_an_eigenvalue) {
     SquareMatrix a = chain(6), scaled(6);
     for (int i = 0; i < 6; ++i)

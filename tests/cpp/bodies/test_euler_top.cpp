@@ -13,6 +13,12 @@ const RigidBody body(1.0, {0.5, 0.75, 0.4}, {.com = {0.1, 0.05, 0.3}, .inertia_a
 const EulerAngles start{1.25, 0.5, 0.75};
 const Vector3 omega(1.0, 2.0, -3.0);
 
+std::string printed(const StateRun& run) {
+    std::ostringstream out;
+    out << run;
+    return out.str();
+}
+
 TEST(EulerTop, moves_as_the_body_in_quaternions_does) {
     const double g = 9.8125;
     const EulerTop top(body, g);
@@ -40,8 +46,18 @@ TEST(EulerTop, stops_where_the_angles_fail_and_says_so) {
     EXPECT_EQ(run.status(), Status::stopped_by_event);
     ASSERT_EQ(run.events().size(), 1u);
     EXPECT_EQ(run.events()[0].name, "sin theta too small for Euler angles");
+    EXPECT_NE(printed(run).find("stopped by event"), std::string::npos) << printed(run);
+    EXPECT_NE(printed(run).find("sin theta too small for Euler angles"), std::string::npos) << printed(run);
     const double theta = run.state(run.end())[0];
     EXPECT_NEAR(std::abs(std::sin(theta)), 1e-3, 1e-12);
+}
+
+TEST(EulerTop, refuses_a_start_where_the_angles_fail) {
+    const EulerTop top(body, 9.8125);
+    for (const double theta : {0.0, 9e-4, 3.1415}) {
+        const std::string message = refusal([&] { simulate(top, {theta, 0.0, 0.0, 0.0, 0.0, 1.0}, {.until = 1.0}); });
+        EXPECT_NE(message.find("EulerTop: |sin theta| at the start"), std::string::npos) << message;
+    }
 }
 
 TEST(EulerTop, refuses_axes_that_are_not_principal) {

@@ -235,6 +235,44 @@ TEST(HardRotation, angles_are_continuous_through_nutation_zero_and_pi) {
     }
 }
 
+TEST(HardRotation, angles_start_as_they_were_given_and_go_on_from_there) {
+    for (const std::string engine : both_engines)
+        for (const EulerAngles given : {EulerAngles{0.5, 4.0, -9.0}, EulerAngles{0.0, 0.25, 7.5},
+                                        EulerAngles{-2.5, 0.25, 20.0}, EulerAngles{8.0, -4.0, 0.0}}) {
+            const SimulateOptions options{.until = 1.0, .error = 1e-12, .engine = engine};
+            const Trajectory run = simulate(thrown({1, 2, 3}, {0.5, 1.5, -1}, given), options);
+            // the same attitude in another form says nothing about whole turns
+            const Trajectory other = simulate(thrown({1, 2, 3}, {0.5, 1.5, -1}, quaternion(given)), options);
+            const EulerAngles start = run[only].euler_angles(0.0), principal = other[only].euler_angles(0.0);
+            EXPECT_NEAR(start.theta, given.theta, 4e-15) << engine;
+            EXPECT_NEAR(start.psi, given.psi, 4e-15) << engine;
+            EXPECT_NEAR(start.phi, given.phi, 8e-15) << engine;
+            EXPECT_LE(std::abs(principal.psi), std::numbers::pi);
+            EXPECT_LE(std::abs(principal.phi), std::numbers::pi);
+            EulerAngles before = start;
+            for (int k = 1; k <= 1000; ++k) {
+                const EulerAngles a = run[only].euler_angles(k / 1000.0);
+                EXPECT_LT(std::abs(a.theta - before.theta), 0.01);
+                EXPECT_LE((rotation_matrix(quaternion(a)) - run[only].rotation_matrix(k / 1000.0)).norm(), 2e-14);
+                before = a;
+            }
+        }
+}
+
+TEST(HardRotation, the_angle_of_a_hinge_keeps_its_turns) {
+    for (const std::string engine : both_engines) {
+        Scene scene(down), turned(down);
+        const RigidBody bob(1.0, {0.2, 0.3, 0.25}, {.com = {0, 0, -0.5}});
+        for (auto& [s, angle] : {std::pair(&scene, 7.0), std::pair(&turned, 7.0 - 2.0 * std::numbers::pi)})
+            s->add(bob, Revolute{.axis = {0, 1, 0}}, {.angle = angle, .rate = 0.5});
+        const SimulateOptions options{.until = 3.0, .error = 1e-12, .engine = engine};
+        const Trajectory run = simulate(scene, options), other = simulate(turned, options);
+        EXPECT_EQ(run[only].angle(0.0), 7.0) << engine;
+        for (const double t : {0.5, 1.7, 3.0})
+            EXPECT_NEAR(run[only].angle(t) - other[only].angle(t), 2.0 * std::numbers::pi, 1e-12) << engine << t;
+    }
+}
+
 TEST(HardRotation, a_touch_too_slight_for_its_digits_leaves_what_came_before_certain) {
     // omega2 returns to -1 at half its period; a hair before it, the time is known to the root of rounding only
     Scene scene = thrown({1, 2, 3}, {0.1, 1, 0});

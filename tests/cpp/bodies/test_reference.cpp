@@ -159,10 +159,9 @@ TEST_P(Bodies, reach_the_error_asked_for_and_say_so) {
         if (table)
             std::cout << std::setw(28) << id << std::setw(12) << engine << "  asked " << error << "  " << e.what()
                       << '\n';
-        // a state in doubles has lost the digits that say when a body will leave the neighbourhood of a fixed point,
-        // and 20 s multiply what rounds the heavy body that nothing makes regular by 3e4
+        // a state has lost the digits that say when a body will leave the neighbourhood of a fixed point
         const bool is_lost = std::string(engine) == "taylor" && std::string(id).find("near_separatrix") == 2;
-        ASSERT_TRUE((is_lost || std::string(id) == "d_nonsymmetric") && error < 1e-11) << e.what();
+        ASSERT_TRUE(is_lost && error < 1e-11) << e.what();
         EXPECT_LT(e.run.certain_until(), reference.until);
         EXPECT_LE(reference.error(e.run), 10.0 * *e.run.error());
         return;
@@ -172,8 +171,7 @@ TEST_P(Bodies, reach_the_error_asked_for_and_say_so) {
         std::cout << std::setprecision(2) << std::setw(28) << id << std::setw(12) << run->engine() << "  asked "
                   << error << "  estimate " << *run->error() << "  true " << actual << "  ratio "
                   << actual / *run->error() << "  steps " << run->statistics().steps << '\n';
-    // 20 s multiply what rounds the attitude of this one at the start by 3e4
-    EXPECT_LE(actual, std::string(id) == "d_nonsymmetric" ? std::max(error, 4e-12) : error);
+    EXPECT_LE(actual, error);
     EXPECT_LE(actual, 10.0 * *run->error());
 }
 

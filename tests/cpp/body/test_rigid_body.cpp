@@ -215,6 +215,37 @@ TEST(RigidBody, a_gyroscope_has_two_equal_moments_about_its_centre_of_mass) {
     EXPECT_THROW(RigidBody(1.0, {1, 1, 1}).is_gyroscope(-1.0), InvalidInput);
 }
 
+TEST(RigidBody, is_balanced_about_its_principal_central_axes_alone) {
+    Random random(11);
+    for (int trial = 0; trial < 20; ++trial) {
+        const RigidBody body = RigidBody(2.0, {1.0, 1.5, 2.0})
+                                   .rotated(rbdyn::turn(random.direction(), random.uniform(-7, 7)))
+                                   .shifted(random.direction());
+        const Matrix3 axes = body.principal().axes;
+        for (int k = 0; k < 3; ++k) {
+            const Vector3 axis = random.uniform(0.1, 10.0) * rbdyn::column(axes, k);
+            EXPECT_TRUE(body.is_balanced(axis, body.com() + 3.0 * axis));
+            EXPECT_FALSE(body.is_balanced(axis, body.com() + 1e-6 * rbdyn::column(axes, (k + 1) % 3)));
+            EXPECT_FALSE(body.is_balanced(axis + 1e-6 * axis.norm() * rbdyn::column(axes, (k + 1) % 3), body.com()));
+        }
+        // a principal axis about a point off it asks for a force, and for no couple
+        const Vector3 point = body.com() + 0.5 * rbdyn::column(axes, 1), e = rbdyn::column(axes, 0);
+        const rbdyn::Imbalance off = body.imbalance(e, point);
+        EXPECT_LE((off.offset + rbdyn::column(axes, 1)).norm(), 1e-15);
+        EXPECT_LE(off.couple.norm(), 1e-15);
+    }
+    // chapter's I_13 and I_23, matrix elements
+    Matrix3 tensor;
+    tensor << 2.0, 0.125, -0.25, 0.125, 2.5, 0.5, -0.25, 0.5, 3.0;
+    const rbdyn::Imbalance i = RigidBody(2.0, tensor).imbalance({0, 0, 4});
+    EXPECT_EQ(i.couple, Vector3(-0.5, -0.25, 0.0)) << "-I_23, I_13";
+    EXPECT_EQ(i.offset, Vector3(0, 0, 0));
+    EXPECT_NE(refusal([] {
+                  (void)RigidBody(1.0, {1, 1, 1}).imbalance({0, 0, 0});
+              }).find("length of axis is 0"),
+              std::string::npos);
+}
+
 TEST(RigidBody, discs_laminae_rods_and_points_are_bodies) {
     Random random(9);
     for (const Vector3& moments : {Vector3(1, 1, 2), Vector3(0.1, 0.2, 0.1 + 0.2), Vector3(0.2, 0.1, 0.3),

@@ -14,7 +14,6 @@ namespace rbdyn::test {
 using Wide = DoubleDouble;
 using WideQuaternion = QuaternionOf<Wide>;
 
-inline WideQuaternion widened(const Quaternion& q) { return {q.w, q.x, q.y, q.z}; }
 inline WideQuaternion unit(const WideQuaternion& q) {
     const Wide n = sqrt(squared_norm(q));
     return {q.w / n, q.x / n, q.y / n, q.z / n};

@@ -351,5 +351,33 @@ TEST(Folding, the_hoop_is_a_sine_and_one_weighted_sum) {
     EXPECT_GT(code_of(damped).size(), smooth.size());
 }
 
+TEST(Programs, constants_of_32_digits_are_rounded_once) {
+    Recorder recorder;
+    const Expression third = DoubleDouble(1.0) / 3.0, x = recorder.input(0);
+    // folded with doubles, and gathered into one weight
+    const Expression outputs[] = {0.1 * third * (3.0 * x), third * x - x / 3.0, (third + 1.0) * x};
+    const Program program(recorder, outputs, 1);
+    Evaluator<double> values(program);
+    values(0.0, std::vector{1.0});
+    EXPECT_EQ(values.output(0), 0.1);
+    EXPECT_EQ(values.output(1), 0x1p-54 / 3.0);
+    EXPECT_EQ(values.output(2), 4.0 / 3.0);
+    Evaluator<long double> wide(program);
+    wide(0.0L, std::vector{1.0L});
+    EXPECT_LE(std::abs(wide.output(2) - 4.0L / 3.0L), 2e-19L);
+
+    // 4/3 alone is no double: the other one it may become is a unit away, on the side where it is
+    std::vector<double> nearest, other;
+    program.set_parameters<double>({}, nearest);
+    program.set_parameters<double>({}, other, Program::Rounding::other);
+    int different = 0;
+    for (std::size_t k = 0; k < nearest.size(); ++k)
+        if (nearest[k] != other[k]) {
+            ++different;
+            EXPECT_EQ(std::nextafter(nearest[k], other[k]), other[k]);
+        }
+    EXPECT_EQ(different, 1);
+}
+
 }  // namespace
 }  // namespace rbdyn

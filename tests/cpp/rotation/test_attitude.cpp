@@ -64,6 +64,38 @@ TEST(Attitude, digits_of_a_unit_quaternion_are_kept) {
     for (const Quaternion& q : turns()) EXPECT_EQ(Attitude(q).quaternion(), q);
 }
 
+TEST(Attitude, has_32_digits_of_what_the_numbers_given_say) {
+    using rbdyn::DoubleDouble;
+    using Real = long double;
+    const auto wide = [](const DoubleDouble& x) { return static_cast<Real>(x.hi) + static_cast<Real>(x.lo); };
+    Random random(8);
+    for (int k = 0; k < 50; ++k) {
+        const EulerAngles a{random.uniform(-4, 4), random.uniform(-9, 9), random.uniform(-9, 9)};
+        const Attitude from_angles = a;
+        const auto& q = from_angles.exact();
+        const Real half = static_cast<Real>(a.theta) / 2, sum = (static_cast<Real>(a.psi) + a.phi) / 2,
+                   difference = (static_cast<Real>(a.psi) - a.phi) / 2;
+        EXPECT_LE(std::abs(wide(q.w) - std::cos(half) * std::cos(sum)), 2e-19L);
+        EXPECT_LE(std::abs(wide(q.x) - std::sin(half) * std::cos(difference)), 2e-19L);
+        EXPECT_LE(std::abs(wide(q.y) - std::sin(half) * std::sin(difference)), 2e-19L);
+        EXPECT_LE(std::abs(wide(q.z) - std::cos(half) * std::sin(sum)), 2e-19L);
+        EXPECT_LE(std::abs((squared_norm(q) - 1.0).hi), 1e-30);
+
+        // a quaternion keeps its direction
+        const Quaternion given = rbdyn::turn(random.direction(), random.uniform(-6.0, 6.0));
+        const auto turned = conjugate(Attitude(given).exact()) * rbdyn::widened(given);
+        for (const DoubleDouble& c : {turned.x, turned.y, turned.z}) EXPECT_LE(std::abs(c.hi), 1e-30);
+        EXPECT_LE(std::abs((squared_norm(Attitude(given).exact()) - 1.0).hi), 1e-30);
+
+        // the rotation nearest to a matrix: what is left of it is symmetric
+        const Matrix3 rough = rotation_matrix(given) + 1e-7 * Matrix3(Vector3(random.direction()).asDiagonal());
+        const auto r = rotation_matrix(Attitude(rough).exact());
+        const auto rest = product(r.transpose(), rbdyn::widened(rough));
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < i; ++j) EXPECT_LE(std::abs((rest(i, j) - rest(j, i)).hi), 1e-29);
+    }
+}
+
 TEST(Attitude, what_is_nearly_a_rotation_becomes_the_nearest_one) {
     const Quaternion q = rbdyn::turn(Vector3(1, 2, 3).normalized(), 1.25);
     const double stretch = 1.0 + 9e-7;

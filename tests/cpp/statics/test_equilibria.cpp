@@ -335,16 +335,16 @@ TEST(Equilibria, none_is_missed_on_random_hoops) {
                         return Vector(3.0 * sin(wave * r[2]), 0.0, 2.0 * cos(wave * r[0]));
                     }),
                     bead);
-        const RailForces forces(scene);
+        const PathForces forces(scene);
         int changes = 0;
         constexpr int n = 40000;
         for (int k = 0; k < n; ++k)
-            changes += (forces.along_rail(2.0 * pi * k / n) > 0.0) != (forces.along_rail(2.0 * pi * (k + 1) / n) > 0.0);
+            changes += (forces.along_path(2.0 * pi * k / n) > 0.0) != (forces.along_path(2.0 * pi * (k + 1) / n) > 0.0);
         const auto all = equilibria(scene);
         EXPECT_EQ(static_cast<int>(all.size()), changes) << trial;
         int stable = 0;
         for (const Equilibrium& e : all) {
-            EXPECT_LE(std::abs(forces.along_rail(e.coordinates[0])), 64.0 * epsilon * forces.effort(e.coordinates[0]));
+            EXPECT_LE(std::abs(forces.along_path(e.coordinates[0])), 64.0 * epsilon * forces.effort(e.coordinates[0]));
             stable += e.stable;
         }
         EXPECT_EQ(2 * stable, static_cast<int>(all.size())) << "maxima and minima of U alternate";

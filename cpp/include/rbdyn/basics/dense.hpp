@@ -83,13 +83,20 @@ inline LinearSolution solve(SquareMatrix a, std::vector<double> b) {
     return result;
 }
 
-/// The eigenvalues of a symmetric matrix in ascending order, by Jacobi's rotations (Golub and Van Loan, sec. 8.5):
-/// within rounding of the largest entry.
-inline std::vector<double> symmetric_eigenvalues(SquareMatrix a) {
+/// The eigenvalues of a symmetric matrix in ascending order, and its eigenvectors, columns of unit length.
+struct SymmetricEigen {
+    std::vector<double> values;
+    SquareMatrix vectors;
+};
+
+/// By Jacobi's rotations (Golub and Van Loan, sec. 8.5): within rounding of the largest entry.
+inline SymmetricEigen symmetric_eigen(SquareMatrix a) {
     const int n = a.size();
     // convergence is quadratic: ten sweeps are more than large matrices take
     constexpr int most_sweeps = 30;
     const double rounding = 0x1p-4 * std::numeric_limits<double>::epsilon() * a.largest();
+    SquareMatrix turned(n);
+    for (int i = 0; i < n; ++i) turned(i, i) = 1.0;
     bool diagonal = false;
     for (int sweep = 0; sweep < most_sweeps && !diagonal; ++sweep) {
         diagonal = true;
@@ -101,6 +108,9 @@ inline std::vector<double> symmetric_eigenvalues(SquareMatrix a) {
                 const double t = std::copysign(1.0, ratio) / (std::abs(ratio) + std::hypot(ratio, 1.0));
                 const double c = 1.0 / std::hypot(t, 1.0), s = t * c, change = t * a(p, q);
                 for (int i = 0; i < n; ++i) {
+                    const double v = turned(i, p), w = turned(i, q);
+                    turned(i, p) = c * v - s * w;
+                    turned(i, q) = s * v + c * w;
                     if (i == p || i == q) continue;
                     const double x = a(i, p), y = a(i, q);
                     a(i, p) = a(p, i) = c * x - s * y;
@@ -111,10 +121,18 @@ inline std::vector<double> symmetric_eigenvalues(SquareMatrix a) {
                 a(p, q) = a(q, p) = 0.0;
             }
     }
-    std::vector<double> values;
-    for (int i = 0; i < n; ++i) values.push_back(a(i, i));
-    std::sort(values.begin(), values.end());
-    return values;
+    std::vector<int> order(static_cast<std::size_t>(n));
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int i, int j) { return a(i, i) < a(j, j); });
+    SymmetricEigen result{{}, SquareMatrix(n)};
+    for (int k = 0; k < n; ++k) {
+        const int from = order[static_cast<std::size_t>(k)];
+        result.values.push_back(a(from, from));
+        for (int i = 0; i < n; ++i) result.vectors(i, k) = turned(i, from);
+    }
+    return result;
 }
+
+inline std::vector<double> symmetric_eigenvalues(const SquareMatrix& a) { return symmetric_eigen(a).values; }
 
 }  // namespace rbdyn

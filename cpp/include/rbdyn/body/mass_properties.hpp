@@ -44,21 +44,9 @@ inline MassProperties welded(const MassProperties& a, const MassProperties& b) {
     return {mass, a.com + scaled(d, b.mass / mass), a.inertia + b.inertia + point_inertia(a.mass * b.mass / mass, d)};
 }
 
-/// The rotation matrix of a quaternion, orthogonal to 32 digits for any norm.
-inline Matrix3Of<DoubleDouble> exact_rotation(const Quaternion& q) {
-    const QuaternionOf<DoubleDouble> wide{q.w, q.x, q.y, q.z};
-    const AxesOf<DoubleDouble> e = axes(wide);
-    const DoubleDouble inverse = 1.0 / squared_norm(wide);
-    Matrix3Of<DoubleDouble> result;
-    result.col(0) = scaled(e.e1, inverse);
-    result.col(1) = scaled(e.e2, inverse);
-    result.col(2) = scaled(e.e3, inverse);
-    return result;
-}
-
-/// Turned about the body's origin by R(q).
-inline MassProperties turned(const MassProperties& body, const Quaternion& q) {
-    const Matrix3Of<DoubleDouble> r = exact_rotation(q);
+/// Turned about the body's origin by R(q), q a unit quaternion.
+inline MassProperties turned(const MassProperties& body, const QuaternionOf<DoubleDouble>& q) {
+    const Matrix3Of<DoubleDouble> r = rotation_matrix(q);
     Matrix3Of<DoubleDouble> inertia = product(product(r, body.inertia), r.transpose());
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < i; ++j) inertia(i, j) = inertia(j, i);

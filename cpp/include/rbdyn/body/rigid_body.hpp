@@ -2,6 +2,7 @@
 //
 //   I_Q, off the diagonal -Int rho x_i x_j                                                    (eq. 7.33 and its proof)
 //   gyroscope: two equal principal moments about G                                            (Def. 7.4)
+//   balanced about an axis: I_13 = I_23 = 0 and G on it, a principal axis about G     (7.47 on a fixed axis)
 //
 // What the user gave is kept as it was given; sums, shifts, turns and other points are computed in 32 digits from it,
 // so that a body welded of pieces has the digits of the whole. Invariant: the moments about the centre of mass are
@@ -41,6 +42,13 @@ struct Inertia {
 struct RigidBodyOptions {
     Vector3 com = Vector3::Zero();  // centre of mass, from the body's origin [m]
     InertiaAbout inertia_about = InertiaAbout::com;
+};
+
+/// What a body asks of the bearings of an axis that is fixed in it, by its motion alone; body axes. Turning at a rate w
+/// about it the reaction is -w^2 offset, its moment about the point of the axis w^2 couple (7.47).
+struct Imbalance {
+    Vector3 offset;  // m times the way from the axis to G, across it [kg m]
+    Vector3 couple;  // e x I e, e the direction of the axis, I about the point [kg m^2]
 };
 
 class RigidBody {
@@ -111,6 +119,30 @@ public:
         return axis;
     }
 
+    /// About an axis through a point of the body, body axes [m].
+    Imbalance imbalance(const Vector3& axis, const Vector3& point = Vector3::Zero()) const {
+        for (int i = 0; i < 3; ++i) {
+            require(std::isfinite(axis[i]), name, "axis[" + std::to_string(i) + "]", axis[i], "a direction is finite");
+            require(std::isfinite(point[i]), name, "point[" + std::to_string(i) + "]", point[i],
+                    "it is finite; give it in m");
+        }
+        require(axis.norm() > 0.0, name, "length of axis", axis.norm(), "an axis has a direction; its length is free");
+        const Vector3Of<DoubleDouble> a = widened(axis), c = central_.com - widened(point);
+        const DoubleDouble squared = dot<DoubleDouble>(a, a);
+        const Vector3Of<DoubleDouble> across = c - a * (dot<DoubleDouble>(a, c) / squared),
+                                      couple = cross<DoubleDouble>(a, product(inertia_exact(point), a));
+        return {rounded(Vector3Of<DoubleDouble>(across * central_.mass)),
+                rounded(Vector3Of<DoubleDouble>(couple / squared))};
+    }
+    /// Whether it turns about the axis without asking anything of its bearings: whether that is a principal axis about
+    /// the centre of mass, to rtol of the moments about the point and of mass times radius of gyration.
+    bool is_balanced(const Vector3& axis, const Vector3& point = Vector3::Zero(), double rtol = 1e-9) const {
+        require(rtol >= 0.0, name, "rtol", rtol, "a relative tolerance is zero or positive");
+        const Imbalance i = imbalance(axis, point);
+        const double moments = inertia(point).trace();
+        return i.offset.norm() <= rtol * std::sqrt(mass() * moments) && i.couple.norm() <= rtol * moments;
+    }
+
     /// Whether a principal moment about the centre of mass is zero to the rounding of what was given: all mass lies on
     /// a line, and nothing resists a spin about it.
     bool is_rod() const { return rod_axis().has_value(); }
@@ -132,7 +164,7 @@ public:
         return RigidBody(MassProperties{central_.mass, central_.com + widened(r), central_.inertia});
     }
     /// Turned about the origin of its axes: what lay along v lies along R v.
-    RigidBody rotated(const Attitude& attitude) const { return RigidBody(turned(central_, attitude.quaternion())); }
+    RigidBody rotated(const Attitude& attitude) const { return RigidBody(turned(central_, attitude.exact())); }
     /// Two bodies in the same axes, welded.
     friend RigidBody operator+(const RigidBody& a, const RigidBody& b) {
         return RigidBody(welded(a.central_, b.central_));

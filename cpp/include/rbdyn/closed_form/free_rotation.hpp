@@ -49,15 +49,14 @@ public:
 
     /// From the moments and axes of inertia about G, the attitude (made a unit quaternion) and the angular velocity in
     /// body axes [rad/s] at t = 0. The moments are positive.
-    [[gnu::cold]] FreeRotation(const PrincipalAxesOf<DoubleDouble>& principal, const Quaternion& attitude,
-                               const Vector3& angular_velocity) {
-        const auto& q = attitude;
-        const QuaternionOf<DoubleDouble> given{q.w, q.x, q.y, q.z};
-        const QuaternionOf<DoubleDouble> start = unit(given);
-        start_ = {rounded(start), angular_velocity};
-        speed_ = angular_velocity.norm();
+    [[gnu::cold]] FreeRotation(const PrincipalAxesOf<DoubleDouble>& principal,
+                               const QuaternionOf<DoubleDouble>& attitude,
+                               const Vector3Of<DoubleDouble>& angular_velocity) {
+        const QuaternionOf<DoubleDouble> start = normalized(attitude);
+        start_ = {rounded(start), rounded(angular_velocity)};
+        speed_ = start_.angular_velocity.norm();
         const Vector3Of<DoubleDouble>& moments = principal.moments;
-        Vector3Of<DoubleDouble> omega = product(principal.axes.transpose(), widened(angular_velocity));
+        Vector3Of<DoubleDouble> omega = product(principal.axes.transpose(), angular_velocity);
         bool along_axes = true;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
@@ -74,7 +73,7 @@ public:
         set_doubt(polhode, omega, along_axes);
     }
     FreeRotation(const Matrix3Of<DoubleDouble>& inertia, const Quaternion& attitude, const Vector3& angular_velocity)
-        : FreeRotation(principal_axes(inertia), attitude, angular_velocity) {}
+        : FreeRotation(principal_axes(inertia), widened(attitude), widened(angular_velocity)) {}
 
     /// At t seconds from the start, before it too; at 0 the start itself.
     State at(Instant t) const {
@@ -145,34 +144,8 @@ private:
         }
     };
 
-    static Quaternion rounded(const QuaternionOf<DoubleDouble>& q) {
-        return {static_cast<double>(q.w), static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z)};
-    }
-    static Vector3 rounded(const Vector3Of<DoubleDouble>& v) { return rbdyn::rounded(v); }
-    static Matrix3 rounded(const Matrix3Of<DoubleDouble>& m) { return rbdyn::rounded(m); }
     static Frame frame(const QuaternionOf<DoubleDouble>& q) {
         return {{q.w.hi, q.x.hi, q.y.hi, q.z.hi}, {q.w.lo, q.x.lo, q.y.lo, q.z.lo}};
-    }
-    static QuaternionOf<DoubleDouble> unit(const QuaternionOf<DoubleDouble>& q) {
-        const DoubleDouble n = sqrt(squared_norm(q));
-        return {q.w / n, q.x / n, q.y / n, q.z / n};
-    }
-
-    /// The attitude whose axes are the columns of a rotation matrix.
-    static QuaternionOf<DoubleDouble> attitude_of(const Matrix3Of<DoubleDouble>& m) {
-        // four times the product of a component with each, the largest component's row taken (Shepperd)
-        const DoubleDouble trace = m(0, 0) + m(1, 1) + m(2, 2);
-        int largest = 0;
-        for (int i = 1; i < 3; ++i)
-            if (m(i, i) > m(largest, largest)) largest = i;
-        if (trace > m(largest, largest))
-            return unit({1.0 + trace, m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)});
-        const int i = largest, j = (i + 1) % 3, k = (i + 2) % 3;
-        std::array<DoubleDouble, 3> v;
-        v[static_cast<std::size_t>(i)] = 1.0 + m(i, i) - m(j, j) - m(k, k);
-        v[static_cast<std::size_t>(j)] = m(i, j) + m(j, i);
-        v[static_cast<std::size_t>(k)] = m(i, k) + m(k, i);
-        return unit({m(k, j) - m(j, k), v[0], v[1], v[2]});
     }
 
     [[gnu::cold]] void set_constant(const Vector3Of<DoubleDouble>& omega, const Matrix3Of<DoubleDouble>& axes,
@@ -231,9 +204,9 @@ private:
             axes.col(static_cast<int>(i)) = p.reversed[i] ? -e : e;
         }
         axes_ = rounded(axes);
-        const QuaternionOf<DoubleDouble> from_body = conjugate(attitude_of(axes));
+        const QuaternionOf<DoubleDouble> from_body = conjugate(rbdyn::quaternion(axes));
         from_body_ = rounded(from_body);
-        frame_ = frame(unit(start * conjugate(core(exact, {}).attitude * from_body)));
+        frame_ = frame(normalized(start * conjugate(core(exact, {}).attitude * from_body)));
 
         regime_ = p.m1.hi == 0.0 ? Regime::separatrix : p.m.hi == 0.0 ? Regime::symmetric : Regime::generic;
         const double quarters = p.mu.hi / p.quarter.hi;

@@ -40,6 +40,8 @@ public:
 
     std::string name() const override { return "dop853"; }
 
+    void carry(std::span<const double> rest) override { low_.assign(rest.begin(), rest.end()); }
+
     void start(const Equations& equations, std::span<const double> parameters, Instant t,
                std::span<const double> x) override {
         if (equations_ != &equations) {

@@ -39,6 +39,9 @@ public:
     virtual void start(const Equations& equations, std::span<const double> parameters, Instant t,
                        std::span<const double> x) = 0;
 
+    /// What the state just started from is short of; for engines that sum more digits than they show.
+    virtual void carry(std::span<const double> /*rest*/) {}
+
     /// One step, not past `limit`; its result is piece(). The next step goes on from its end.
     virtual StepStatus step(double limit) = 0;
 

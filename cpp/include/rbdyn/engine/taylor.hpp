@@ -24,8 +24,9 @@ public:
     static constexpr int max_order = 24;
 
     /// Local error per step relative to the motion's scales; `order` 0: chosen from the tolerance.
-    explicit TaylorEngine(double tolerance, int order = 0)
-        : log_tolerance_(std::log2(tolerance)), order_(order > 0 ? order : order_for(tolerance)) {}
+    /// `rounding`: of the constants that the projection does not make up for.
+    explicit TaylorEngine(double tolerance, int order = 0, Program::Rounding rounding = Program::Rounding::nearest)
+        : log_tolerance_(std::log2(tolerance)), order_(order > 0 ? order : order_for(tolerance)), rounding_(rounding) {}
 
     std::string name() const override { return "taylor"; }
 
@@ -42,12 +43,17 @@ public:
             scales_.resize(x.size());
         }
         parameters_.assign(parameters.begin(), parameters.end());
-        series_->set_parameters(parameters);
         t_ = t;
         x_.assign(x.begin(), x.end());
         low_.assign(x.size(), 0.0);
         scales_.widen(x_);
-        projection_ = equations.projection ? equations.projection(x) : nullptr;
+        project();
+        set_parameters();
+    }
+
+    void carry(std::span<const double> rest) override {
+        low_.assign(rest.begin(), rest.end());
+        project();
     }
 
     StepStatus step(double limit) override {
@@ -95,10 +101,10 @@ public:
             x_[index] = sum.hi;
             low_[index] = sum.lo;
         }
-        if (projection_) projection_->apply(x_, low_, h);
+        hold(h);
         t_ = end;
         scales_.widen(x_);
-        if (drop_start_flags(*equations_, parameters_)) series_->set_parameters(parameters_);
+        if (drop_start_flags(*equations_, parameters_)) set_parameters();
         if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
         return StepStatus::ok;
     }
@@ -117,10 +123,23 @@ protected:
         std::fill(low_.begin(), low_.end(), 0.0);
         return x_;
     }
+    /// Moves the state to where its first integrals are what they were, a time after it was last.
+    void hold(double time) {
+        if (projection_) projection_->apply(x_, low_, time);
+    }
+    /// What the state is short of.
+    std::span<double> rest() { return low_; }
+    std::span<const double> parameters() const { return parameters_; }
     Instant t_;
 
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
+    void set_parameters() {
+        const bool is_made_up = projection_ && projection_->makes_up_for_rounding();
+        series_->set_parameters(parameters_, is_made_up ? Program::Rounding::nearest : rounding_);
+    }
+    void project() { projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr; }
 
     /// 2^round(log2 x)
     static double power_of_two(double x) {
@@ -184,6 +203,7 @@ private:
 
     double log_tolerance_;
     int order_;
+    Program::Rounding rounding_;
     const Equations* equations_ = nullptr;
     SeriesEvaluator* series_ = nullptr;
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;

@@ -64,6 +64,7 @@ private:
         Mode mode = model_.begin(t.hi, x);
         record.first_state = x;
         enter(record, mode, t, x, {});
+        if (const std::vector<double> rest = model_.start_rest(); !rest.empty() && !mode.still) engine_.carry(rest);
         bool fresh = true;
         int crowded = 0, passes = 0;
         // less than this from the end is the end

@@ -64,7 +64,7 @@ std::optional<std::vector<Expression>> derivatives(Recorder& r, std::span<const 
     }
     std::vector<Expression> d(at(size), Expression(0.0));
     const auto value = [&](std::int32_t n) {
-        return r.node(n).operation == Operation::constant ? Expression(r.node(n).value) : Expression(&r, n);
+        return r.node(n).operation == Operation::constant ? r.node(n).constant() : Expression(&r, n);
     };
     for (std::int32_t n = 0; n < size; ++n) {
         if (!needed[at(n)]) continue;

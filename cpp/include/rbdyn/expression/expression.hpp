@@ -10,6 +10,9 @@
 // signs become parameters of the program with the argument as guard (`Switch`), choices between formulas are made
 // by the state the mode begins in, or by whoever knows better (`Branch`).
 //
+// Constants are doubles, or numbers of 32 digits where a model gives such; what is folded with one of these is one, and
+// is rounded once, by the program that uses it.
+//
 // Conventions: an expression is a constant or a node of one Recorder. `parameter` nodes are numbers that are fixed
 // during smooth motion and may change between pieces (the sign of a slip).
 #pragma once
@@ -29,6 +32,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
@@ -70,11 +74,15 @@ public:
     Expression() = default;
     Expression(double constant) : value_(constant) {}  // implicit: constants mix freely with expressions
     Expression(int constant) : value_(constant) {}
+    Expression(const DoubleDouble& constant) : value_(constant.hi), rest_(constant.lo), is_wide_(true) {}
     Expression(Recorder* recorder, std::int32_t node) : recorder_(recorder), node_(node) {}
 
     bool is_constant() const { return recorder_ == nullptr; }
     bool is_zero() const { return is_constant() && value_ == 0.0; }
     double value() const { return value_; }
+    DoubleDouble exact() const { return {value_, rest_}; }
+    /// Whether it is a constant of 32 digits.
+    bool is_wide() const { return is_wide_; }
     Recorder* recorder() const { return recorder_; }
     std::int32_t node() const { return node_; }
 
@@ -84,9 +92,10 @@ public:
     Expression& operator/=(const Expression& other);
 
 private:
-    double value_ = 0.0;
+    double value_ = 0.0, rest_ = 0.0;
     Recorder* recorder_ = nullptr;
     std::int32_t node_ = -1;
+    bool is_wide_ = false;
 };
 
 }  // namespace rbdyn
@@ -115,8 +124,12 @@ struct Node {
     Operation operation;
     std::int32_t a = -1, b = -1, c = -1, d = -1;
     double value = 0.0;
+    double rest = 0.0;     // of a constant of 32 digits: what its value is short of them
+    bool is_wide = false;  // whether it is one
 
     bool operator==(const Node&) const = default;
+    /// Of a constant.
+    Expression constant() const { return is_wide ? Expression(DoubleDouble(value, rest)) : Expression(value); }
 
     /// The nodes it computes with, those of calls apart.
     std::array<std::int32_t, 3> operands() const {
@@ -251,7 +264,11 @@ public:
     int parameters() const { return parameters_; }
 
     /// The node of an expression, constants included.
-    std::int32_t node_of(const Expression& x) { return x.is_constant() ? constant(x.value()).node() : x.node(); }
+    std::int32_t node_of(const Expression& x) {
+        if (!x.is_constant()) return x.node();
+        const DoubleDouble value = x.exact();
+        return intern({Operation::constant, -1, -1, -1, -1, value.hi, value.lo, x.is_wide()});
+    }
 
     Expression record(Operation operation, std::int32_t a, std::int32_t b = -1, double value = 0.0) {
         return {this, intern({operation, a, b, -1, -1, value})};
@@ -375,10 +392,20 @@ inline Recorder* common(const Expression& a, const Expression& b) {
     return recorder;
 }
 
+/// What an operation makes of two constants.
+template <class F>
+Expression folded(const Expression& a, const Expression& b, F&& f) {
+    const double rounded = f(a.value(), b.value());
+    if (!a.is_wide() && !b.is_wide()) return rounded;
+    const DoubleDouble exact = f(a.exact(), b.exact());
+    return std::isfinite(exact.hi) && std::isfinite(exact.lo) ? exact : DoubleDouble(rounded);
+}
+
 }  // namespace recording
 
 inline Expression operator+(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) return a.value() + b.value();
+    if (a.is_constant() && b.is_constant())
+        return recording::folded(a, b, [](const auto& x, const auto& y) { return x + y; });
     if (a.is_zero()) return b;
     if (b.is_zero()) return a;
     Recorder* r = recording::common(a, b);
@@ -387,10 +414,11 @@ inline Expression operator+(const Expression& a, const Expression& b) {
 }
 
 inline Expression operator*(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) return a.value() * b.value();
+    if (a.is_constant() && b.is_constant())
+        return recording::folded(a, b, [](const auto& x, const auto& y) { return x * y; });
     if (a.is_zero() || b.is_zero()) return 0.0;
-    if (a.is_constant() && a.value() == 1.0) return b;
-    if (b.is_constant() && b.value() == 1.0) return a;
+    if (a.is_constant() && a.exact() == DoubleDouble(1.0)) return b;
+    if (b.is_constant() && b.exact() == DoubleDouble(1.0)) return a;
     Recorder* r = recording::common(a, b);
     std::int32_t i = r->node_of(a), j = r->node_of(b);
     return r->record(Operation::multiply, std::min(i, j), std::max(i, j));
@@ -404,9 +432,10 @@ inline Expression operator-(const Expression& a, const Expression& b) {
 }
 
 inline Expression operator/(const Expression& a, const Expression& b) {
-    if (a.is_constant() && b.is_constant()) return a.value() / b.value();
+    if (a.is_constant() && b.is_constant())
+        return recording::folded(a, b, [](const auto& x, const auto& y) { return x / y; });
     if (a.is_zero()) return 0.0;
-    if (b.is_constant()) return a * Expression(1.0 / b.value());
+    if (b.is_constant()) return a * (Expression(1.0) / b);
     Recorder* r = recording::common(a, b);
     return r->record(Operation::divide, r->node_of(a), r->node_of(b));
 }

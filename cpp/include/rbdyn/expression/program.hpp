@@ -6,7 +6,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -84,9 +86,12 @@ public:
     /// Whether part of it is opaque: there are values, but no series and no exact derivatives.
     bool has_calls() const { return !calls_.empty(); }
 
+    /// How constants of 32 digits become doubles: the nearest one, or the one on the other side.
+    enum class Rounding { nearest, other };
     /// The weights for given parameters, in the number type of the evaluation.
     template <class T>
-    void set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const;
+    void set_parameters(std::span<const T> parameters, std::vector<T>& scalars,
+                        Rounding rounding = Rounding::nearest) const;
 
     /// The program's instructions, one a line.
     std::string text() const;
@@ -107,7 +112,7 @@ private:
     std::vector<int> output_slots_;
     std::vector<Switch> switches_;
     std::vector<Call> calls_;
-    std::vector<double> constants_;  // initial contents of the scalars
+    std::vector<DoubleDouble> constants_;  // initial contents of the scalars
     std::vector<ScalarStep> scalar_steps_;
 };
 
@@ -310,7 +315,7 @@ private:
     int emit(const Combination& sum) {
         if (sum.products.empty() && sum.constant.is_zero() && sum.terms.size() == 1) {
             const auto& [slot, weight] = *sum.terms.begin();
-            if (weight.is_constant() && weight.value() == 1.0) return slot;
+            if (weight.is_constant() && weight.exact() == DoubleDouble(1.0)) return slot;
         }
         Instruction i{Code::combine};
         i.first_term = static_cast<int>(p_.terms_.size());
@@ -345,7 +350,7 @@ private:
 
     Expression value_of(std::int32_t n) {
         const Node& node = r_.node(n);
-        return node.operation == Operation::constant ? Expression(node.value) : Expression(&r_, n);
+        return node.operation == Operation::constant ? node.constant() : Expression(&r_, n);
     }
 
     void gather(std::int32_t n, Expression weight, Combination& sum, bool is_root) {
@@ -376,7 +381,7 @@ private:
         if (scalars_[n] >= 0) return scalars_[n];
         const Node node = r_.node(n);
         const int out = static_cast<int>(p_.constants_.size());
-        p_.constants_.push_back(node.operation == Operation::constant ? node.value : 0.0);
+        p_.constants_.push_back({node.value, node.rest});
         scalars_.set(n, out);
         if (node.operation == Operation::parameter) {
             p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
@@ -401,9 +406,14 @@ inline Program::Program(Recorder& recorder, std::span<const Expression> outputs,
 }
 
 template <class T>
-void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars) const {
+void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars, Rounding rounding) const {
     using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
-    scalars.assign(constants_.begin(), constants_.end());
+    scalars.clear();
+    for (const DoubleDouble& c : constants_) {
+        const double beyond = std::copysign(std::numeric_limits<double>::infinity(), c.lo);
+        const double hi = rounding == Rounding::other && c.lo != 0.0 ? std::nextafter(c.hi, beyond) : c.hi;
+        scalars.push_back(static_cast<T>(hi) + static_cast<T>(hi == c.hi ? c.lo : 0.0));
+    }
     for (const ScalarStep& s : scalar_steps_) {
         T& out = scalars[static_cast<std::size_t>(s.out)];
         if (s.operation == Operation::parameter) {

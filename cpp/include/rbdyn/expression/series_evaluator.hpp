@@ -36,8 +36,8 @@ public:
     /// Doubles from one slot's coefficients to the next one's.
     int stride() const { return stride_; }
 
-    void set_parameters(std::span<const double> parameters) {
-        program_->set_parameters(parameters, scalars_);
+    void set_parameters(std::span<const double> parameters, Program::Rounding rounding = Program::Rounding::nearest) {
+        program_->set_parameters(parameters, scalars_, rounding);
         const auto weight = [&](const Schedule::Weighted& w) {
             if (w.scalar < 0) return w.scalar == Schedule::one ? 1.0 : 0.0;
             return scalars_[static_cast<std::size_t>(w.scalar)];

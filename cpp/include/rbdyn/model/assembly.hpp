@@ -44,8 +44,8 @@ struct JointMotion {
             bias.tail(3) = omega.cross(omega.cross(Vector3(position - at)));
         };
         if (const Spherical* ball = std::get_if<Spherical>(&b.joint)) {
-            axes = rotation_matrix(b.attitude);
-            rates = b.angular_velocity;
+            axes = b.attitude.matrix();
+            rates = rounded(b.angular_velocity);
             turns_about(ball->at, ball->point, axes);
         } else if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
             const Vector3 e = hinge->axis.normalized();
@@ -70,9 +70,9 @@ struct JointMotion {
             bias.tail(3) = curve.second(b.parameter) * w * w;
         } else {
             position = held = b.position;
-            if (b.rigid() != nullptr) axes = rotation_matrix(b.attitude);
+            if (b.rigid() != nullptr) axes = b.attitude.matrix();
             rates.resize(6);
-            rates << b.angular_velocity, b.velocity;
+            rates << rounded(b.angular_velocity), b.velocity;
             subspace = Columns::Identity(6, 6);
             subspace.topLeftCorner(3, 3) = axes;
         }

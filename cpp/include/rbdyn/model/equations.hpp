@@ -76,6 +76,8 @@ public:
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
     /// time since it was moved last [s].
     virtual void apply(std::span<double> x, std::span<double> low, double step) const = 0;
+    /// Whether it adds what rounded constants of the equations leave out.
+    virtual bool makes_up_for_rounding() const { return false; }
 };
 
 /// x' = f(t, x; p) with its guards, as one program: outputs 0 .. n-1 are x', the rest guards.
@@ -89,8 +91,9 @@ struct Equations {
     int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
     int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
 
-    /// The projection for motion from a state; empty if nothing is held.
-    std::function<std::unique_ptr<const Projection>(std::span<const double>)> projection = {};
+    /// The projection for motion from a state x + low; empty if nothing is held.
+    std::function<std::unique_ptr<const Projection>(std::span<const double> x, std::span<const double> low)>
+        projection = {};
 
     int variables() const { return program.inputs(); }
     /// The switch whose argument a guard is; none for guards of other kinds.

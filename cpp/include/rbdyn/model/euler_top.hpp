@@ -22,9 +22,13 @@ namespace rbdyn {
 /// A model for simulate(model, state, options).
 class EulerTop {
 public:
+    /// Of |sin theta| where a run ends: the rates grow as its inverse, and three digits are lost there.
+    static constexpr double default_least = 1e-3;
+
     /// A body in principal axes at the point that is held, `point` in body axes [m], under gravity along -z [m/s^2].
     /// Throws InvalidInput for other axes, in which the chapter does not write its equations.
-    EulerTop(const RigidBody& body, double gravity, const Vector3& point = Vector3::Zero(), double least = 1e-3)
+    EulerTop(const RigidBody& body, double gravity, const Vector3& point = Vector3::Zero(),
+             double least = default_least)
         : weight_(body.mass() * gravity), arm_(body.com() - point), least_(least) {
         const Matrix3 about = body.inertia(point);
         for (int i = 0; i < 3; ++i)
@@ -62,6 +66,14 @@ public:
         using std::sin;
         const S s = sin(x[0]);
         return {{"sin theta too small for Euler angles", s * s - S(least_ * least_)}};
+    }
+
+    /// Throws InvalidInput for a start where the angles fail.
+    void require_start(std::span<const double> x) const {
+        const double s = std::abs(std::sin(x[0]));
+        require(s > least_, "EulerTop", "|sin theta| at the start", s,
+                "Euler angles fail where theta is 0 or pi, and a run starts where it is above " + text(least_) +
+                    "; start elsewhere, or give the body to a Scene, which is computed in quaternions");
     }
 
     /// The state of an attitude and an angular velocity in body axes [rad/s].

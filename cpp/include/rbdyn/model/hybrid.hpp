@@ -71,6 +71,9 @@ public:
     /// What is known of a mode before any law has been asked: the places of bodies, not their forces.
     virtual Mode undecided() const { return {}; }
 
+    /// What the state its motion starts in is short of 32 digits; empty if nothing.
+    virtual std::vector<double> start_rest() const { return {}; }
+
     /// The mode a motion begins in; nothing fires. May set variables exactly (a speed of a rail that holds a bead).
     virtual Mode begin(double t, std::span<double> x) const = 0;
 

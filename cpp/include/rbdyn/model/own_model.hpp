@@ -12,7 +12,8 @@
 // It is recorded once for each side of its case distinctions (abs, where, min, max, floor ...), which are located as
 // events like those of scenes. What it may have besides: positions(), the number of variables at the front that are
 // measured by the extent of their motion; watched(t, x), a std::vector<std::pair<std::string, S>> of functions whose
-// zeros are noted; limits(t, x), another of functions that end the run where they fall through zero.
+// zeros are noted; limits(t, x), another of functions that end the run where they fall through zero;
+// require_start(x), which throws InvalidInput for a state it cannot start in.
 #pragma once
 
 #include <algorithm>
@@ -45,6 +46,7 @@ public:
     int variables() const override { return model_.variables(); }
 
     Mode begin(double t, std::span<double> x) const override {
+        if constexpr (requires { model_.require_start(std::span<const double>(x)); }) model_.require_start(x);
         Mode mode;
         choose(mode, t, x, {});
         return mode;

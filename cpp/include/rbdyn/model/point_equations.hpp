@@ -210,14 +210,14 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     for (int i = 0; i < count; ++i)
         if (laws.is_conservative(i)) held.push_back(i);
     if (!held.empty())
-        result->equations.projection = [&laws, held](std::span<const double> x) {
+        result->equations.projection = [&laws, held](std::span<const double> x, std::span<const double> low) {
             std::vector<std::unique_ptr<const Projection>> parts;
             for (const int i : held) {
                 const PointLaws::Body& b = laws.body(i);
                 if (b.rigid->turns_freely())
-                    parts.push_back(std::make_unique<RigidProjection>(*b.rigid, b.first, b.first_rate, b.force, x));
+                    parts.push_back(std::make_unique<RigidProjection>(*b.rigid, b.first, b.first_rate, x, low));
                 else
-                    parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, b.force, x));
+                    parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, x, low));
             }
             return std::make_unique<const Projections>(std::move(parts));
         };

@@ -81,7 +81,7 @@ public:
         Vector3 binormal = Vector3::Zero();  // of a rail that only pushes, in the view; the sign of its side in it
         bool may_fly = false;
         double start_u = 0.0, start_speed = 0.0;
-        double start_positions[8] = {}, start_velocities[6] = {};  // of a rigid body
+        DoubleDouble start_positions[8] = {}, start_velocities[6] = {};  // of a rigid body
         Vector3 start_position = Vector3::Zero(), start_velocity = Vector3::Zero();
 
         std::optional<RigidLaw> rigid;
@@ -97,8 +97,9 @@ public:
     };
     struct SpringEnd {
         int body = -1;
-        Vector3 point = Vector3::Zero();  // in the view; of a rigid body: from o, in its frame
+        Vector3 point = Vector3::Zero();  // in the view
         bool is_on_rigid = false;
+        Vector3Of<DoubleDouble> point_on_rigid = {};  // from o, in its frame
     };
     struct ConnectedSpring {
         Spring spring;
@@ -154,7 +155,7 @@ public:
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
             if (body.rigid) {
-                const Vector3 point = load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->center;
+                const auto point = load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->exact.center;
                 if (is_present(load.load)) body.loads.push_back({load.load, point});
             } else if (const Force* force = std::get_if<Force>(&load.load)) {
                 if (force->is_constant())
@@ -182,6 +183,18 @@ public:
     int positions() const { return positions_; }
     int variables() const { return variables_; }
 
+    /// What the state that rigid bodies start in is short of 32 digits; empty if nothing.
+    std::vector<double> start_rest() const {
+        std::vector<double> rest(at(variables_), 0.0);
+        for (const Body& b : bodies_) {
+            if (!b.rigid) continue;
+            for (int k = 0; k < b.positions(); ++k) rest[at(b.first + k)] = b.start_positions[k].lo;
+            for (int k = 0; k < b.velocities(); ++k) rest[at(b.first_rate + k)] = b.start_velocities[k].lo;
+        }
+        const bool is_exact = std::all_of(rest.begin(), rest.end(), [](double r) { return r == 0.0; });
+        return is_exact ? std::vector<double>() : rest;
+    }
+
     /// The state the scene starts in at time t.
     std::vector<double> start(double t = 0.0) const {
         std::vector<double> x(at(variables_), 0.0);
@@ -189,8 +202,8 @@ public:
             double* q = x.data() + b.first;
             double* v = x.data() + b.first_rate;
             if (b.rigid) {
-                std::copy_n(b.start_positions, b.positions(), q);
-                std::copy_n(b.start_velocities, b.velocities(), v);
+                for (int k = 0; k < b.positions(); ++k) q[k] = b.start_positions[k].hi;
+                for (int k = 0; k < b.velocities(); ++k) v[k] = b.start_velocities[k].hi;
                 continue;
             }
             if (b.curve) {
@@ -314,7 +327,8 @@ public:
         const Body& b = bodies_[at(load.body)];
         const RigidState<double> s = b.rigid->state(x.data() + b.first, x.data() + b.first_rate);
         Wrench<double> w;
-        add_load(w, *b.rigid, s, {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->center}, t, b.name);
+        add_load(w, *b.rigid, s, {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->exact.center}, t,
+                 b.name);
         return w.force.dot(s.v) + w.moment.dot(s.omega);
     }
     /// Derivatives of a body's position and velocity variables.
@@ -351,7 +365,7 @@ public:
         if (b.rigid) {
             PointState<S> p;
             p.rigid = std::make_shared<const RigidState<S>>(b.rigid->state(q, v));
-            const Vector3Of<S> g = RigidLaw::constant<S>(b.rigid->center);
+            const Vector3Of<S> g = RigidLaw::constant<S>(b.rigid->exact.center);
             p.r = p.rigid->position(g);
             p.v = p.rigid->velocity(g);
             return p;
@@ -414,13 +428,13 @@ public:
         const Body& b = bodies_[at(i)];
         const RigidState<S>& s = *states[at(i)].rigid;
         Wrench<S> w;
-        w.add(s, RigidLaw::constant<S>(b.force), RigidLaw::constant<S>(b.rigid->center));
+        w.add(s, RigidLaw::constant<S>(b.rigid->exact.weight), RigidLaw::constant<S>(b.rigid->exact.center));
         for (const RigidLoad& load : b.loads) add_load(w, *b.rigid, s, load, t, b.name);
         for (const ConnectedSpring& c : springs_) {
             if ((c.a.body != i && c.b.body != i) || !c.spring.present()) continue;
             const Vector3Of<S> force = spring_force(c, states);
-            if (c.a.body == i) w.add(s, force, RigidLaw::constant<S>(c.a.point));
-            if (c.b.body == i) w.add(s, Vector3Of<S>(-force), RigidLaw::constant<S>(c.b.point));
+            if (c.a.body == i) w.add(s, force, RigidLaw::constant<S>(c.a.point_on_rigid));
+            if (c.b.body == i) w.add(s, Vector3Of<S>(-force), RigidLaw::constant<S>(c.b.point_on_rigid));
         }
         return w;
     }
@@ -454,7 +468,7 @@ public:
                                                            const std::vector<PointState<S>>& states) {
         if (e.is_on_rigid) {
             const RigidState<S>& s = *states[at(e.body)].rigid;
-            const Vector3Of<S> c = RigidLaw::constant<S>(e.point);
+            const Vector3Of<S> c = RigidLaw::constant<S>(e.point_on_rigid);
             return {s.position(c), s.velocity(c)};
         }
         if (e.body >= 0) return {states[at(e.body)].r, states[at(e.body)].v};
@@ -548,7 +562,7 @@ private:
         const std::optional<RigidLaw>& rigid = bodies_[at(body)].rigid;
         if (!rigid) return {body, Vector3::Zero(), false};
         const BodyPoint* point = std::get_if<BodyPoint>(&e);
-        return {body, point != nullptr ? rigid->point_in_frame(point->point) : rigid->center, true};
+        return {body, {}, true, point != nullptr ? rigid->point_in_frame(point->point) : rigid->exact.center};
     }
 
     Placement view_;

@@ -44,6 +44,7 @@ public:
 
     /// The state the scene starts in.
     std::vector<double> start(double t = 0.0) const { return laws_.start(t); }
+    std::vector<double> start_rest() const override { return laws_.start_rest(); }
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {

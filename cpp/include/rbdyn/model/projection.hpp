@@ -49,21 +49,20 @@ inline void add(std::span<double> x, std::span<double> low, int index, long doub
 
 class RigidProjection : public Projection {
 public:
-    /// Holds what a body has at a state: `q`, `v` its first variables. `force`: what acts on it at its centre of mass.
-    RigidProjection(const RigidLaw& law, int q, int v, const Vector3& force, std::span<const double> x)
+    /// Holds what a body has at a state x + low: `q`, `v` its first variables. Nothing but its weight acts on it.
+    RigidProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low)
         : follows_axis_(law.follows_axis) {
         const bool is_free = law.kind == RigidLaw::Kind::free;
         attitude_ = q + (is_free ? 3 : 0);
         omega_ = v + (is_free ? 3 : 0);
         for (int i = 0; i < 3; ++i) {
-            moment_[at(i)] = static_cast<Real>(law.moments[i]) + static_cast<Real>(law.moments_rest[i]);
-            rest_[at(i)] = law.coupling_rest[i];
-            arm_[at(i)] = is_free ? 0.0L : law.center[i];
-            force_[at(i)] = force[i];
+            moment_[at(i)] = RigidLaw::number<Real>(law.exact.moments[i]);
+            rest_[at(i)] = law.exact.coupling[i].lo;
+            arm_[at(i)] = RigidLaw::number<Real>(law.exact.center[i]);
+            force_[at(i)] = RigidLaw::number<Real>(law.exact.weight[i]);
         }
-        is_heavy_ = !is_free && !force.isZero(0.0) && !law.center.isZero(0.0);
-        const std::vector<double> none(x.size(), 0.0);
-        const Now now = look(x, none);
+        is_heavy_ = !is_free && norm(force_) > 0.0L && norm(arm_) > 0.0L;
+        const Now now = look(x, low);
         if (is_heavy_) {
             force_size_ = norm(force_);
             side_ = now.force[2] < 0.0L ? -1.0L : 1.0L;
@@ -101,6 +100,8 @@ public:
                 x, low, attitude_ + 4,
                 -std::copysign(4.0L * std::numbers::pi_v<long double>, static_cast<Real>(x[at(attitude_ + 4)])));
     }
+
+    bool makes_up_for_rounding() const override { return !is_heavy_; }
 
 private:
     using Real = long double;
@@ -258,17 +259,18 @@ private:
 /// half of the circle and from the highest on the upper, where it is small near rest and near the separatrix.
 class HingeProjection : public Projection {
 public:
-    HingeProjection(const RigidLaw& law, int q, int v, const Vector3& force, std::span<const double> x)
-        : angle_(q), rate_(v), moment_(law.moments[2]) {
-        const Real along = force.dot(column(law.frame, 0)), across = force.dot(column(law.frame, 1));
-        depth_ = static_cast<Real>(law.center[0]) * std::hypot(along, across);
+    HingeProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low)
+        : angle_(q), rate_(v), moment_(RigidLaw::number<Real>(law.exact.moments[2])) {
+        const RigidLaw::Exact& exact = law.exact;
+        const auto along = RigidLaw::number<Real>(exact.weight.dot(exact.frame.col(0))),
+                   across = RigidLaw::number<Real>(exact.weight.dot(exact.frame.col(1)));
+        depth_ = RigidLaw::number<Real>(exact.center[0]) * std::hypot(along, across);
         lowest_ = std::atan2(across, along);
         if (depth_ < 0.0L) {
             depth_ = -depth_;
             lowest_ += std::numbers::pi_v<long double>;
         }
-        const std::vector<double> none(x.size(), 0.0);
-        for (const bool from_lowest : {false, true}) energy_[from_lowest] = energy(x, none, from_lowest);
+        for (const bool from_lowest : {false, true}) energy_[from_lowest] = energy(x, low, from_lowest);
     }
 
     void apply(std::span<double> x, std::span<double> low, double /*step*/) const override {
@@ -306,6 +308,9 @@ public:
     explicit Projections(std::vector<std::unique_ptr<const Projection>> parts) : parts_(std::move(parts)) {}
     void apply(std::span<double> x, std::span<double> low, double step) const override {
         for (const auto& p : parts_) p->apply(x, low, step);
+    }
+    bool makes_up_for_rounding() const override {
+        return std::all_of(parts_.begin(), parts_.end(), [](const auto& p) { return p->makes_up_for_rounding(); });
     }
 
 private:

@@ -40,18 +40,18 @@ inline void change_rigid(const StateChange& c, const PointLaws::Body& body, cons
     Scene::Body changed;
     changed.position = c.position.value_or(now.position);
     changed.velocity = c.velocity.value_or(now.velocity);
-    changed.attitude = c.attitude ? c.attitude->quaternion() : now.attitude;
+    changed.attitude = c.attitude.value_or(now.attitude);
     changed.angular_velocity = joints::angular_velocity(c, changed.attitude, user, now.angular_velocity);
     changed.parameter = is_hinged ? c.angle.value_or(now.coordinate) : c.displacement.value_or(now.coordinate);
     changed.speed = c.rate.value_or(now.rate);
-    double* q = x.data() + body.first;
-    double* v = x.data() + body.first_rate;
+    DoubleDouble q[8], v[6];
     law.start(changed, q, v);
-    const auto require_finite = [&](double value) {
-        require(std::isfinite(value), user, "a number its action gives", value, "a state is finite");
+    const auto put = [&](const DoubleDouble& value) {
+        require(std::isfinite(value.hi), user, "a number its action gives", value.hi, "a state is finite");
+        return value.hi;
     };
-    std::for_each(q, q + law.positions(), require_finite);
-    std::for_each(v, v + law.velocities(), require_finite);
+    std::transform(q, q + law.positions(), x.begin() + body.first, put);
+    std::transform(v, v + law.velocities(), x.begin() + body.first_rate, put);
 }
 
 }  // namespace rbdyn

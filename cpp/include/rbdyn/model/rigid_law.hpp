@@ -10,7 +10,8 @@
 //
 // Coordinates: free: G, quaternion (w, x, y, z), spin | G', w1, w2, w3; ball joint: the same without G; hinge: psi |
 // psi'; slide: d | d'. Spin is a coordinate in the frame that does not turn only.
-// Invariant: constants that derive from the user's doubles are computed in DoubleDouble and rounded once.
+// Invariant: constants that derive from the user's doubles, and the start, are numbers of 32 digits; recorded equations
+// take them as they are, doubles take them rounded once.
 #pragma once
 
 #include <cmath>
@@ -29,24 +30,33 @@ class RigidLaw {
 public:
     enum class Kind { free, spherical, revolute, prismatic };
 
+    /// What derives from the user's doubles, in 32 digits.
+    struct Exact {
+        DoubleDouble mass;
+        Matrix3Of<DoubleDouble> frame;              // columns: the frame's axes in body axes (spin zero)
+        QuaternionOf<DoubleDouble> frame_attitude;  // of the frame in the body
+        Vector3Of<DoubleDouble> origin;             // o, in body axes
+        Vector3Of<DoubleDouble> center;             // G from o, in the frame
+        Vector3Of<DoubleDouble> moments;            // about o: on the principal axes; on a hinge [2] is I_33
+        Vector3Of<DoubleDouble> coupling;           // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
+        Vector3Of<DoubleDouble> weight;             // world
+    };
+
     Kind kind = Kind::free;
     bool follows_axis = false;  // the frame does not turn about e3
+    Exact exact;
+    // rounded
     double mass = 0.0;
-    Matrix3 frame = Matrix3::Identity();  // columns: the frame's axes in body axes (spin zero)
-    Quaternion frame_attitude;            // of the frame in the body
-    Vector3 origin = Vector3::Zero();     // o, in body axes
-    Vector3 center = Vector3::Zero();     // G from o, in the frame
-    Vector3 at = Vector3::Zero();         // where o is held, or slides from, in the world
-    Vector3 moments = Vector3::Ones();    // about o: on the principal axes; on a hinge [2] is I_33
-    Vector3 coupling = Vector3::Zero();   // (B - C)/A, (C - A)/B, (A - B)/C; following the axis: C/A in all
-    Vector3 moments_rest = Vector3::Zero(), coupling_rest = Vector3::Zero();  // what these are short of 32 digits
-    Matrix3 inertia = Matrix3::Zero();                                        // about G, in the frame
+    Matrix3 frame = Matrix3::Identity();
+    Quaternion frame_attitude;
+    Vector3 origin = Vector3::Zero(), center = Vector3::Zero(), moments = Vector3::Ones();
+    Vector3 at = Vector3::Zero();       // where o is held, or slides from, in the world
+    Matrix3 inertia = Matrix3::Zero();  // about G, in the frame
 
     /// Of a body of a scene.
     [[gnu::cold]] RigidLaw(const Scene& scene, int index) {
         const Scene::Body& b = scene.bodies()[static_cast<std::size_t>(index)];
         const RigidBody& body = *b.rigid();
-        mass = body.mass();
         if (const Spherical* joint = std::get_if<Spherical>(&b.joint)) {
             kind = Kind::spherical;
             at = joint->at;
@@ -62,22 +72,29 @@ public:
         } else {
             origin = body.com();
         }
-        const MassProperties exact = body.exact();
-        const Vector3Of<DoubleDouble> o = widened(origin);
-        const Matrix3Of<DoubleDouble> about_o = kind == Kind::free ? exact.inertia : inertia_about(exact, o);
-        const Vector3Of<DoubleDouble> to_center = exact.com - o;
+        const MassProperties& given = body.exact();
+        exact.mass = given.mass;
+        exact.origin = kind == Kind::free ? given.com : widened(origin);
+        for (int i = 0; i < 3; ++i) exact.weight[i] = given.mass * scene.gravity()[i];
+        const Matrix3Of<DoubleDouble> about_o = kind == Kind::free ? given.inertia : inertia_about(given, exact.origin);
+        const Vector3Of<DoubleDouble> to_center = given.com - exact.origin;
         if (turns_freely()) {
-            choose_principal_frame(scene, index, principal_axes(about_o), rounded(to_center));
+            choose_principal_frame(scene, index, principal_axes(about_o), to_center);
         } else {
-            frame = hinge_frame(
-                kind == Kind::revolute ? std::get<Revolute>(b.joint).axis : std::get<Prismatic>(b.joint).axis,
-                rounded(to_center));
-            const Vector3Of<DoubleDouble> e3 = widened(column(frame, 2));
-            moments[2] = double(dot<DoubleDouble>(e3, product(about_o, e3)) / dot<DoubleDouble>(e3, e3));
+            const Vector3& axis =
+                kind == Kind::revolute ? std::get<Revolute>(b.joint).axis : std::get<Prismatic>(b.joint).axis;
+            exact.frame = hinge_frame(widened(axis), to_center);
+            const Vector3Of<DoubleDouble>& e3 = exact.frame.col(2);
+            exact.moments = {1.0, 1.0, dot<DoubleDouble>(e3, product(about_o, e3))};
         }
-        frame_attitude = Attitude(frame).quaternion();
-        center = kind == Kind::free ? Vector3(0, 0, 0) : in_frame(rounded(to_center));
-        inertia = frame.transpose() * (rounded(exact.inertia) * frame);
+        exact.frame_attitude = quaternion(exact.frame);
+        exact.center = in_frame(to_center);
+        mass = exact.mass.hi;
+        frame = rounded(exact.frame);
+        frame_attitude = rounded(exact.frame_attitude);
+        center = rounded(exact.center);
+        moments = rounded(exact.moments);
+        inertia = rounded(product(exact.frame.transpose(), product(given.inertia, exact.frame)));
     }
 
     bool turns_freely() const { return kind == Kind::free || kind == Kind::spherical; }
@@ -100,23 +117,25 @@ public:
     }
 
     /// The state a scene's body starts in.
-    void start(const Scene::Body& b, double* q, double* v) const {
+    void start(const Scene::Body& b, DoubleDouble* q, DoubleDouble* v) const {
         if (!turns_freely()) {
             q[0] = b.parameter;
             v[0] = b.speed;
             return;
         }
+        const QuaternionOf<DoubleDouble>& attitude = b.attitude.exact();
         if (kind == Kind::free) {
-            const Matrix3 r = rotation_matrix(b.attitude);
-            const Vector3 g = b.position + r * origin, u = b.velocity + r * b.angular_velocity.cross(origin);
+            const Matrix3Of<DoubleDouble> r = rotation_matrix(attitude);
+            const Vector3Of<DoubleDouble> g = widened(b.position) + product(r, exact.origin),
+                                          u = widened(b.velocity) + product(r, b.angular_velocity.cross(exact.origin));
             for (int i = 0; i < 3; ++i) {
                 *q++ = g[i];
                 *v++ = u[i];
             }
         }
-        const Quaternion p = b.attitude * frame_attitude;
-        const Vector3 omega = frame.transpose() * b.angular_velocity;
-        for (const double c : {p.w, p.x, p.y, p.z}) *q++ = c;
+        const QuaternionOf<DoubleDouble> p = attitude * exact.frame_attitude;
+        const Vector3Of<DoubleDouble> omega = product(exact.frame.transpose(), b.angular_velocity);
+        for (const DoubleDouble& c : {p.w, p.x, p.y, p.z}) *q++ = c;
         if (follows_axis) *q = 0.0;
         for (int i = 0; i < 3; ++i) v[i] = omega[i];
     }
@@ -171,13 +190,14 @@ public:
             case Kind::revolute: {
                 using std::cos, std::sin;
                 const S c = cos(q[0]), n = sin(q[0]);
-                const Vector3Of<S> x = constant<S>(column(frame, 0)), y = constant<S>(column(frame, 1));
-                s.axes = {x * c + y * n, y * c - x * n, constant<S>(column(frame, 2))};
+                const Vector3Of<S> x = constant<S>(exact.frame.col(0)), y = constant<S>(exact.frame.col(1));
+                s.axes = {x * c + y * n, y * c - x * n, constant<S>(exact.frame.col(2))};
                 s.omega[2] = s.turning[2] = v[0];
                 break;
             }
             case Kind::prismatic:
-                s.axes = {constant<S>(column(frame, 0)), constant<S>(column(frame, 1)), constant<S>(column(frame, 2))};
+                s.axes = {constant<S>(exact.frame.col(0)), constant<S>(exact.frame.col(1)),
+                          constant<S>(exact.frame.col(2))};
                 s.r += s.axes.e3 * q[0];
                 s.v = s.axes.e3 * v[0];
                 break;
@@ -194,18 +214,18 @@ public:
     void rates(const RigidState<S>& s, const S* q, const Wrench<S>& w, S* q_rate, S* v_rate) const {
         if (kind == Kind::revolute) {
             *q_rate = s.rate;
-            *v_rate = w.moment[2] / S(moments[2]);
+            *v_rate = w.moment[2] / number<S>(exact.moments[2]);
             return;
         }
         if (kind == Kind::prismatic) {
             *q_rate = s.rate;
-            *v_rate = dot<S>(s.axes.e3, w.force) / S(mass);
+            *v_rate = dot<S>(s.axes.e3, w.force) / number<S>(exact.mass);
             return;
         }
         if (kind == Kind::free) {
             for (int i = 0; i < 3; ++i) {
                 *q_rate++ = s.v[i];
-                *v_rate++ = w.force[i] / S(mass);
+                *v_rate++ = w.force[i] / number<S>(exact.mass);
             }
             q += 3;
         }
@@ -218,13 +238,15 @@ public:
         const Vector3Of<S>& o = s.omega;
         if (follows_axis) {
             q_rate[4] = o[2];
-            v_rate[0] = w.moment[0] / S(moments[0]) - S(coupling[0]) * o[2] * o[1];
-            v_rate[1] = w.moment[1] / S(moments[0]) + S(coupling[0]) * o[2] * o[0];
+            const S across = number<S>(exact.moments[0]), coupling = number<S>(exact.coupling[0]);
+            v_rate[0] = w.moment[0] / across - coupling * o[2] * o[1];
+            v_rate[1] = w.moment[1] / across + coupling * o[2] * o[0];
             v_rate[2] = S(0.0);
             return;
         }
         for (int i = 0; i < 3; ++i)
-            v_rate[i] = S(coupling[i]) * (o[(i + 1) % 3] * o[(i + 2) % 3]) + w.moment[i] / S(moments[i]);
+            v_rate[i] = number<S>(exact.coupling[i]) * (o[(i + 1) % 3] * o[(i + 2) % 3]) +
+                        w.moment[i] / number<S>(exact.moments[i]);
     }
 
     /// The coordinates, or the velocities, that share a scale: an attitude's is 1.
@@ -255,24 +277,26 @@ public:
     /// A vector of the frame in body axes, and one of the body in the frame.
     template <class S>
     Vector3Of<S> to_body(const RigidState<S>& s, const Vector3Of<S>& a) const {
-        return curves::turned<S>(frame, follows_axis ? spun(a, S(-s.spin)) : a);
+        return turned<S>(exact.frame, follows_axis ? spun(a, S(-s.spin)) : a);
     }
     template <class S>
     Vector3Of<S> from_body(const RigidState<S>& s, const Vector3Of<S>& a) const {
-        const Vector3Of<S> b = curves::turned<S>(frame.transpose(), a);
+        const Vector3Of<S> b = turned<S>(exact.frame.transpose(), a);
         return follows_axis ? spun(b, s.spin) : b;
     }
     /// The body's own axes in the world.
     template <class S>
     AxesOf<S> body_axes(const RigidState<S>& s) const {
-        if (kind == Kind::prismatic) return {constant<S>({1, 0, 0}), constant<S>({0, 1, 0}), constant<S>({0, 0, 1})};
-        const auto axis = [&](const Vector3& e) { return s.to_world(from_body(s, constant<S>(e))); };
-        return {axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1})};
+        const auto axis = [&](int i) {
+            const Vector3Of<S> e = constant<S>(Vector3(Vector3::Unit(i)));
+            return kind == Kind::prismatic ? e : s.to_world(from_body(s, e));
+        };
+        return {axis(0), axis(1), axis(2)};
     }
     /// The origin of the body's axes from o, in the frame.
     template <class S>
     Vector3Of<S> origin_in_frame(const RigidState<S>& s) const {
-        return from_body(s, constant<S>(-origin));
+        return from_body(s, constant<S>(-exact.origin));
     }
     /// The acceleration of a point of the body, world axes; what accelerations() says is given.
     template <class S>
@@ -288,22 +312,41 @@ public:
         if (kind == Kind::prismatic) return {S(1.0), S(0.0), S(0.0), S(0.0)};
         if (kind == Kind::revolute) {
             const S half = s.coordinate * S(0.5), n = sin(half);
-            const Vector3 e = column(frame, 2);
-            return {cos(half), n * S(e[0]), n * S(e[1]), n * S(e[2])};
+            const Vector3Of<S> e = constant<S>(exact.frame.col(2));
+            return {cos(half), n * e[0], n * e[1], n * e[2]};
         }
         QuaternionOf<S> q = s.attitude;
         if (follows_axis) {
             const S half = s.spin * S(0.5);
             q = q * QuaternionOf<S>{cos(half), S(0.0), S(0.0), sin(half)};
         }
-        const Quaternion& f = frame_attitude;
-        if (f == Quaternion{}) return q;
-        return q * QuaternionOf<S>{S(f.w), S(-f.x), S(-f.y), S(-f.z)};
+        const QuaternionOf<DoubleDouble>& f = exact.frame_attitude;
+        if (f == QuaternionOf<DoubleDouble>{}) return q;
+        return q * QuaternionOf<S>{number<S>(f.w), number<S>(-f.x), number<S>(-f.y), number<S>(-f.z)};
     }
 
     /// A point given in body axes, in the frame; with spin zero.
-    Vector3 point_in_frame(const Vector3& p) const { return in_frame(p - origin); }
+    Vector3Of<DoubleDouble> point_in_frame(const Vector3& p) const { return in_frame(widened(p) - exact.origin); }
 
+    template <class S>
+    static S number(const DoubleDouble& x) {
+        if constexpr (std::is_same_v<S, Expression>)
+            return x;
+        else
+            return static_cast<S>(x.hi) + static_cast<S>(x.lo);
+    }
+    template <class S>
+    static Vector3Of<S> constant(const Vector3Of<DoubleDouble>& a) {
+        return Vector3Of<S>(number<S>(a[0]), number<S>(a[1]), number<S>(a[2]));
+    }
+    /// m v
+    template <class S>
+    static Vector3Of<S> turned(const Matrix3Of<DoubleDouble>& m, const Vector3Of<S>& v) {
+        Vector3Of<S> result;
+        for (int i = 0; i < 3; ++i)
+            result[i] = number<S>(m(i, 0)) * v[0] + number<S>(m(i, 1)) * v[1] + number<S>(m(i, 2)) * v[2];
+        return result;
+    }
     template <class S>
     static Vector3Of<S> constant(const Vector3& a) {
         return Vector3Of<S>(S(a[0]), S(a[1]), S(a[2]));
@@ -317,6 +360,9 @@ public:
     }
 
 private:
+    // how far from the axis, over the distance from o, doubles leave a point that is on it
+    static constexpr double off_axis = 4.0 * std::numeric_limits<double>::epsilon();
+
     /// v turned about e3.
     template <class S>
     static Vector3Of<S> spun(const Vector3Of<S>& a, const S& angle) {
@@ -331,23 +377,35 @@ private:
         return {q.w / n, q.x / n, q.y / n, q.z / n};
     }
 
-    /// v in components of the frame, without what is rounding in them.
-    Vector3 in_frame(const Vector3& v) const {
-        Vector3 c = frame.transpose() * v;
+    /// v in components of the frame, without what is rounding in them: that of 32 digits, or of the doubles that put it
+    /// on the axis that the frame follows.
+    Vector3Of<DoubleDouble> in_frame(const Vector3Of<DoubleDouble>& v) const {
+        Vector3Of<DoubleDouble> c = product(exact.frame.transpose(), v);
+        const double size = rounded(v).norm();
         for (int i = 0; i < 3; ++i)
-            if (std::abs(c[i]) <= 4.0 * std::numeric_limits<double>::epsilon() * v.norm()) c[i] = 0.0;
+            if (std::abs(c[i].hi) <= (follows_axis ? off_axis : 0x1p-98) * size) c[i] = 0.0;
         return c;
     }
 
     /// e3 along the axis, G in the plane of e3 and e1.
-    static Matrix3 hinge_frame(const Vector3& axis, const Vector3& to_center) {
-        const Vector3 across = to_center - axis * (axis.dot(to_center) / axis.squaredNorm());
-        const bool has_arm = across.norm() > 1e-15 * to_center.norm();
-        const curves::LongVector z = curves::unit_long(axis);
-        curves::LongVector x = curves::unit_long(has_arm ? to_center : least_along(axis));
-        x = curves::across(z, x);
-        x /= x.norm();
-        return curves::columns(x, z.cross(x), z);
+    static Matrix3Of<DoubleDouble> hinge_frame(const Vector3Of<DoubleDouble>& axis,
+                                               const Vector3Of<DoubleDouble>& to_center) {
+        const Vector3Of<DoubleDouble> z = unit(axis);
+        const auto across = [&](const Vector3Of<DoubleDouble>& v) { return v - scaled(z, z.dot(v)); };
+        const bool has_arm = rounded(across(to_center)).norm() > 1e-15 * rounded(to_center).norm();
+        Matrix3Of<DoubleDouble> result;
+        result.col(0) = unit(across(has_arm ? to_center : widened(least_along(rounded(z)))));
+        result.col(1) = z.cross(result.col(0));
+        result.col(2) = z;
+        return result;
+    }
+    static Vector3Of<DoubleDouble> unit(const Vector3Of<DoubleDouble>& v) {
+        // a power of two, so that squares neither overflow nor vanish
+        int exponent = 0;
+        const Vector3 size = sizes(rounded(v));
+        std::frexp(size[greatest(size)], &exponent);
+        const Vector3Of<DoubleDouble> w = scaled(v, std::ldexp(1.0, -exponent));
+        return scaled(w, 1.0 / sqrt(w.dot(w)));
     }
     /// The world axis most across a direction.
     static Vector3 least_along(const Vector3& direction) {
@@ -358,43 +416,38 @@ private:
 
     /// The principal axes about o; for a symmetric body loaded on its axis, that axis third.
     void choose_principal_frame(const Scene& scene, int index, const PrincipalAxesOf<DoubleDouble>& p,
-                                const Vector3& to_center) {
+                                const Vector3Of<DoubleDouble>& to_center) {
         int axis = -1;
         for (int i = 0; i < 3; ++i)
             if (p.moments[(i + 1) % 3] == p.moments[(i + 2) % 3]) axis = i;
         const bool is_ball = p.moments[0] == p.moments[1] && p.moments[1] == p.moments[2];
         const int first = axis < 0 ? 0 : (axis + 1) % 3;
-        Vector3Of<DoubleDouble> m;
+        Vector3Of<DoubleDouble>& m = exact.moments;
         for (int i = 0; i < 3; ++i) {
             const int k = (first + i) % 3;
-            for (int j = 0; j < 3; ++j) frame(j, i) = double(p.axes(j, k));
+            exact.frame.col(i) = p.axes.col(k);
             m[i] = p.moments[k];
         }
         // a ball turns about any of its axes: that through G
-        if (is_ball && !to_center.isZero(0.0)) frame = hinge_frame(to_center, to_center);
-        follows_axis = axis >= 0 && acts_on_axis(scene, index, column(frame, 2));
-        for (int i = 0; i < 3; ++i) {
-            const DoubleDouble c = follows_axis ? m[2] / m[0] : (m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i];
-            moments[i] = m[i].hi;
-            moments_rest[i] = m[i].lo;
-            coupling[i] = c.hi;
-            coupling_rest[i] = c.lo;
-        }
+        if (is_ball && !rounded(to_center).isZero(0.0)) exact.frame = hinge_frame(to_center, to_center);
+        follows_axis = axis >= 0 && acts_on_axis(scene, index, exact.frame.col(2));
+        for (int i = 0; i < 3; ++i)
+            exact.coupling[i] = follows_axis ? m[2] / m[0] : (m[(i + 1) % 3] - m[(i + 2) % 3]) / m[i];
     }
 
     /// Whether all that acts on a body acts at points of the axis e through o, and not along axes of the body.
-    bool acts_on_axis(const Scene& scene, int index, const Vector3& e) const {
+    bool acts_on_axis(const Scene& scene, int index, const Vector3Of<DoubleDouble>& e) const {
         const RigidBody& body = *scene.bodies()[static_cast<std::size_t>(index)].rigid();
-        const auto is_on_axis = [&](const Vector3& point) {
-            const Vector3 d = point - origin;
-            return (d - e * e.dot(d)).norm() <= 4.0 * std::numeric_limits<double>::epsilon() * d.norm();
+        const auto arm_is_on_axis = [&](const Vector3Of<DoubleDouble>& d) {
+            return rounded(d - scaled(e, e.dot(d))).norm() <= off_axis * rounded(d).norm();
         };
-        if (!is_on_axis(body.com())) return false;
+        const auto is_on_axis = [&](const Vector3& point) { return arm_is_on_axis(widened(point) - exact.origin); };
+        if (!arm_is_on_axis(body.exact().com - exact.origin)) return false;
         for (const Scene::AppliedLoad& load : scene.loads()) {
             if (load.body != index || !is_present(load.load)) continue;
             const Force* force = std::get_if<Force>(&load.load);
             if (std::holds_alternative<Torque>(load.load) || (force != nullptr && force->frame() == Frame::body) ||
-                !is_on_axis(load.at.value_or(body.com())))
+                (load.at && !is_on_axis(*load.at)))
                 return false;
         }
         for (const Scene::Connection& c : scene.connections()) {

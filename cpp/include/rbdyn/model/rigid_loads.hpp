@@ -14,7 +14,7 @@ namespace rbdyn {
 /// A load on a rigid body at a point of it, in the frame (rigid_state.hpp).
 struct RigidLoad {
     Load load;
-    Vector3 point = Vector3::Zero();
+    Vector3Of<DoubleDouble> point;
 };
 
 /// Adds what a load exerts.
@@ -22,7 +22,8 @@ template <class S>
 void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const RigidLoad& load, const S& t,
               const std::string& name) {
     const Vector3Of<S> point = RigidLaw::constant<S>(load.point);
-    const auto turned = [](const Matrix3& m, const Vector3Of<S>& v) { return curves::turned<S>(m, v); };
+    const Matrix3Of<DoubleDouble>& frame = law.exact.frame;
+    const auto turned = [](const auto& m, const Vector3Of<S>& v) { return RigidLaw::turned<S>(m, v); };
     if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
         w.moment[2] -= S(spring->stiffness) * (s.coordinate - S(spring->rest_angle)) + S(spring->damping) * s.rate;
         return;
@@ -35,13 +36,13 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
             const Vector3Of<S>* e[3] = {&s.axes.e1, &s.axes.e2, &s.axes.e3};
             for (std::size_t i = 0; i < 3; ++i) {
                 const auto k = static_cast<Eigen::Index>(i);
-                const Vector3Of<S> row = turned(law.frame, Vector3Of<S>((*e[0])[k], (*e[1])[k], (*e[2])[k]));
+                const Vector3Of<S> row = turned(frame, Vector3Of<S>((*e[0])[k], (*e[1])[k], (*e[2])[k]));
                 for (std::size_t j = 0; j < 3; ++j) r[i][j] = row[static_cast<Eigen::Index>(j)];
             }
-            omega = in_body ? turned(law.frame, s.omega) : s.to_world(s.omega);
+            omega = in_body ? turned(frame, s.omega) : s.to_world(s.omega);
         }
         const Vector3Of<S> m = (*torque)(t, r, omega);
-        w.moment += in_body ? turned(law.frame.transpose(), m) : s.to_frame(m);
+        w.moment += in_body ? turned(frame.transpose(), m) : s.to_frame(m);
         return;
     }
     const Vector3Of<S> place = s.position(point), velocity = s.velocity(point);
@@ -53,7 +54,7 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
     }
     Vector3Of<S> f = force_of<S>(load.load, t, place, velocity);
     if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->frame() == Frame::body)
-        f = s.to_world(turned(law.frame.transpose(), f));
+        f = s.to_world(turned(frame.transpose(), f));
     w.add(s, f, point);
 }
 

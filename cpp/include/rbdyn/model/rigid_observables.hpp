@@ -10,7 +10,7 @@ template <class S>
 S observed(const RigidLaw& law, const RigidState<S>& s, const Wrench<S>& w, const S* v_rate, const Observable& o) {
     using std::atan2, std::sqrt;
     const auto c = static_cast<Eigen::Index>(o.component);
-    const Vector3Of<S> center = RigidLaw::constant<S>(law.center);
+    const Vector3Of<S> center = RigidLaw::constant<S>(law.exact.center);
     const auto element = [&](int row, int column) {
         const AxesOf<S> e = law.body_axes(s);
         return (column == 0 ? e.e1 : column == 1 ? e.e2 : e.e3)[row];

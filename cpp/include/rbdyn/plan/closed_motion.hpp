@@ -53,12 +53,12 @@ private:
 class FreeForm : public BodyForm {
 public:
     [[gnu::cold]] FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
-        : law_(law), rotation_(about(b, law), b.attitude, b.angular_velocity) {
+        : law_(law), rotation_(about(b, law), b.attitude.exact(), b.angular_velocity) {
         if (law.kind != RigidLaw::Kind::free) return;
-        const Matrix3Of<DoubleDouble> r = exact_rotation(b.attitude);
-        const Vector3Of<DoubleDouble> com = b.rigid()->exact().com, omega = widened(b.angular_velocity);
-        center_.emplace(widened(b.position) + product(r, com), widened(b.velocity) + product(r, omega.cross(com)),
-                        acceleration);
+        const Matrix3Of<DoubleDouble> r = rotation_matrix(b.attitude.exact());
+        const Vector3Of<DoubleDouble>& com = b.rigid()->exact().com;
+        center_.emplace(widened(b.position) + product(r, com),
+                        widened(b.velocity) + product(r, b.angular_velocity.cross(com)), acceleration);
     }
     void state(Instant since, double* q, double* v) const override {
         if (center_) {
@@ -96,28 +96,15 @@ public:
 
 private:
     [[gnu::cold]] static LagrangeTop made(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& a) {
-        const MassProperties& exact = b.rigid()->exact();
-        const PrincipalAxesOf<DoubleDouble> p = b.rigid()->principal_exact(law.origin);
-        const Matrix3Of<DoubleDouble> axes = p.axes;
-        // the law's frame is these axes in another order, but for rounding
-        Matrix3Of<DoubleDouble> frame;
-        Vector3Of<DoubleDouble> moments;
-        for (int i = 0; i < 3; ++i)
-            for (int k = 0; k < 3; ++k)
-                if (std::abs(column(law.frame, i).dot(rounded(axes.col(k)))) > 0.5) {
-                    frame.col(i) = axes.col(k);
-                    moments[i] = p.moments[k];
-                }
-        const Vector3Of<DoubleDouble> to_center = exact.com - widened(law.origin);
-        const Vector3Of<DoubleDouble> e3 = frame.col(2);
+        const RigidLaw::Exact& exact = law.exact;
         const DoubleDouble g = sqrt(dot<DoubleDouble>(a, a));
-        const Vector3Of<DoubleDouble> omega = product(frame.transpose(), widened(b.angular_velocity));
-        const auto up = rounded(a);
-        const Quaternion &f = law.frame_attitude, &q = b.attitude;
-        const QuaternionOf<DoubleDouble> start =
-            QuaternionOf<DoubleDouble>{q.w, q.x, q.y, q.z} * QuaternionOf<DoubleDouble>{f.w, f.x, f.y, f.z};
-        return {moments[0],   moments[2], exact.mass * g * dot<DoubleDouble>(to_center, e3),
-                Vector3(-up), start,      {omega[0], omega[1], omega[2]}};
+        const Vector3Of<DoubleDouble> omega = product(exact.frame.transpose(), b.angular_velocity);
+        return {exact.moments[0],
+                exact.moments[2],
+                b.rigid()->exact().mass * g * exact.center[2],
+                Vector3(-rounded(a)),
+                b.attitude.exact() * exact.frame_attitude,
+                {omega[0], omega[1], omega[2]}};
     }
     const RigidLaw law_;
     LagrangeTop top_;

@@ -15,6 +15,7 @@
 #include <limits>
 #include <numbers>
 
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
 namespace rbdyn {
@@ -29,9 +30,15 @@ struct EulerAnglesOf {
 
 using EulerAngles = EulerAnglesOf<double>;
 
-inline Quaternion quaternion(const EulerAngles& angles) {
-    return turn({0, 0, 1}, angles.psi) * turn({1, 0, 0}, angles.theta) * turn({0, 0, 1}, angles.phi);
+/// The unit quaternion of finite angles.
+inline QuaternionOf<DoubleDouble> exact_quaternion(const EulerAngles& angles) {
+    const DoubleDouble half = 0.5, psi = angles.psi, phi = angles.phi;
+    const auto tilt = sine_cosine(half * angles.theta), sum = sine_cosine(half * (psi + phi)),
+               difference = sine_cosine(half * (psi - phi));
+    return {tilt.cosine * sum.cosine, tilt.sine * difference.cosine, tilt.sine * difference.sine,
+            tilt.cosine * sum.sine};
 }
+inline Quaternion quaternion(const EulerAngles& angles) { return rounded(exact_quaternion(angles)); }
 
 namespace rotations {
 

@@ -168,17 +168,17 @@ inline void Scene::hold_attitudes() {
     std::vector<Quaternion> attitudes;
     for (Body& b : bodies_) {
         held.push_back(acting::turns(b));
-        attitudes.push_back(b.attitude);
+        attitudes.push_back(b.attitude.quaternion());
         if (!held.back()) continue;
         if (!std::holds_alternative<Free>(b.joint))
             throw InvalidInput("without: rotation is all the motion that its joint leaves " + b.name +
                                "; only a free body moves without it");
         const Vector3 com = b.rigid()->com();
-        b.position += to_world<double>(b.attitude, com);
-        b.velocity += to_world<double>(b.attitude, Vector3(b.angular_velocity.cross(com)));
+        b.position += to_world<double>(attitudes.back(), com);
+        b.velocity += to_world<double>(attitudes.back(), Vector3(rounded(b.angular_velocity).cross(com)));
         b.body = Particle{b.mass()};
         b.attitude = {};
-        b.angular_velocity = Vector3::Zero();
+        b.angular_velocity = {};
     }
     for (AppliedLoad& l : loads_) {
         const auto body = static_cast<std::size_t>(l.body);

@@ -27,19 +27,19 @@ inline void require_direction(const std::string& object, const Vector3& axis) {
 
 /// The angular velocity in body axes that a start gives, or what it is otherwise.
 template <class Start>
-Vector3 angular_velocity(const Start& start, const Quaternion& attitude, const std::string& object,
-                         const Vector3& otherwise = Vector3::Zero()) {
+Vector3Of<DoubleDouble> angular_velocity(const Start& start, const Attitude& attitude, const std::string& object,
+                                         const Vector3& otherwise = Vector3::Zero()) {
     if (start.angular_velocity && start.angular_velocity_world)
         throw InvalidInput(object +
                            ": both angular_velocity and angular_velocity_world are given; one of them says how it "
                            "turns, in body axes or in the world's");
     if (start.angular_velocity) {
         require_finite(object, "angular_velocity", *start.angular_velocity);
-        return *start.angular_velocity;
+        return widened(*start.angular_velocity);
     }
-    if (!start.angular_velocity_world) return otherwise;
+    if (!start.angular_velocity_world) return widened(otherwise);
     require_finite(object, "angular_velocity_world", *start.angular_velocity_world);
-    return to_body<double>(attitude, *start.angular_velocity_world);
+    return to_body<DoubleDouble>(attitude.exact(), widened(*start.angular_velocity_world));
 }
 
 }  // namespace joints

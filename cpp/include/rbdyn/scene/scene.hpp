@@ -24,8 +24,8 @@ public:
         Joint joint = Free{};
         Vector3 position = Vector3::Zero(), velocity = Vector3::Zero();  // the start of a free body
         double parameter = 0.0, speed = 0.0;                             // of a bead; of a joint with one coordinate
-        Quaternion attitude = {};                                        // of a body that turns freely
-        Vector3 angular_velocity = Vector3::Zero();                      // its own, body axes
+        Attitude attitude = {};                                          // of a body that turns freely
+        Vector3Of<DoubleDouble> angular_velocity = {};                   // its own, body axes
         std::string name;
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
@@ -113,12 +113,11 @@ public:
         joints::require_finite(name, "position", start.position);
         joints::require_finite(name, "velocity", start.velocity);
         require_turnable(body, body.com(), name);
-        const Quaternion attitude = start.attitude.quaternion();
         return add({.body = body,
                     .position = start.position,
                     .velocity = start.velocity,
-                    .attitude = attitude,
-                    .angular_velocity = joints::angular_velocity(start, attitude, name),
+                    .attitude = start.attitude,
+                    .angular_velocity = joints::angular_velocity(start, start.attitude, name),
                     .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const BodyStart& start = {}, std::string name = {}) {
@@ -129,11 +128,10 @@ public:
         joint.validate();
         name = named(std::move(name), "body");
         require_turnable(body, joint.point, name);
-        const Quaternion attitude = start.attitude.quaternion();
         return add({.body = body,
                     .joint = joint,
-                    .attitude = attitude,
-                    .angular_velocity = joints::angular_velocity(start, attitude, name),
+                    .attitude = start.attitude,
+                    .angular_velocity = joints::angular_velocity(start, start.attitude, name),
                     .name = std::move(name)});
     }
     BodyHandle add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start = {},
@@ -162,6 +160,13 @@ public:
                     .parameter = start.displacement,
                     .speed = start.rate,
                     .name = std::move(name)});
+    }
+
+    /// The start of a body that turns freely, in 32 digits: what another scene has of it.
+    void start_turning(BodyHandle body, const Attitude& attitude, const Vector3Of<DoubleDouble>& angular_velocity) {
+        require_body(body, "start_turning");
+        bodies_[static_cast<std::size_t>(body.index)].attitude = attitude;
+        bodies_[static_cast<std::size_t>(body.index)].angular_velocity = angular_velocity;
     }
 
     /// A load on a body. `at`: the point of a rigid body where a force acts, body axes [m]; else its centre of mass.

@@ -1,313 +1,113 @@
-// The equilibria of a scene of particles: all of them for one bead, for more freedoms the one that is near.
-//
-// Several freedoms: the zero of the generalized forces Q_i (F.r' of a bead, F of a free particle) at rest, by Newton's
-// method with their exact Jacobian, damped after Levenberg and Marquardt (Nocedal and Wright, "Numerical Optimization",
-// 2nd ed., sec. 10.3) in the metric of the kinetic energy, M = m |r'|^2 or m. Stable if the symmetric part of the
-// stiffness -dQ/dq is positive definite; periods 2 pi/omega from its eigenvalues omega^2 against M, where it is
-// symmetric. On rough rails that is one of the states of rest, and the others about it are not given.
+// The equilibria of a scene: all of them for one body with one coordinate, those of a body on a ball joint, and for
+// more freedoms one (search.hpp). On rough rails that is one of the states of rest, and the others
+// about it are not given.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
+#include <array>
 #include <string>
 #include <vector>
 
-#include "rbdyn/basics/dense.hpp"
-#include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/rail_equilibria.hpp"
+#include "rbdyn/statics/path_equilibria.hpp"
+#include "rbdyn/statics/search.hpp"
 
 namespace rbdyn {
 
 namespace statics {
 
-/// The generalized forces of a scene at rest.
-class Forces {
+/// The states of rest of one body on a ball joint: stable ones first, then in the order in which they are found, from q
+/// and from attitudes spread over all. Of a family that a turn leads through there is one; of any other, what is found
+/// from q alone.
+class BallEquilibria {
 public:
-    explicit Forces(const Scene& scene) : model_(scene, planning::view_of(scene)) {
-        for (const PointLaws::Body& b : laws().bodies()) {
-            first_.push_back(freedoms_);
-            freedoms_ += b.curve ? 1 : 3;
-        }
-    }
-    const PointLaws& laws() const { return model_.laws(); }
-    int freedoms() const { return freedoms_; }
-    int bodies() const { return static_cast<int>(first_.size()); }
-    int first(int body) const { return first_[at(body)]; }
+    BallEquilibria(const Scene& scene, std::vector<double> q) : forces_(scene), start_(std::move(q)) {}
 
-    /// The coordinates the scene starts in.
-    std::vector<double> start() const {
-        std::vector<double> q(at(freedoms_));
-        for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws().body(i);
-            for (int k = 0; k < (b.curve ? 1 : 3); ++k) q[at(first(i) + k)] = b.curve ? b.start_u : b.start_position[k];
-        }
-        return q;
-    }
-
-    /// What a state says: Q, its Jacobian, the metric, and the sizes of the terms of Q.
-    struct State {
-        std::vector<double> force, metric, effort;
-        SquareMatrix jacobian;
-        bool pushed = true;  // rails that only push do so
-        bool is_finite() const {
-            const auto all_finite = [](const std::vector<double>& v) {
-                return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
-            };
-            return all_finite(force) && all_finite(jacobian.entries());
-        }
-        /// Q^T M^-1 Q
-        double misfit() const {
-            double sum = 0.0;
-            for (std::size_t i = 0; i < force.size(); ++i) sum += force[i] * force[i] / metric[i];
-            return sum;
-        }
-    };
-    State at_rest(const std::vector<double>& q) {
-        choose(q);
-        State s;
-        s.force.resize(at(freedoms_));
-        s.metric.resize(at(freedoms_));
-        s.effort.resize(at(freedoms_));
-        s.jacobian = SquareMatrix(freedoms_);
-        values_->differentiate(0.0, q);
-        for (int i = 0; i < freedoms_; ++i) {
-            s.force[at(i)] = values_->output(i);
-            for (int j = 0; j < freedoms_; ++j) s.jacobian(i, j) = values_->derivative(i, j);
-        }
-        std::vector<PointState<double>> states;
-        const double zero[3] = {0.0, 0.0, 0.0};
-        for (int i = 0; i < bodies(); ++i)
-            states.push_back(laws().moving<double>(laws().body(i), 0.0, &q[at(first(i))], zero, false));
-        for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws().body(i);
-            const double size = effort(laws(), i, states);
-            const CurvePoint<double>& c = states[at(i)].curve;
-            for (int k = first(i); k < first(i) + (b.curve ? 1 : 3); ++k) {
-                s.metric[at(k)] = b.curve ? b.mass * c.speed_squared : b.mass;
-                s.effort[at(k)] = b.curve ? std::sqrt(c.speed_squared) * size : size;
-            }
-            if (b.side == RailSide::both) continue;
-            const auto f = laws().resultant<double>(i, 0.0, states, false, [](double w) { return w; });
-            s.pushed = s.pushed && -b.binormal.dot(c.first.cross(f.force)) >=
-                                       -16.0 * std::numeric_limits<double>::epsilon() * s.effort[at(first(i))];
-        }
-        return s;
-    }
-    /// What is not finite in a state, in words.
-    std::string not_finite(const std::vector<double>& q) const {
-        Mode mode;
-        mode.slip.assign(at(bodies()), 1);
-        std::vector<double> x = model_.start();
-        std::fill(x.begin() + laws().positions(), x.end(), 0.0);
-        for (int i = 0; i < bodies(); ++i)
-            for (int k = 0; k < (laws().body(i).curve ? 1 : 3); ++k)
-                x[at(laws().body(i).first + k)] = q[at(first(i) + k)];
-        const std::string what = model_.not_finite(mode, 0.0, x);
-        return what.empty() ? "a derivative of the forces" : what;
+    std::vector<Equilibrium> find() {
+        look_from(start_);
+        // the 24 attitudes of a cube, out of line with all that is symmetric
+        const Vector3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1), aside = direction(Vector3(1, 2, 4));
+        constexpr double quarter = 0.5 * std::numbers::pi;
+        for (const auto& [axis, up] : {std::pair(x, 0), {x, 1}, {x, 2}, {x, 3}, {y, 1}, {y, 3}})
+            for (int k = 0; k < 4; ++k)
+                look_from(turned(turned(turned(start_, z, k * quarter), axis, up * quarter), aside, 0.5));
+        std::stable_sort(found_.begin(), found_.end(),
+                         [](const Equilibrium& a, const Equilibrium& b) { return a.stable && !b.stable; });
+        return found_;
     }
 
 private:
-    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-    /// The formula that is right in a state.
-    void choose(const std::vector<double>& q) {
-        if (!values_ || distinguishes_) record(q);
-        set_signs(program_, parameters_, q);
-        values_->set_parameters(parameters_);
+    Quaternion attitude(const std::vector<double>& q) const { return forces_.attitude(q, 0); }
+    std::vector<double> turned(const std::vector<double>& q, const Vector3& axis, double angle) const {
+        return forces_.turned(q, 0, axis, Vector3::Zero(), angle);
     }
-    void record(const std::vector<double>& q) {
-        using S = Expression;
-        Recorder r;
-        r.follow(0.0, q, {});
-        const S zero[3] = {0.0, 0.0, 0.0};
-        std::vector<PointState<S>> states;
-        for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws().body(i);
-            std::vector<S> own;
-            for (int k = 0; k < (b.curve ? 1 : 3); ++k) own.push_back(r.input(first(i) + k));
-            states.push_back(laws().moving<S>(b, S(0.0), own.data(), zero, false));
+    void look_from(std::vector<double> q) {
+        if (!found_.empty() && !forces_.at_rest(q).is_finite()) return;
+        if (!relax(forces_, q)) return;
+        const Judgement here = judged(forces_, std::move(q), start_);
+        if (!here.is_decided && !places_.empty()) return;
+        for (std::size_t k = 0; k < places_.size(); ++k) {
+            const Quaternion between = attitude(here.place) * conjugate(attitude(places_[k]));
+            Vector3 apart(between.x, between.y, between.z);
+            for (const Vector3& axis : found_[k].axes) apart -= axis * axis.dot(apart);
+            // as near as zeros of higher order are found
+            if (apart.norm() < 1e-6) return;
         }
-        std::vector<S> outputs;
-        for (int i = 0; i < bodies(); ++i) {
-            const auto f = laws().resultant<S>(i, S(0.0), states, false, [](const S& w) { return w; });
-            if (laws().body(i).curve)
-                outputs.push_back(dot<S>(states[at(i)].curve.first, f.force));
-            else
-                for (int k = 0; k < 3; ++k) outputs.push_back(f.force[k]);
-        }
-        program_ = Program(r, outputs, freedoms_);
-        distinguishes_ = !r.branches().empty();
-        parameters_.clear();
-        values_ = std::make_unique<JacobianEvaluator>(program_);
+        found_.push_back(here.equilibrium);
+        places_.push_back(here.place);
     }
 
-    PointsModel model_;
-    std::vector<int> first_;
-    int freedoms_ = 0;
-    Program program_;
-    std::vector<double> parameters_;
-    std::unique_ptr<JacobianEvaluator> values_;
-    bool distinguishes_ = false;
+    Forces forces_;
+    std::vector<double> start_;
+    std::vector<Equilibrium> found_;
+    std::vector<std::vector<double>> places_;
 };
-
-/// The zero of the forces near q, in place; whether there is one.
-inline bool relax(Forces& forces, std::vector<double>& q) {
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    const int n = forces.freedoms();
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    // q - step, on the rails
-    const auto moved = [&](const std::vector<double>& from, const std::vector<double>& step) {
-        std::vector<double> to = from;
-        for (int i = 0; i < n; ++i) to[at(i)] -= step[at(i)];
-        for (int i = 0; i < forces.bodies(); ++i)
-            if (const auto& curve = forces.laws().body(i).curve) {
-                double& u = to[at(forces.first(i))];
-                u = std::clamp(u, curve->domain().begin, curve->domain().end);
-            }
-        return to;
-    };
-    const std::vector<double> start = q;
-    Forces::State now = forces.at_rest(q);
-    if (!now.is_finite())
-        throw InvalidInput("equilibria: where the search begins, " + forces.not_finite(q) +
-                           " is not finite; begin elsewhere (near)");
-    std::vector<double> most = now.effort;
-    const auto is_zero = [&](const Forces::State& s, const std::vector<double>& x, double slack) {
-        for (int i = 0; i < n; ++i) {
-            double rounding = 16.0 * s.effort[at(i)];
-            for (int j = 0; j < n; ++j) rounding += 4.0 * std::abs(s.jacobian(i, j) * x[at(j)]);
-            if (std::abs(s.force[at(i)]) > slack * epsilon * rounding) return false;
-        }
-        return true;
-    };
-    // far away damping finds the way, near the zero Newton's steps are taken whole
-    double damping = 0.0;
-    bool found = false;
-    for (int iteration = 0; iteration < 300 && !found; ++iteration) {
-        if (is_zero(now, q, 64.0)) {
-            found = true;
-            break;
-        }
-        // (J^T M^-1 J + damping M) step = J^T M^-1 Q
-        SquareMatrix normal(n);
-        std::vector<double> downhill(at(n));
-        double scale = 0.0;
-        for (int i = 0; i < n; ++i) {
-            for (int k = 0; k < n; ++k) {
-                const double weighted = now.jacobian(k, i) / now.metric[at(k)];
-                downhill[at(i)] += weighted * now.force[at(k)];
-                for (int j = 0; j < n; ++j) normal(i, j) += weighted * now.jacobian(k, j);
-            }
-            scale = std::max(scale, normal(i, i) / now.metric[at(i)]);
-        }
-        for (int i = 0; i < n; ++i) normal(i, i) += damping * scale * now.metric[at(i)];
-        const std::vector<double> next = moved(q, solve(normal, downhill).x);
-        Forces::State there;
-        bool is_better = false;
-        if (std::all_of(next.begin(), next.end(), [](double x) { return std::isfinite(x); })) {
-            there = forces.at_rest(next);
-            is_better = there.is_finite() && there.misfit() < now.misfit();
-        }
-        if (!is_better) {
-            // no step is too small to help only where there is no way down
-            if (damping > 1e12) break;
-            damping = std::max(8.0 * damping, 1e-3);
-            continue;
-        }
-        double gone = 0.0, taken = 0.0;
-        bool faded = true;
-        for (int i = 0; i < n; ++i) {
-            gone = std::max(gone, now.metric[at(i)] * std::pow(next[at(i)] - start[at(i)], 2));
-            taken = std::max(taken, now.metric[at(i)] * std::pow(next[at(i)] - q[at(i)], 2));
-            most[at(i)] = std::max(most[at(i)], there.effort[at(i)]);
-            faded = faded && std::abs(there.force[at(i)]) <= 1e-13 * most[at(i)];
-        }
-        q = next;
-        now = there;
-        damping = damping > 1e-9 ? 0.125 * damping : 0.0;
-        // the forces die away to a zero of higher order, the steps with them
-        found = damping == 0.0 && taken < 1e-20 * gone && faded;
-    }
-    if (!found) return false;
-    for (int iteration = 0; iteration < 4; ++iteration) {
-        const LinearSolution step = solve(now.jacobian, now.force);
-        if (!(step.pivots > n * epsilon)) break;
-        const std::vector<double> next = moved(q, step.x);
-        const Forces::State there = forces.at_rest(next);
-        if (!there.is_finite() || !(there.misfit() < now.misfit())) break;
-        q = next;
-        now = there;
-    }
-    return now.pushed;
-}
-
-/// What a scene does about a zero of its forces.
-inline Equilibrium judged(Forces& forces, const std::vector<double>& q) {
-    const Forces::State s = forces.at_rest(q);
-    const int n = forces.freedoms();
-    const auto root = [&](int i) { return std::sqrt(s.metric[static_cast<std::size_t>(i)]); };
-    SquareMatrix stiffness(n), symmetric(n);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) stiffness(i, j) = -s.jacobian(i, j) / (root(i) * root(j));
-    double twist = 0.0;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-            symmetric(i, j) = 0.5 * (stiffness(i, j) + stiffness(j, i));
-            twist = std::max(twist, std::abs(stiffness(i, j) - stiffness(j, i)));
-        }
-    const std::vector<double> squares = symmetric_eigenvalues(symmetric);
-    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * n * stiffness.largest();
-    Equilibrium e{q, squares.front() > rounding};
-    // without a potential the modes are not those of the symmetric part
-    if (twist <= rounding)
-        for (const double square : squares)
-            if (square > rounding) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(square));
-    return e;
-}
 
 }  // namespace statics
 
-/// The states of rest of a scene, velocities zero (eq. 7.16).
+/// The states of rest of a scene, velocities zero (eqs. 7.16, 7.60).
 ///
-/// One bead on a rail: all there are, in order of the parameter (rail_equilibria.hpp); `near`, its parameter, says
-/// where a rail without ends is searched, the bead's start otherwise. More freedoms: at most one, looked for from
-/// `near`, all coordinates in order of addition, or from where the scene starts. An empty list: none was found.
-/// Throws InvalidInput for a scene without bodies, with forces that depend on time or are called back, or with rails
-/// that move.
+/// One bead on a rail, one rigid body on a hinge or a slide: all there are, in order of the coordinate
+/// (path_equilibria.hpp); `near`, its coordinate, says where a path without ends is searched, the body's start
+/// otherwise. One body on a ball joint: those found from `near`, or from its start, and from attitudes spread over all,
+/// stable ones first. More freedoms: at most one, that in which a slow and damped motion from the start of the scene
+/// ends, or where that leads to none, the nearest; given `near`, the one nearest to that, stable or not. An empty list:
+/// none was found. Coordinates are those of Equilibrium, all in order of addition. Throws InvalidInput for a scene
+/// without bodies, with forces or torques that depend on time or are called back, or with rails that move.
 inline std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector<double>& near = {}) {
     const std::string user = "equilibria";
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is asked");
     const Scene now = scene.frozen();
-    int freedoms = 0;
+    int coordinates = 0;
     for (int i = 0; i < static_cast<int>(now.bodies().size()); ++i) {
         const Scene::Body& body = now.bodies()[static_cast<std::size_t>(i)];
-        if (body.rigid() != nullptr)
-            throw InvalidInput(user + ": " + body.name +
-                               " is a rigid body; states of rest are looked for among particles and beads");
         statics::require_timeless(now, i, user);
         if (const Rail* rail = body.rail();
-            rail != nullptr && !near.empty() && freedoms < static_cast<int>(near.size())) {
-            const double u = near[static_cast<std::size_t>(freedoms)];
+            rail != nullptr && !near.empty() && coordinates < static_cast<int>(near.size())) {
+            const double u = near[static_cast<std::size_t>(coordinates)];
             const Domain d = rail->curve().domain();
             require(u >= d.begin && u <= d.end, user, "near, parameter of " + body.name, u,
                     "it lies in the domain of the curve, " + text(d.begin) + " to " + text(d.end));
         }
-        freedoms += body.rail() != nullptr ? 1 : 3;
+        coordinates += statics::Forces::coordinates_of(body);
     }
-    require(near.empty() || static_cast<int>(near.size()) == freedoms, user, "number of coordinates in near",
-            static_cast<double>(near.size()), "this scene has " + std::to_string(freedoms));
+    require(near.empty() || static_cast<int>(near.size()) == coordinates, user, "number of coordinates in near",
+            static_cast<double>(near.size()), "this scene has " + std::to_string(coordinates));
     for (const double x : near) require(std::isfinite(x), user, "a coordinate of near", x, "it is finite");
-    if (now.bodies().size() == 1 && now.bodies()[0].rail() != nullptr) {
-        RailEquilibria rail(statics::alone(now, BodyHandle{0}, user),
-                            near.empty() ? now.bodies()[0].parameter : near[0]);
-        return rail.find();
+    const Scene::Body& first = now.bodies()[0];
+    if (now.bodies().size() == 1 && coordinates == 1) {
+        const double place = near.empty() ? first.parameter : near[0];
+        return PathEquilibria(first.rail() != nullptr ? statics::alone(now, BodyHandle{0}, user) : now, place).find();
     }
     statics::Forces forces(now);
-    std::vector<double> q = near.empty() ? forces.start() : near;
+    const std::vector<double> start = near.empty() ? forces.start() : forces.place(near);
+    if (now.bodies().size() == 1 && std::holds_alternative<Spherical>(first.joint))
+        return statics::BallEquilibria(now, start).find();
+    std::vector<double> q = start;
+    if (near.empty() && statics::settle(forces, q) && statics::relax(forces, q))
+        return {statics::judged(forces, std::move(q), start).equilibrium};
+    q = start;
     if (!statics::relax(forces, q)) return {};
-    return {statics::judged(forces, q)};
+    return {statics::judged(forces, std::move(q), start).equilibrium};
 }
 
 }  // namespace rbdyn

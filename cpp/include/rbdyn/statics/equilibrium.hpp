@@ -1,4 +1,4 @@
-// A state of rest of a scene (eq. 7.16).
+// A state of rest of a scene (eqs. 7.16, 7.60).
 #pragma once
 
 #include <optional>
@@ -7,16 +7,25 @@
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
 
 namespace rbdyn {
 
 /// Where a scene stays at rest, and what it does nearby.
 struct Equilibrium {
-    std::vector<double> coordinates;  // in order of addition: u of a bead; x, y, z of a free particle
-    bool stable = false;              // U has a strict maximum there, or friction holds it; not where it is indifferent
-    /// Parameters of one bead between which all is equilibrium: on a rough rail, or where no force acts along it.
+    /// In order of addition: the parameter of a bead; x, y, z of a free particle; the angle of a hinge, in (-pi, pi] if
+    /// it is all there is; the displacement of a slide; the attitude of a body on a ball joint, w, x, y, z; place and
+    /// attitude of a free body, seven numbers.
+    std::vector<double> coordinates;
+    /// U has a strict maximum there, or friction holds it; not where it is indifferent, turns about `axes` left aside.
+    bool stable = false;
+    /// Coordinates of one bead, hinge or slide between which all is equilibrium: on a rough rail, or where no force
+    /// acts along it.
     std::optional<std::pair<double, double>> interval = std::nullopt;
     std::vector<double> periods = {};  // of small oscillations [s], the longest first
+    /// Directions in the world of axes about which one body alone may be turned, and all stay at rest: a heavy body on
+    /// a ball joint about the vertical. The coordinates are those of the one that the least turn leads to.
+    std::vector<Vector3> axes = {};
 
     bool operator==(const Equilibrium&) const = default;
 };
@@ -28,6 +37,8 @@ inline std::ostream& operator<<(std::ostream& out, const Equilibrium& e) {
     if (e.interval) out << ", from " << text(e.interval->first) << " to " << text(e.interval->second);
     for (std::size_t k = 0; k < e.periods.size(); ++k) out << (k == 0 ? ", periods " : ", ") << text(e.periods[k]);
     if (!e.periods.empty()) out << " s";
+    for (const Vector3& a : e.axes)
+        out << ", free to turn about (" << text(a[0]) << ", " << text(a[1]) << ", " << text(a[2]) << ')';
     return out << '\n';
 }
 

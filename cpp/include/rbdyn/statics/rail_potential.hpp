@@ -20,8 +20,8 @@
 #include <ostream>
 #include <string>
 
+#include "rbdyn/statics/path_pieces.hpp"
 #include "rbdyn/statics/quadrature.hpp"
-#include "rbdyn/statics/rail_pieces.hpp"
 
 namespace rbdyn {
 
@@ -51,14 +51,14 @@ public:
     /// The integral of their F_t from the origin of arc length to u [J].
     double operator()(double u) const {
         if (!forces_) return 0.0;
-        RailForces::Values q(*forces_);
+        PathForces::Values q(*forces_);
         const double floor = 2.0 * std::numeric_limits<double>::epsilon() * std::abs(u - origin_) *
                              std::max(forces_->effort(u), forces_->effort(origin_));
         return statics::integral([&](double place) { return q(place); }, origin_, u, floor);
     }
 
 private:
-    std::optional<RailForces> forces_;
+    std::optional<PathForces> forces_;
     double origin_ = 0.0;
 };
 
@@ -82,7 +82,7 @@ public:
     /// F_t = dU/ds [N]. Throws InvalidInput at a cusp.
     double tangential_force(double u) const {
         curve().require_regular(on_rail(u));
-        return forces_.along_rail(u) / curves::norm(curve().first(u));
+        return forces_.along_path(u) / curves::norm(curve().first(u));
     }
     /// E = m s'^2/2 - U [J].
     double energy(double u, double speed) const { return 0.5 * mass() * speed * speed - value(u); }
@@ -103,9 +103,9 @@ public:
         const TurningPoints t = turning_points(energy, start);
         if (t.below && t.above) {
             if (*t.below < *t.above) return 2.0 * duration(*t.below, *t.above, 0.0, 0.0);
-            RailPieces pieces(forces_);
-            const statics::RailPiece& p = pieces.about(start, pieces.natural(start));
-            const double slope = p.output[RailForces::along][1] / p.half;
+            PathPieces pieces(forces_);
+            const statics::PathPiece& p = pieces.about(start, pieces.natural(start));
+            const double slope = p.output[PathForces::along][1] / p.half;
             return slope < 0.0
                        ? 2.0 * std::numbers::pi * std::sqrt(-mass() * curve().first(start).squaredNorm() / slope)
                        : std::numeric_limits<double>::infinity();
@@ -212,31 +212,31 @@ private:
 
     /// The integral of Q from a to b.
     double gained(double a, double b) const {
-        RailForces::Values q(forces_);
+        PathForces::Values q(forces_);
         return gained(q, a, b - a, forces_.effort(a));
     }
-    static double gained(RailForces::Values& q, double a, double way, double effort) {
+    static double gained(PathForces::Values& q, double a, double way, double effort) {
         return statics::integral([&](double d) { return q(a + d); }, 0.0, way, epsilon * std::abs(way) * effort);
     }
 
     /// The first turning point from `start`, where the kinetic energy is k, in one direction.
     std::optional<double> turn(double start, double k, double way) const {
-        const double q0 = way * forces_.along_rail(start);
+        const double q0 = way * forces_.along_path(start);
         const double noise = 16.0 * epsilon * forces_.effort(start);
         if (k == 0.0 && q0 <= noise) return start;
         const Domain d = curve().domain();
         const double end = way > 0.0 ? d.end : d.begin;
         const double round = curve().period();
-        RailPieces pieces(forces_);
+        PathPieces pieces(forces_);
         std::optional<double> found;
         double now = k, size = k, turn_over = round;
-        pieces.march(start, end, most_stretches, [&](const statics::RailPiece& p) {
+        pieces.march(start, end, most_stretches, [&](const statics::PathPiece& p) {
             // the kinetic energy about the middle, from what it is at the near end
             std::array<double, statics::order + 2> c{};
             double near = 0.0, far = 0.0, power = way;
             for (int i = 0; i <= statics::order; ++i) {
                 const auto at = static_cast<std::size_t>(i);
-                c[at + 1] = p.half * p.output[RailForces::along][at] / (i + 1);
+                c[at + 1] = p.half * p.output[PathForces::along][at] / (i + 1);
                 near += c[at + 1] * (i % 2 == 0 ? -way : 1.0);
                 far += c[at + 1] * power;
                 power *= way;
@@ -246,19 +246,19 @@ private:
             std::vector<double> roots = statics::roots_about_middle(c.data(), statics::order + 1);
             if (way < 0.0) std::reverse(roots.begin(), roots.end());
             for (const double x : roots) {
-                if (way * p.value(RailForces::along, x) >= 0.0) continue;
+                if (way * p.value(PathForces::along, x) >= 0.0) continue;
                 found = polished(start, k, p.place(x), p.half);
                 return false;
             }
             now = c[0] + far;
             // at the very end of the piece, within rounding
-            if (now <= 64.0 * epsilon * size && way * p.value(RailForces::along, way) < 0.0) {
+            if (now <= 64.0 * epsilon * size && way * p.value(PathForces::along, way) < 0.0) {
                 found = polished(start, k, p.place(way), p.half);
                 return false;
             }
             // with constant force: never, or the next piece
-            const bool is_constant = p.endless && p.bound() <= std::abs(p.output[RailForces::along][0]);
-            if (is_constant && way * p.output[RailForces::along][0] >= 0.0) return false;
+            const bool is_constant = p.endless && p.bound() <= std::abs(p.output[PathForces::along][0]);
+            if (is_constant && way * p.output[PathForces::along][0] >= 0.0) return false;
             // round a closed curve without loss, it goes on for ever
             const double gone = way * ((way > 0.0 ? p.end() : p.begin()) - start);
             if (round > 0.0 && gone >= turn_over) {
@@ -271,7 +271,7 @@ private:
     }
     /// The zero of the kinetic energy near u, by Newton's method with the work from the start.
     double polished(double start, double k, double u, double half) const {
-        RailForces::Values q(forces_);
+        PathForces::Values q(forces_);
         const Domain d = curve().domain();
         const double effort = forces_.effort(start);
         double best = std::numeric_limits<double>::infinity(), place = u;
@@ -295,7 +295,7 @@ private:
     }
     /// The time over a way from u, with x^2 the way gone.
     double half_duration(double u, double way, double k) const {
-        RailForces::Values q(forces_);
+        PathForces::Values q(forces_);
         const double sign = way > 0.0 ? 1.0 : -1.0, reach = std::sqrt(std::abs(way));
         const double force = std::abs(q(u)), effort = forces_.effort(u);
         double noise = 0.0;
@@ -319,7 +319,7 @@ private:
     // a bead thrown up an endless helix turns within so many, or is not waited for
     static constexpr int most_stretches = 1000;
 
-    RailForces forces_;
+    PathForces forces_;
     RailWork work_;
     double origin_ = 0.0;
 };

@@ -111,7 +111,8 @@ public:
                                "Prismatic have");
         return r.rate;
     }
-    /// Theta, psi, phi [rad], continuous in time from the start of the run (rotation/euler_angles.hpp).
+    /// Theta, psi, phi [rad], continuous in time from the start of the run (rotation/euler_angles.hpp), and there those
+    /// that its attitude was given by.
     EulerAngles euler_angles(double t, Side side = Side::after) const;
     /// Their rates [rad/s]; not finite where sin theta = 0 (eq. 7.49).
     Vector3 euler_rates(double t, Side side = Side::after) const {
@@ -165,10 +166,11 @@ private:
 
 inline EulerAngles BodyMotion::euler_angles(double t, Side side) const {
     const RigidReport now = rigid(t, side);
-    return data_->angles->at(body_, t, now.attitude, data_->record.start, [&](double time) {
-        const RigidReport r = rigid(time);
-        return std::pair(r.attitude, r.angular_velocity.norm());
-    });
+    return data_->angles->at(body_, t, now.attitude, data_->record.start, body().attitude.given_angles(),
+                             [&](double time) {
+                                 const RigidReport r = rigid(time);
+                                 return std::pair(r.attitude, r.angular_velocity.norm());
+                             });
 }
 
 /// Length and force of a spring of a run.

@@ -1,13 +1,15 @@
 // Euler angles that are continuous in time, along the motions of a run.
 //
-// From the start on, each attitude takes the angles nearest to those a fraction of a turn earlier (continue_from in
-// rotation/euler_angles.hpp). The steps are kept, so that a motion is walked through once.
+// They start as the user gave them, or with the principal values. From then on each attitude takes the angles nearest
+// to those a fraction of a turn earlier (continue_from in rotation/euler_angles.hpp). The steps are kept, so that a
+// motion is walked through once.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -19,16 +21,18 @@ namespace rbdyn {
 
 class EulerTrack {
 public:
-    /// The angles of a body at time t, where its attitude is `now`. `motion`: attitude and |omega| at a time; times
-    /// that it does not have are passed over. Where it has no start the angles are those of the attitude alone.
+    /// The angles of a body at time t, where its attitude is `now`. `given`: at the start, if they are. `motion`:
+    /// attitude and |omega| at a time; times that it does not have are passed over. Where it has no start the angles
+    /// are those of the attitude alone.
     template <class Motion>
-    EulerAngles at(int body, double t, const Quaternion& now, double start, Motion&& motion) {
+    EulerAngles at(int body, double t, const Quaternion& now, double start, const std::optional<EulerAngles>& given,
+                   Motion&& motion) {
         const std::lock_guard lock(mutex_);
         std::vector<Step>& steps = steps_[body];
         if (steps.empty()) {
             try {
                 const auto [attitude, speed] = motion(start);
-                steps.push_back({start, speed, euler_angles(attitude)});
+                steps.push_back({start, speed, given ? continue_from(*given, attitude) : euler_angles(attitude)});
             } catch (const InvalidInput&) {
                 return euler_angles(now);
             }

@@ -1,4 +1,5 @@
-// A way along a rail in pieces on which the forces are polynomials: Taylor series about the middle of each piece.
+// A way along the one coordinate of a body (path_forces.hpp) in pieces on which the forces are polynomials: Taylor
+// series about the middle of each piece.
 //
 // A piece is as long as its series holds to rounding, no longer than twice the one before, and ends where a case
 // distinction of the forces changes. Lengths are halves and doubles of one another, so that powers of two in the units
@@ -15,7 +16,7 @@
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/series/roots.hpp"
 #include "rbdyn/series/step_length.hpp"
-#include "rbdyn/statics/rail_forces.hpp"
+#include "rbdyn/statics/path_forces.hpp"
 
 namespace rbdyn {
 
@@ -38,7 +39,7 @@ inline std::vector<double> roots_about_middle(const double* c, int degree) {
 }
 
 /// A stretch [middle - half, middle + half] of a rail, with the forces on it in powers of x = (u - middle)/half.
-struct RailPiece {
+struct PathPiece {
     double middle = 0.0, half = 0.0;
     double effort = 0.0;                        // largest size of what Q is made of
     bool polynomial = false;                    // exact at any length, if no case distinction changes
@@ -55,7 +56,7 @@ struct RailPiece {
     /// The most Q can be on the piece.
     double bound() const {
         double sum = 0.0;
-        for (const double c : output[RailForces::along]) sum += std::abs(c);
+        for (const double c : output[PathForces::along]) sum += std::abs(c);
         return sum;
     }
 };
@@ -63,9 +64,9 @@ struct RailPiece {
 }  // namespace statics
 
 /// Expands the forces along a rail. An evaluation of its own, not to be shared by threads.
-class RailPieces {
+class PathPieces {
 public:
-    explicit RailPieces(const RailForces& forces) : forces_(forces), formula_(forces.first_formula()) { resolve(); }
+    explicit PathPieces(const PathForces& forces) : forces_(forces), formula_(forces.first_formula()) { resolve(); }
 
     /// Pieces from `from` towards `to` (which may be infinite), at most `most` of them, until visit(piece) is false.
     /// A place where the forces have no series is left out. Throws InvalidInput where they are not finite.
@@ -87,9 +88,9 @@ public:
             }
             if (reach <= least && !holds_) {
                 if (!is_finite_)
-                    throw InvalidInput(forces_.name() + ": at parameter " + text(piece_.middle) + " " +
-                                       forces_.not_finite(piece_.middle) +
-                                       " is not finite; it must be on the whole rail");
+                    throw InvalidInput(forces_.name() + ": at " + forces_.coordinate() + " " + text(piece_.middle) +
+                                       " " + forces_.not_finite(piece_.middle) +
+                                       " is not finite; it must be wherever the body can come");
                 from += way * std::max(2.0 * reach, 4.0 * least);
                 if (std::isfinite(to) && way * (to - from) <= 0.0) return;
                 cut = true;
@@ -116,7 +117,7 @@ public:
     }
 
     /// The forces about u, in units of `half`; for the derivatives at u itself.
-    const statics::RailPiece& about(double u, double half) {
+    const statics::PathPiece& about(double u, double half) {
         expand(u, half);
         return piece_;
     }
@@ -201,7 +202,7 @@ private:
             std::array<double, statics::order + 1> size;
             for (int k = 0; k <= statics::order; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
             const double e = piece_.effort;
-            const double scale = j >= outputs ? size[0] : j == RailForces::hold ? e * e : e;
+            const double scale = j >= outputs ? size[0] : j == PathForces::hold ? e * e : e;
             const double length =
                 std::exp2(series::log_step(size.data(), statics::order, std::max(scale, size[0]), -53.0));
             stretch_ = std::min(stretch_, length);
@@ -229,7 +230,7 @@ private:
             piece_.effort = std::max(piece_.effort, e);
             (*values_)(0.0, std::span<const double>(&u, 1));
             if (!std::isfinite(e)) continue;  // a formula that ends here
-            holds_ = std::abs(values_->output(RailForces::along) - piece_.value(RailForces::along, x)) <=
+            holds_ = std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x)) <=
                      1e-11 * piece_.effort;
         }
         return holds_;
@@ -246,11 +247,11 @@ private:
         return first;
     }
 
-    const RailForces& forces_;
-    RailForces::Formula formula_;
+    const PathForces& forces_;
+    PathForces::Formula formula_;
     std::unique_ptr<SeriesEvaluator> series_;
     std::unique_ptr<Evaluator<double>> values_;
-    statics::RailPiece piece_;
+    statics::PathPiece piece_;
     bool is_finite_ = true, holds_ = false;
     double stretch_ = 0.0;  // how much longer the piece could be
     double ratio_ = 0.0;    // where the terms of a polynomial are equal

@@ -1,12 +1,15 @@
-// The active forces on one bead at rest on a rail at rest, as functions of the rail's parameter.
+// The active forces on one body with one coordinate, at rest, as functions of it: a bead on a rail at rest and the
+// rail's parameter, a rigid body on a hinge or a slide and its angle or displacement.
 //
 // Notation: r(u) the rail's curve, r' = dr/du, F the active force at r(u) with velocity zero:
 //     Q = F.r' = |r'| F_t                                                     (eq. 7.15, in the curve's own parameter)
 //     hold = mu_s^2 |r' x F|^2 - Q^2, not negative where friction holds the bead   (eqs. 7.16, 7.25 at rest)
 //     push = -b.(r' x F), not negative where a rail that only pushes does so
-// Invariant: one bead in the scene; no force of it depends on time.
+// On a hinge Q = M_3, the moment about the axis (eq. 7.60); on a slide Q = F.e3.
+// Invariant: one body in the scene; no force of it depends on time.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,14 +27,18 @@ namespace statics {
 inline void require_timeless(const Scene& scene, int body, const std::string& user) {
     const std::string& name = scene.bodies()[static_cast<std::size_t>(body)].name;
     for (const Scene::AppliedLoad& load : scene.loads()) {
-        const Force* force = std::get_if<Force>(&load.load);
-        if (force == nullptr || load.body != body || force->is_constant()) continue;
-        const std::string subject = user + ": force \"" + force->name() + "\" on " + name;
-        if (force->callback())
-            throw InvalidInput(subject + " is called back (" + force->callback()->reason +
-                               "), so that nobody knows what it depends on; write it so that it can be recorded");
-        if (force->depends_on_time())
-            throw InvalidInput(subject + " depends on time; leave it out, or replace t by the time that is meant");
+        if (load.body != body) continue;
+        const auto check = [&](const auto* given, const char* kind) {
+            if (given == nullptr || given->is_constant()) return;
+            const std::string subject = user + ": " + kind + " \"" + given->name() + "\" on " + name;
+            if (given->callback())
+                throw InvalidInput(subject + " is called back (" + given->callback()->reason +
+                                   "), so that nobody knows what it depends on; write it so that it can be recorded");
+            if (given->function().depends_on(0))
+                throw InvalidInput(subject + " depends on time; leave it out, or replace t by the time that is meant");
+        };
+        check(std::get_if<Force>(&load.load), "force");
+        check(std::get_if<Torque>(&load.load), "torque");
     }
     const Rail* rail = scene.bodies()[static_cast<std::size_t>(body)].rail();
     if (rail == nullptr) return;
@@ -96,26 +103,48 @@ inline void set_signs(const Program& program, std::vector<double>& parameters, s
     }
 }
 
-/// The sum of the sizes of the forces on a body at rest: a force of its rounding is none [N].
-inline double effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states) {
+/// The sum of the sizes of the forces on a body at rest [N], and of their moments about the point its equations are
+/// about [N m]: what is rounding beside them is none.
+struct Effort {
+    double force = 0.0, moment = 0.0;
+
+    void add(double size, const Vector3& point) {
+        force += size;
+        moment += size * point.norm();
+    }
+};
+inline Effort effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states) {
     const PointLaws::Body& b = laws.body(body);
     const PointState<double>& p = states[static_cast<std::size_t>(body)];
     const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
-    double sum = b.force.norm();
-    for (const auto& function : b.functions) sum += force_of<double>(function, 0.0, r, zero).norm();
+    Effort sum;
+    sum.add(b.force.norm(), b.rigid ? b.rigid->center : zero);
+    for (const auto& function : b.functions) sum.force += force_of<double>(function, 0.0, r, zero).norm();
+    for (const RigidLoad& load : b.loads) {
+        if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
+            sum.moment += spring->stiffness * (std::abs(p.rigid->coordinate) + std::abs(spring->rest_angle));
+            continue;
+        }
+        Wrench<double> w;
+        add_load(w, *b.rigid, *p.rigid, load, 0.0, b.name);
+        sum.add(w.force.norm(), rounded(load.point));
+        if (std::holds_alternative<Torque>(load.load)) sum.moment += w.moment.norm();
+    }
     for (const auto& c : laws.springs()) {
         if (c.a.body != body && c.b.body != body) continue;
-        const PointLaws::SpringEnd& other = c.a.body == body ? c.b : c.a;
-        const Vector3 end = other.body >= 0 ? states[static_cast<std::size_t>(other.body)].r : other.point;
-        sum += c.spring.stiffness * (p.r.norm() + end.norm() + c.spring.rest_length);
+        const double size =
+            c.spring.stiffness * (PointLaws::motion_of<double>(c.a, states).first.norm() +
+                                  PointLaws::motion_of<double>(c.b, states).first.norm() + c.spring.rest_length);
+        for (const PointLaws::SpringEnd* end : {&c.a, &c.b})
+            if (end->body == body) sum.add(size, end->is_on_rigid ? end->point : zero);
     }
     return sum;
 }
 
 }  // namespace statics
 
-/// The forces on the only bead of a scene, along and across its rail.
-class RailForces {
+/// The forces on the only body of a scene, along its one coordinate, and across its rail.
+class PathForces {
 public:
     /// The outputs of its programs, in this order; hold on a rough rail, push on one that only pushes.
     enum Output { along = 0, hold = 1, push = 2 };
@@ -129,12 +158,38 @@ public:
         bool is_smooth = false;          // everywhere: it distinguishes nothing
     };
 
-    explicit RailForces(const Scene& scene)
+    explicit PathForces(const Scene& scene)
         : model_(std::make_shared<const PointsModel>(scene, planning::view_of(scene))), smooth_(formula(start())) {}
 
+    /// Of a bead.
     const Curve& curve() const { return *body().curve; }
     double mass() const { return body().mass; }
-    double start() const { return body().start_u; }
+
+    /// What its coordinate is, in a word.
+    std::string coordinate() const { return body().curve ? "parameter" : is_on_hinge() ? "angle" : "displacement"; }
+    bool is_on_hinge() const { return body().rigid && body().rigid->kind == RigidLaw::Kind::revolute; }
+    Domain domain() const { return body().curve ? curve().domain() : Domain{}; }
+    /// After which all is the same again; 0 if nothing is.
+    double period() const {
+        if (body().curve) return curve().period();
+        return is_on_hinge() && torsion().stiffness == 0.0 ? 2.0 * std::numbers::pi : 0.0;
+    }
+    /// The torsion springs of a hinge together.
+    TorsionSpring torsion() const {
+        TorsionSpring sum;
+        for (const RigidLoad& load : body().loads)
+            if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load); spring && spring->stiffness > 0) {
+                sum.rest_angle +=
+                    (spring->rest_angle - sum.rest_angle) * spring->stiffness / (sum.stiffness + spring->stiffness);
+                sum.stiffness += spring->stiffness;
+            }
+        return sum;
+    }
+    /// |r'|; 1 for a hinge and a slide.
+    double speed(double u) const { return body().curve ? curve().first(u).norm() : 1.0; }
+    /// Twice the kinetic energy over the squared rate of the coordinate.
+    double inertia(double u) const { return is_on_hinge() ? body().rigid->moments[2] : mass() * speed(u) * speed(u); }
+    double start() const { return body().rigid ? body().start_positions[0].hi : body().start_u; }
     bool rough() const { return body().rough; }
     bool one_sided() const { return body().side != RailSide::both; }
     const std::string& name() const { return body().name; }
@@ -146,15 +201,20 @@ public:
         r.follow(0.0, std::span<const double>(&u, 1), {});
         const S q = r.input(0), zero(0.0);
         const std::vector<PointState<S>> states{laws().moving<S>(body(), zero, &q, &zero, false)};
-        const Resultant<S> f = laws().resultant<S>(0, zero, states, false, [](const S& w) { return w; });
-        const CurvePoint<S>& c = states[0].curve;
         Formula result;
-        std::vector<S> outputs{dot<S>(c.first, f.force)};
-        const Vector3Of<S> across = cross<S>(c.first, f.force);
-        if (rough() || one_sided())
-            outputs.push_back(S(body().mu_static * body().mu_static) * dot<S>(across, across) -
-                              outputs[0] * outputs[0]);
-        if (one_sided()) outputs.push_back(-dot<S>(body().binormal, across));
+        std::vector<S> outputs;
+        if (body().rigid) {
+            outputs.push_back(along_joint<S>(states));
+        } else {
+            const Resultant<S> f = laws().resultant<S>(0, zero, states, false, [](const S& w) { return w; });
+            const CurvePoint<S>& c = states[0].curve;
+            outputs.push_back(dot<S>(c.first, f.force));
+            const Vector3Of<S> across = cross<S>(c.first, f.force);
+            if (rough() || one_sided())
+                outputs.push_back(S(body().mu_static * body().mu_static) * dot<S>(across, across) -
+                                  outputs[0] * outputs[0]);
+            if (one_sided()) outputs.push_back(-dot<S>(body().binormal, across));
+        }
         result.outputs = static_cast<int>(outputs.size());
         for (const Branch& b : r.branches()) {
             const S argument(&r, b.argument);
@@ -173,33 +233,36 @@ public:
     /// Q at places, in doubles; an evaluation of its own, not to be shared by threads.
     class Values {
     public:
-        explicit Values(const RailForces& forces) : forces_(&forces) {
+        explicit Values(const PathForces& forces) : forces_(&forces) {
             if (forces.smooth_.is_smooth) {
                 quick_.emplace(forces.smooth_.program);
                 quick_->set_parameters(forces.smooth_.parameters);
             }
         }
         double operator()(double u) {
-            if (!quick_) return forces_->along_rail(u);
+            if (!quick_) return forces_->along_path(u);
             (*quick_)(0.0, std::span<const double>(&u, 1));
             return quick_->output(along);
         }
 
     private:
-        const RailForces* forces_;
+        const PathForces* forces_;
         std::optional<Evaluator<double>> quick_;
     };
 
     /// Q, with every case distinction made at u.
-    double along_rail(double u) const {
+    double along_path(double u) const {
         const std::vector<PointState<double>> states{at_rest(u)};
+        if (body().rigid) return along_joint<double>(states);
         const auto f = laws().resultant<double>(0, 0.0, states, false, [](double w) { return w; });
         return dot<double>(states[0].curve.first, f.force);
     }
-    /// |r'| times the sum of the sizes of the forces: Q of its rounding is none.
+    /// |r'| times the sum of the sizes of the forces, or that of their moments: Q of its rounding is none.
     double effort(double u) const {
         const std::vector<PointState<double>> states{at_rest(u)};
-        return std::sqrt(states[0].curve.speed_squared) * statics::effort(laws(), 0, states);
+        const statics::Effort sum = statics::effort(laws(), 0, states);
+        if (body().rigid) return is_on_hinge() ? sum.moment : sum.force;
+        return std::sqrt(states[0].curve.speed_squared) * sum.force;
     }
     /// What is not finite at u, in words.
     std::string not_finite(double u) const {
@@ -216,6 +279,12 @@ public:
     const PointLaws::Body& body() const { return laws().body(0); }
 
 private:
+    /// Q on a hinge or a slide.
+    template <class S>
+    S along_joint(const std::vector<PointState<S>>& states) const {
+        const Wrench<S> w = laws().wrench<S>(0, S(0.0), states);
+        return is_on_hinge() ? w.moment[2] : dot<S>(states[0].rigid->axes.e3, w.force);
+    }
     PointState<double> at_rest(double u) const {
         const double zero = 0.0;
         return laws().moving<double>(body(), 0.0, &u, &zero, false);

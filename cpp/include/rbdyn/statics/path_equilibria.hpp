@@ -1,13 +1,15 @@
-// Every place where one bead stays at rest on its rail.
+// Every place where one bead stays at rest on its rail, or one rigid body on its hinge or slide.
 //
 // Smooth rail: the zeros of Q = F.r' (eq. 7.16), stable where U(s) has a strict maximum, that is where the first
 // derivative of Q that is not zero is of odd order and negative. Rough rail: the intervals where hold >= 0
-// (rail_forces.hpp). A zero of Q where r' is zero (a cusp) is none. Where a force jumps from one sign to the other
+// (path_forces.hpp). A zero of Q where r' is zero (a cusp) is none. Where a force jumps from one sign to the other
 // across zero, the corner of U between is an equilibrium too. A bead that is only pressed against an end of its rail
 // is in none.
 //
 // The rail is searched all along if it has two ends, for one round if it is closed; else on both sides of a place, as
-// far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before.
+// far as 32 stretches on which one Taylor series holds go, each up to twice as long as the one before. A hinge is
+// searched for one turn; with a torsion spring, whose moment in the end outgrows all that repeats itself, as far as
+// there can be any, 1000 turns to both sides at most.
 // Accuracy: rounding of Q over its slope. Zeros nearer than rounding lets them be told apart count as one.
 #pragma once
 
@@ -18,22 +20,25 @@
 #include <vector>
 
 #include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/rail_pieces.hpp"
+#include "rbdyn/statics/path_pieces.hpp"
 
 namespace rbdyn {
 
-class RailEquilibria {
+class PathEquilibria {
 public:
-    /// `scene`: one bead on a rail at rest. `place`: about where a rail without ends is searched.
-    RailEquilibria(const Scene& scene, double place) : forces_(scene), pieces_(forces_), place_(place) {
-        const Domain d = forces_.curve().domain();
-        round_ = forces_.curve().period();
+    /// `scene`: one body on a rail at rest, a hinge or a slide. `place`: about where a path without ends is searched.
+    PathEquilibria(const Scene& scene, double place) : forces_(scene), pieces_(forces_), place_(place) {
+        const Domain d = forces_.domain();
+        round_ = forces_.period();
+        low_ = d.begin;
+        high_ = d.end;
         if (round_ > 0.0) {
-            low_ = arc_length_origin(forces_.curve());
+            if (!std::isfinite(low_)) low_ = 0.0;
             high_ = low_ + round_;
-        } else {
-            low_ = d.begin;
-            high_ = d.end;
+        } else if (forces_.is_on_hinge()) {
+            const auto [spring, reach] = wound();
+            low_ = spring - reach;
+            high_ = spring + reach;
         }
         walk();
         std::vector<Piece> path;
@@ -56,20 +61,21 @@ public:
             Equilibrium e{{p.u}, p.stable};
             if (forces_.rough()) e.interval = {p.u, p.u};
             if (p.stable && p.slope < 0.0)
-                e.periods = {2.0 * std::numbers::pi *
-                             std::sqrt(-forces_.mass() * forces_.curve().first(p.u).squaredNorm() / p.slope)};
+                e.periods = {2.0 * std::numbers::pi * std::sqrt(-forces_.inertia(p.u) / p.slope)};
             result.push_back(std::move(e));
         }
+        if (forces_.is_on_hinge() && round_ > 0.0)
+            for (Equilibrium& e : result) turn_back(e);
         std::sort(result.begin(), result.end(),
                   [](const Equilibrium& a, const Equilibrium& b) { return a.coordinates[0] < b.coordinates[0]; });
         return result;
     }
 
 private:
-    using Piece = statics::RailPiece;
+    using Piece = statics::PathPiece;
     using Interval = std::pair<double, double>;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    static constexpr auto along = static_cast<std::size_t>(RailForces::along);
+    static constexpr auto along = static_cast<std::size_t>(PathForces::along);
 
     /// A zero of Q.
     struct Point {
@@ -77,6 +83,31 @@ private:
         bool stable = false, pushed = true;
         double slope = 0.0;  // dQ/du of a simple zero
     };
+
+    /// Where the torsion springs of a hinge have no moment together, and how far from there anything else can be as
+    /// strong: all else repeats itself after a turn.
+    std::pair<double, double> wound() {
+        const TorsionSpring spring = forces_.torsion();
+        const double turn = 2.0 * std::numbers::pi;
+        double most = 0.0;
+        pieces_.march(spring.rest_angle, spring.rest_angle + turn, most_pieces, [&](Piece p) {
+            p.output[along][0] += spring.stiffness * (p.middle - spring.rest_angle);
+            p.output[along][1] += spring.stiffness * p.half;
+            most = std::max(most, p.bound());
+            return true;
+        });
+        return {spring.rest_angle, std::min(1.0 + most / spring.stiffness, most_turns * turn)};
+    }
+    /// The angle of a hinge in (-pi, pi]; of one that stays wherever it is, that of the start.
+    void turn_back(Equilibrium& e) const {
+        double& angle = e.coordinates[0];
+        if (e.interval && e.interval->second - e.interval->first == round_) {
+            angle = place_;
+            e.interval = {place_ - 0.5 * round_, place_ + 0.5 * round_};
+        }
+        if (e.interval || !(angle > 0.5 * round_ * (1.0 + 4.0 * epsilon))) return;
+        angle -= round_;
+    }
 
     void walk() {
         const auto keep = [&](const Piece& p) {
@@ -107,7 +138,7 @@ private:
                     for (int k = 0; k <= degree; ++k)
                         derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
                 for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                    if (degree == statics::order || std::abs(p.value(RailForces::along, x)) <= p.noise())
+                    if (degree == statics::order || std::abs(p.value(PathForces::along, x)) <= p.noise())
                         splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
             }
         }
@@ -127,7 +158,7 @@ private:
         for (std::size_t j = 0; j < p.output.size(); ++j) {
             double sum = 0.0;
             for (std::size_t k = 1; k < p.output[j].size(); ++k) sum += std::abs(p.output[j][k]);
-            if (sum > (j == RailForces::hold ? hold_noise(p) : p.noise())) return false;
+            if (sum > (j == PathForces::hold ? hold_noise(p) : p.noise())) return false;
         }
         return true;
     }
@@ -137,7 +168,7 @@ private:
         return 2.0 * (1.0 + mu * mu) * p.effort * p.noise();
     }
     double hold_noise(const Piece& p, double x) const {
-        const double q = p.value(RailForces::along, x), noise = p.noise();
+        const double q = p.value(PathForces::along, x), noise = p.noise();
         return 32.0 * epsilon * q * q + noise * noise;
     }
     static bool adjoin(double end, const Piece& p) {
@@ -162,10 +193,10 @@ private:
                 for (int k = 0; k <= degree; ++k)
                     derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
                 for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                    if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
+                    if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
             }
             for (const double x : {-1.0, 1.0})
-                if (std::abs(p.value(RailForces::along, x)) <= noise) add(p, x);
+                if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
             if (i > 0) add_jump(path_[i - 1], p);
         }
         finish(flat_);
@@ -217,7 +248,7 @@ private:
                 point.u = end;
         if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
         // at a cusp r' vanishes, and Q with it
-        const auto speed = [&](double u) { return forces_.curve().first(u).norm(); };
+        const auto speed = [&](double u) { return forces_.speed(u); };
         const double aside = 0x1p-6 * piece.half;
         if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
         point.stable = m % 2 == 1 && lead < 0.0;
@@ -228,11 +259,11 @@ private:
     void add_jump(const Piece& before, const Piece& after) {
         const double gap = after.begin() - before.end(), noise = std::max(before.noise(), after.noise());
         if (!after.cut_below || gap > 1e-11 * std::max(std::abs(after.begin()), after.half)) return;
-        const double from = before.value(RailForces::along, 1.0), to = after.value(RailForces::along, -1.0);
+        const double from = before.value(PathForces::along, 1.0), to = after.value(PathForces::along, -1.0);
         if (std::abs(from) <= noise || std::abs(to) <= noise || (from > 0.0) == (to > 0.0)) return;
         // at a pole it grows beyond all bounds
-        const double from_before = before.value(RailForces::along, -1.0),
-                     to_after = after.value(RailForces::along, 1.0);
+        const double from_before = before.value(PathForces::along, -1.0),
+                     to_after = after.value(PathForces::along, 1.0);
         if (gap > 0.0 && !adjoin(before.end(), after) &&
             (std::abs(from) > 1.5 * std::abs(from_before) || std::abs(to) > 1.5 * std::abs(to_after)))
             return;
@@ -242,7 +273,7 @@ private:
     /// A zero where the formula of the force changes.
     void add_corner(double u, double half) {
         const double step = 1e-6 * half;
-        const double before = forces_.along_rail(u - step), after = forces_.along_rail(u + step);
+        const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
         Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u), 0.0};
         // no corner after all: the same slope on both sides
         const double left = -before / step, right = after / step;
@@ -268,7 +299,7 @@ private:
     bool is_pushed(double u) {
         if (!forces_.one_sided()) return true;
         const Piece& p = pieces_.about(u, 1.0);
-        return p.output[RailForces::push][0] >= -p.noise();
+        return p.output[PathForces::push][0] >= -p.noise();
     }
 
     // --- intervals ---
@@ -277,8 +308,8 @@ private:
         for (const Piece& p : path_) {
             const double noise = p.noise();
             std::vector<std::pair<double, int>> roots{{-1.0, -1}};
-            for (const int k : {RailForces::hold, RailForces::push}) {
-                if (k == RailForces::push && !forces_.one_sided()) continue;
+            for (const int k : {PathForces::hold, PathForces::push}) {
+                if (k == PathForces::push && !forces_.one_sided()) continue;
                 for (const double x :
                      statics::roots_about_middle(p.output[static_cast<std::size_t>(k)].data(), statics::order))
                     roots.emplace_back(x, k);
@@ -287,8 +318,8 @@ private:
             std::sort(roots.begin(), roots.end());
             for (std::size_t j = 0; j + 1 < roots.size(); ++j) {
                 const double x = 0.5 * (roots[j].first + roots[j + 1].first);
-                if (p.value(RailForces::hold, x) < -hold_noise(p, x)) continue;
-                if (forces_.one_sided() && p.value(RailForces::push, x) < -noise) continue;
+                if (p.value(PathForces::hold, x) < -hold_noise(p, x)) continue;
+                if (forces_.one_sided() && p.value(PathForces::push, x) < -noise) continue;
                 const auto [from, from_root] = roots[j];
                 const auto [to, to_root] = roots[j + 1];
                 const double begin = p.place(from), end = p.place(to);
@@ -383,11 +414,13 @@ private:
 
     // enough for a rail that is everything but smooth; and each way on one without end
     static constexpr int most_pieces = 20000, most_stretches = 32;
+    // of a hinge with a torsion spring, to each side: some 10000 pieces
+    static constexpr double most_turns = 1000.0;
     // a zero where the forces vanish too is closed in on so far, which leaves its piece longer than rounding of u
     static constexpr int most_halvings = 24;
 
-    RailForces forces_;
-    RailPieces pieces_;
+    PathForces forces_;
+    PathPieces pieces_;
     double place_;
     double low_ = 0.0, high_ = 0.0, round_ = 0.0;
     std::vector<Piece> path_;

@@ -1,0 +1,99 @@
+// The heavy body in Euler angles, and the run of its state; simulate() of it is in verbs.cpp.
+#include <algorithm>
+#include <rbdyn/model/euler_top.hpp>
+#include <rbdyn/simulate.hpp>
+
+#include "run.hpp"
+
+namespace binding {
+
+using rbdyn::EulerTop, rbdyn::StateRun;
+
+namespace {
+
+/// States at a time or at an array of them; the variables come last.
+Vectors states(const StateRun& run, const ArrayLike& times, const SideName& name) {
+    const rbdyn::Side side = side_of(name);
+    const Array t = doubles(times, "StateRun", "time");
+    std::vector<py::ssize_t> shape(t.shape(), t.shape() + t.ndim());
+    shape.push_back(run.variables());
+    py::array_t<double> result(shape);
+    double* out = result.mutable_data();
+    for (py::ssize_t i = 0; i < t.size(); ++i) out = std::ranges::copy(run.state(t.data()[i], side), out).out;
+    return py::reinterpret_borrow<Vectors>(result);
+}
+
+}  // namespace
+
+void bind_euler_top(py::module_& m) {
+    py::class_<EulerTop>(m, "EulerTop",
+                         R"(A heavy rigid body with a fixed point in Euler angles (7.50-7.52, 7.58), for teaching.
+
+simulate(top, top.state(angles, angular_velocity), until) runs it; a state is (theta, psi, phi, theta', psi', phi')
+[rad, rad/s]. Euler angles fail at theta = 0 and pi, where the motion does not: a run ends where |sin theta| falls to
+`least`, status "stopped by event", the event "sin theta too small for Euler angles". A body of a Scene is computed in
+quaternions and goes on.)")
+        .def(py::init([](const rbdyn::RigidBody& body, double gravity, const ArrayLike& point, double least) {
+                 return EulerTop(body, gravity, vector3(point, "EulerTop", "point"), least);
+             }),
+             py::arg("body"), py::arg("gravity"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0), py::kw_only(),
+             py::arg("least") = EulerTop::default_least,
+             R"(gravity [m/s^2], along -z of the world; point (3,), the one that is held, in body axes [m].
+
+The body's axes are principal at that point. Raises InvalidInput for others.)")
+        .def_static(
+            "state",
+            [](const rbdyn::EulerAngles& angles, const ArrayLike& angular_velocity) {
+                const std::vector<double> x =
+                    EulerTop::state(angles, vector3(angular_velocity, "EulerTop", "angular_velocity"));
+                return py::array_t<double>(static_cast<py::ssize_t>(x.size()), x.data());
+            },
+            py::arg("angles"), py::arg("angular_velocity"),
+            "The state (6,) of EulerAngles and an angular velocity in body axes (3,) [rad/s].")
+        .def(
+            "rates",
+            [](const EulerTop& top, const ArrayLike& state) {
+                const std::vector<double> x = list_of_doubles(state, "EulerTop", "state");
+                rbdyn::require(x.size() == 6, "EulerTop", "number of variables of the state",
+                               static_cast<double>(x.size()), "it has six, theta, psi, phi and their rates");
+                py::array_t<double> rate(6);
+                top(0.0, std::span<const double>(x), std::span<double>(rate.mutable_data(), 6));
+                return rate;
+            },
+            py::arg("state"), "The derivative (6,) of a state (6,) in time: the right side of the equations.")
+        .def("__repr__", [](const EulerTop&) { return "<EulerTop>"; });
+
+    py::class_<StateRun>(m, "StateRun",
+                         "The motion of a model that is no scene: its state at any time. print() shows it.")
+        .def_property_readonly(
+            "status", [](const StateRun& r) { return name_of(r.status()); },
+            "reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or "
+            "inconsistent.")
+        .def_property_readonly(
+            "advice", [](const StateRun& r) { return advice(r.status()); }, "What to do about the status.")
+        .def_property_readonly("start", &StateRun::start, "[s]")
+        .def_property_readonly("end", &StateRun::end, "[s]")
+        .def_property_readonly("certain_until", &StateRun::certain_until,
+                               "The time up to which the motion is as accurate as asked for [s].")
+        .def_property_readonly("engine", &StateRun::engine)
+        .def_property_readonly("error", &StateRun::error,
+                               "Estimated global error, each variable relative to its own scale; None with rtol.")
+        .def_property_readonly(
+            "events",
+            [](const StateRun& r) {
+                std::vector<BoundEvent> events;
+                for (const rbdyn::Event& e : r.events()) events.push_back({e, std::nullopt});
+                return events;
+            },
+            "A list of Event in order of time.")
+        .def("state", &states, py::arg("t"), py::arg("side") = after(),
+             R"(The variables at a time [s], or at each of an array of times; they come last.
+
+side: at a jump the state "after" it, or "before". Raises InvalidInput for a time the run does not hold.)")
+        .def("__str__", &printed<StateRun>)
+        .def("__repr__", [](const StateRun& r) {
+            return "<StateRun: " + std::string(name_of(r.status())) + " at t = " + rbdyn::text(r.end()) + " s>";
+        });
+}
+
+}  // namespace binding

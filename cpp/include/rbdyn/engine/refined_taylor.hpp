@@ -1,0 +1,194 @@
+// Taylor series whose steps end where the equations in long double say: for motions that multiply the rounding of
+// doubles by more than the error asked for leaves.
+//
+// On a step p is the polynomial of the series in doubles, and what is missing, e = x - p, some 1e-16 of it, follows
+// from
+//     e' = f(p + e) - p',   e = what the state in doubles was short of, at the start
+// by collocation at Gauss's points (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.7), f and p
+// in long double with the constants of 32 digits that the program has. So p need be known to doubles only, and e to
+// three digits. The state goes on as a sum of two doubles; pieces are those of the series.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/engine/taylor.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+
+namespace rbdyn {
+
+class RefinedTaylorEngine : public TaylorEngine {
+public:
+    using TaylorEngine::TaylorEngine;
+
+    void start(const Equations& equations, std::span<const double> parameters, Instant t,
+               std::span<const double> x) override {
+        TaylorEngine::start(equations, parameters, t, x);
+        if (equations_ != &equations) evaluator_.emplace(equations.program);
+        equations_ = &equations;
+        set_parameters();
+    }
+
+    StepStatus step(double limit) override {
+        const std::vector<double> before(rest().begin(), rest().end());
+        const StepStatus status = TaylorEngine::step(limit);
+        if (status == StepStatus::ok && find_missing(before)) {
+            const std::span<double> x = replace_state();
+            for (std::size_t i = 0; i < x.size(); ++i) {
+                const Real change = increment(i) + end_[i];
+                const auto high = static_cast<double>(change);
+                const Instant sum = exact_sum(piece_.variable(static_cast<int>(i))[0], high);
+                const Instant whole = exact_sum(sum.hi, sum.lo + static_cast<double>(change - static_cast<Real>(high)));
+                x[i] = whole.hi;
+                rest()[i] = whole.lo;
+            }
+            // no rounded coefficient left anything out
+            hold(0.0);
+        }
+        if (!equations_->start_flags.empty()) set_parameters();
+        return status;
+    }
+
+private:
+    using Real = long double;
+
+    // exact for polynomials of degree 19: of a series of order 24, whose last terms are 1e-17 of it, to two digits more
+    static constexpr std::size_t points = 10;
+    // each iteration gains the factor (step times rates) / its number
+    static constexpr int most_iterations = 12;
+
+    /// Gauss's points on [0, 1], and weights of the integrals to each of them and to 1.
+    struct Rule {
+        std::array<Real, points> at;
+        std::array<std::array<Real, points>, points + 1> weight;
+
+        Rule() {
+            constexpr Real pi = 3.14159265358979323846264338327950288L;
+            std::array<Real, points> whole;
+            for (std::size_t i = 0; i < points; ++i) {
+                // zeros of Legendre's polynomial, by Newton's steps
+                Real x = -std::cos(pi * (static_cast<Real>(i) + 0.75L) / (points + 0.5L));
+                for (int k = 0; k < 8; ++k) {
+                    const auto [value, slope] = legendre(x);
+                    x -= value / slope;
+                }
+                const Real slope = legendre(x).second;
+                at[i] = 0.5L * (1.0L + x);
+                whole[i] = 1.0L / ((1.0L - x * x) * slope * slope);
+            }
+            // integrals of Lagrange's polynomials, by the same rule on each part
+            for (std::size_t row = 0; row <= points; ++row) {
+                const Real end = row < points ? at[row] : 1.0L;
+                for (std::size_t j = 0; j < points; ++j) {
+                    weight[row][j] = 0.0L;
+                    for (std::size_t k = 0; k < points; ++k) {
+                        Real product = end * whole[k];
+                        for (std::size_t m = 0; m < points; ++m)
+                            if (m != j) product *= (end * at[k] - at[m]) / (at[j] - at[m]);
+                        weight[row][j] += product;
+                    }
+                }
+            }
+        }
+        static std::pair<Real, Real> legendre(Real x) {
+            Real before = 1.0L, now = x;
+            for (std::size_t n = 2; n <= points; ++n) {
+                const auto order = static_cast<Real>(n);
+                const Real next = ((2.0L * order - 1.0L) * x * now - (order - 1.0L) * before) / order;
+                before = now;
+                now = next;
+            }
+            return {now, points * (x * now - before) / (x * x - 1.0L)};
+        }
+    };
+    static const Rule& rule() {
+        static const Rule one;
+        return one;
+    }
+
+    static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+    void set_parameters() {
+        const std::span<const double> p = parameters();
+        evaluator_->set_parameters(std::vector<Real>(p.begin(), p.end()));
+    }
+
+    /// Of the polynomial over the step.
+    Real increment(std::size_t i) const {
+        const double* c = piece_.variable(static_cast<int>(i));
+        Real sum = 0.0L;
+        for (int k = piece_.order; k > 0; --k) sum = (sum + c[k]) * static_cast<Real>(piece_.length);
+        return sum;
+    }
+
+    /// What the last step is short of at its end. Returns whether it was found: it settles, and is rounding.
+    bool find_missing(const std::vector<double>& before) {
+        const Rule& r = rule();
+        const std::size_t n = before.size();
+        const Real length = piece_.length, unit = piece_.unit;
+        // of point j from j n on
+        for (std::vector<Real>* v : {&value_, &slope_, &missing_, &residual_}) v->resize(points * n);
+        for (std::size_t j = 0; j < points; ++j)
+            for (std::size_t i = 0; i < n; ++i) {
+                const double* c = piece_.variable(static_cast<int>(i));
+                const Real tau = length * r.at[j];
+                Real p = 0.0L, slope = 0.0L;
+                for (int k = piece_.order; k >= 0; --k) {
+                    slope = slope * tau + p;
+                    p = p * tau + c[k];
+                }
+                value_[j * n + i] = p;
+                slope_[j * n + i] = slope;
+                missing_[j * n + i] = before[i];
+            }
+        end_.assign(n, 0.0L);
+        state_.resize(n);
+        for (int iteration = 0; iteration < most_iterations; ++iteration) {
+            for (std::size_t j = 0; j < points; ++j) {
+                for (std::size_t i = 0; i < n; ++i) state_[i] = value_[j * n + i] + missing_[j * n + i];
+                (*evaluator_)(static_cast<Real>(piece_.start.hi) + piece_.start.lo + unit * length * r.at[j], state_);
+                for (std::size_t i = 0; i < n; ++i)
+                    residual_[j * n + i] =
+                        length * (unit * evaluator_->output(static_cast<int>(i)) - slope_[j * n + i]);
+            }
+            const auto integral = [&](std::size_t row, std::size_t i) {
+                Real sum = before[i];
+                for (std::size_t j = 0; j < points; ++j) sum += r.weight[row][j] * residual_[j * n + i];
+                return sum;
+            };
+            Real change = 0.0L, size = 0.0L;
+            for (std::size_t i = 0; i < n; ++i) {
+                for (std::size_t j = 0; j < points; ++j) missing_[j * n + i] = integral(j, i);
+                const Real last = std::exchange(end_[i], integral(points, i));
+                change += std::abs(end_[i] - last);
+                size += std::abs(end_[i]);
+            }
+            // three digits
+            if (iteration > 1 && change <= 1e-3L * size) return is_rounding();
+        }
+        return false;
+    }
+
+    /// Whether what is missing is of the size of rounding; else it is no smooth step: a spring met its anchor, say.
+    bool is_rounding() const {
+        for (const VariableGroup& group : equations_->groups) {
+            Real missing = 0.0L, size = 0.0L;
+            for (int i = group.first; i < group.first + group.count; ++i) {
+                missing += std::abs(end_[index(i)]);
+                size += std::abs(state_[index(i)]) + std::abs(increment(index(i)));
+            }
+            if (!(missing <= 1e-8L * size)) return false;
+        }
+        return true;
+    }
+
+    const Equations* equations_ = nullptr;
+    std::optional<Evaluator<Real>> evaluator_;
+    std::vector<Real> value_, slope_, missing_, residual_, end_, state_;
+};
+
+}  // namespace rbdyn
