@@ -110,6 +110,9 @@ struct ShakenHoop {
 inline const Vector3 moments{0.875, 1.375, 1.75};
 inline constexpr double arm = 0.5;  // of the centre of mass from the joint
 
+/// A number of 32 digits, as constants that derive from others are.
+inline DoubleDouble wide(double x) { return DoubleDouble(x); }
+
 /// Euler's equations: quaternion at `q`, angular velocity at `v`, moments of inertia `I` and moment of forces `M`.
 inline void turn(Recorder& r, Rates& rates, int q, int v, const Vector3& I, const std::array<S, 3>& M) {
     const S p0 = r.input(q), p1 = r.input(q + 1), p2 = r.input(q + 2), p3 = r.input(q + 3);
@@ -118,9 +121,9 @@ inline void turn(Recorder& r, Rates& rates, int q, int v, const Vector3& I, cons
     rates.rate(q + 1) = 0.5 * (p0 * w1 + p2 * w3 - p3 * w2);
     rates.rate(q + 2) = 0.5 * (p0 * w2 + p3 * w1 - p1 * w3);
     rates.rate(q + 3) = 0.5 * (p0 * w3 + p1 * w2 - p2 * w1);
-    rates.rate(v) = (I[1] - I[2]) / I[0] * (w2 * w3) + M[0] / I[0];
-    rates.rate(v + 1) = (I[2] - I[0]) / I[1] * (w3 * w1) + M[1] / I[1];
-    rates.rate(v + 2) = (I[0] - I[1]) / I[2] * (w1 * w2) + M[2] / I[2];
+    rates.rate(v) = S(wide(I[1] - I[2]) / wide(I[0])) * (w2 * w3) + M[0] / S(wide(I[0]));
+    rates.rate(v + 1) = S(wide(I[2] - I[0]) / wide(I[1])) * (w3 * w1) + M[1] / S(wide(I[1]));
+    rates.rate(v + 2) = S(wide(I[0] - I[1]) / wide(I[2])) * (w1 * w2) + M[2] / S(wide(I[2]));
 }
 
 /// A free body: place of its centre of mass, quaternion, velocity, angular velocity.
@@ -160,7 +163,8 @@ struct Pendulum {
     static std::vector<VariableGroup> groups() { return {{0, 1, false}, {1, 1, false}}; }
     static void write(Recorder& r, Rates& rates) {
         rates.rate(0) = r.input(1);
-        if constexpr (gravity) rates.rate(1) = -(mass * g * arm) * sin(r.input(0)) / S(moments[1] + mass * arm * arm);
+        if constexpr (gravity)
+            rates.rate(1) = -(mass * g * arm) * sin(r.input(0)) / S(wide(moments[1] + mass * arm * arm));
     }
 };
 
