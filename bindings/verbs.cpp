@@ -239,12 +239,13 @@ EffectTable effects(const BoundScene& scene, double until, double start, double 
         if (!calls_python(copy)) free.emplace();
         table = rbdyn::effects(copy, options);
     } catch (const rbdyn::AccuracyError& e) {
-        raise_with({e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError", e.what());
+        raise_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError", e.what());
     } catch (const rbdyn::IntegrationError& e) {
-        raise_with({e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError", e.what());
+        raise_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError",
+                   e.what());
     }
     watch.look(1.0);
-    watch.raise_if_raised(std::nullopt);
+    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
     return *table;
 }
 
