@@ -2,7 +2,9 @@
 // else as it was, and what each effect does is told.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <numbers>
 #include <sstream>
 
 #include "proof.hpp"
@@ -100,6 +102,37 @@ TEST(Plans, announce_what_the_statistics_count) {
                 EXPECT_EQ(s.python_calls, 0);
                 EXPECT_EQ(s.jacobians, 0);
             }
+}
+
+/// A thrown ball with drag.
+BodyHandle add_ball(Scene& scene) {
+    const BodyHandle ball = scene.add(Particle{0.5}, FreeStart{{0, 0, 0}, {1, 0, 4}});
+    scene.apply(Drag{.linear = 0.25}, ball);
+    return ball;
+}
+/// A bead that slides on a rough hoop.
+BodyHandle add_bead(Scene& scene) {
+    return scene.add(Particle{1.0}, Rail(vertical_circle(1.0), Coulomb{0.15, 0.1}), {.parameter = 2.0, .speed = 6.0});
+}
+
+TEST(Plans, of_several_parts_have_the_size_of_all) {
+    Scene ball(down), bead(down), both(down);
+    add_ball(ball);
+    add_bead(bead);
+    add_ball(both);
+    add_bead(both);
+    const Plan plan = make_plan(both);
+    ASSERT_EQ(plan.parts.size(), 2u);
+    Size sum = make_plan(ball).size();
+    EXPECT_EQ(sum.variables, 4);
+    sum += make_plan(bead).size();
+    EXPECT_EQ(plan.size(), sum);
+    EXPECT_EQ(simulate(both, {.until = 1.0}).statistics().size, sum);
+    EXPECT_EQ(plan.variables(), std::pair(6, 8));
+    std::ostringstream out;
+    out << plan;
+    EXPECT_NE(out.str().find("6 of 8 variables are simulated"), std::string::npos);
+    EXPECT_NE(out.str().find("size        6 variables"), std::string::npos);
 }
 
 // --- without() ---
@@ -259,6 +292,42 @@ TEST(TablesOfEffects, keep_the_rows_beside_one_that_fails) {
     out << table;
     EXPECT_NE(out.str().find("rotation"), std::string::npos);
     EXPECT_EQ(out.str().find("nan"), std::string::npos);
+}
+
+TEST(TablesOfEffects, of_several_parts_tell_what_an_effect_does_to_its_own) {
+    Scene ball(down), bead(down), both(down);
+    add_ball(ball);
+    add_bead(bead);
+    add_ball(both);
+    add_bead(both);
+    const SimulateOptions options{.until = 2.0};
+    const EffectTable table = effects(both, options), of_ball = effects(ball, options),
+                      of_bead = effects(bead, options);
+    ASSERT_EQ(table.rows.size(), 4u);
+    EXPECT_EQ(table.events, of_ball.events + of_bead.events);
+    EXPECT_EQ(table.steps, of_ball.steps + of_bead.steps);
+    EXPECT_EQ(table["drag"].difference, of_ball["drag"].difference);
+    EXPECT_EQ(table["dynamic friction"].difference, of_bead["dynamic friction"].difference);
+    EXPECT_EQ(table["dynamic friction"].gained, of_bead["dynamic friction"].gained);
+    EXPECT_EQ(table["gravity"].difference, std::max(of_ball["gravity"].difference, of_bead["gravity"].difference));
+    for (const EffectRow& row : table.rows) EXPECT_EQ(row.note, "");
+}
+
+TEST(TablesOfEffects, tell_what_joins_two_bodies) {
+    // at rest on a spring that is stretched by 1/2 m: x = (1 - cos(2 t)) / 4; without it, two parts that stay
+    Scene scene;
+    const BodyHandle a = scene.add(Particle{1.0}, FreeStart{{0, 0, 0}});
+    const BodyHandle b = scene.add(Particle{1.0}, FreeStart{{1.5, 0, 0}});
+    const CouplingHandle spring = scene.connect(Spring{.stiffness = 2.0, .rest_length = 1.0}, a, b);
+    EXPECT_TRUE(make_plan(scene).parts.empty());
+    const Trajectory apart = simulate(scene.without(spring), {.until = 1.0});
+    EXPECT_EQ(apart.plan().parts.size(), 2u);
+    EXPECT_EQ(apart[spring].force(1.0).norm(), 0.0);
+    EXPECT_EQ(apart.statistics().size.variables, 0);
+    const EffectTable table = effects(scene, {.until = 0.875 * std::numbers::pi});
+    ASSERT_EQ(table.rows.size(), 1u);
+    // by the velocity; scales are those seen at 257 times
+    EXPECT_NEAR(table["spring"].difference, std::sqrt(0.5), 1e-4);
 }
 
 // --- sweeps ---
