@@ -24,7 +24,8 @@ void bind_plan(py::module_& m) {
         .def_readonly("coordinates", &Plan::coordinates, "One line for each body.")
         .def_readonly("effects", &Plan::effects, "Effects the scene has, such as \"gravity\" or \"static friction\".")
         .def_readonly("guards", &Plan::guards, "What is watched for.")
-        .def_property_readonly("size", &Plan::size, "Of the equations that a motion from time 0 begins with.")
+        .def_property_readonly("size", &Plan::size,
+                               "Of the equations that a motion from time 0 begins with; of several parts the sum.")
         .def_readonly("functions", &Plan::functions, "The user's own functions: traced, or called back and why.")
         .def_readonly("engine", &Plan::engine,
                       "The automatic choice; of several parts those of all, such as \"closed form, taylor\".")

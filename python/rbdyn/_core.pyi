@@ -1728,7 +1728,7 @@ class Plan:
     @property
     def size(self) -> Size:
         """
-        Of the equations that a motion from time 0 begins with.
+        Of the equations that a motion from time 0 begins with; of several parts the sum.
         """
 class Equilibrium:
     """
@@ -1957,7 +1957,7 @@ class Statistics:
     @property
     def size(self) -> Size:
         """
-        Of the equations the motion began with.
+        Of the equations the motion began with; of several parts the sum.
         """
     @property
     def steps(self) -> int:

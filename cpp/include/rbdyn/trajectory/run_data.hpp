@@ -21,7 +21,7 @@ struct Statistics {
     std::int64_t steps = 0, rejected = 0, right_hand_sides = 0, jacobians = 0, guard_evaluations = 0, events = 0;
     std::int64_t python_calls = 0;
     int runs = 1;  // integrations, those for the estimate counted
-    Size size;     // of the equations the motion began with
+    Size size;     // of the equations the motion began with; of several parts the sum
 };
 
 inline std::ostream& operator<<(std::ostream& out, const Statistics& s) {
