@@ -6,7 +6,15 @@
 namespace binding {
 
 void bind_plan(py::module_& m) {
-    using rbdyn::Plan;
+    using rbdyn::Plan, rbdyn::Size;
+    py::class_<Size>(m, "Size", "How much is integrated: the equations that a motion begins with.")
+        .def_readonly("variables", &Size::variables, "Of the state.")
+        .def_readonly("guards", &Size::guards, "Functions whose zeros are looked for.")
+        .def_readonly("instructions", &Size::instructions, "Of the right-hand side and its guards.")
+        .def("__eq__",
+             [](const Size& a, const py::object& b) { return py::isinstance<Size>(b) && a == b.cast<Size>(); })
+        .def("__repr__", [](const Size& s) { return "<Size: " + printed(s) + ">"; });
+
     py::class_<Plan::Omission>(m, "Omission", "Something a scene does not call for, and why.")
         .def_readonly("what", &Plan::Omission::what)
         .def_readonly("why", &Plan::Omission::why)
@@ -16,6 +24,8 @@ void bind_plan(py::module_& m) {
         .def_readonly("coordinates", &Plan::coordinates, "One line for each body.")
         .def_readonly("effects", &Plan::effects, "Effects the scene has, such as \"gravity\" or \"static friction\".")
         .def_readonly("guards", &Plan::guards, "What is watched for.")
+        .def_property_readonly("size", &Plan::size,
+                               "Of the equations that a motion from time 0 begins with; of several parts the sum.")
         .def_readonly("functions", &Plan::functions, "The user's own functions: traced, or called back and why.")
         .def_readonly("engine", &Plan::engine,
                       "The automatic choice; of several parts those of all, such as \"closed form, taylor\".")

@@ -156,6 +156,26 @@ WatchHandle watch(BoundScene& self, const std::string& name, const py::object& f
     return self.handles.watches.emplace_back(WatchHandle{new_handle(Handle::Of::watch, added.index, name)});
 }
 
+BoundScene without(const BoundScene& self, const py::args& what) {
+    std::vector<rbdyn::Removable> parts;
+    for (const py::handle part : what) {
+        if (py::isinstance<LoadHandle>(part) || py::isinstance<CouplingHandle>(part)) {
+            const auto& handle = part.cast<const Handle&>();
+            self.handles.require(handle, "Scene.without");
+            if (handle.of == Handle::Of::load)
+                parts.emplace_back(rbdyn::LoadHandle{handle.index});
+            else
+                parts.emplace_back(rbdyn::CouplingHandle{handle.index});
+        } else if (py::isinstance<py::str>(part)) {
+            parts.emplace_back(part.cast<std::string>());
+        } else {
+            throw InvalidInput("Scene.without: " + shown(part) +
+                               " is neither the name of an effect nor the handle of a load or coupling");
+        }
+    }
+    return {self.scene.without(parts), self.handles};
+}
+
 /// Handles as data: what they are of is where they stand.
 template <class H>
 py::list data_of(const std::vector<H>& handles) {
@@ -415,6 +435,18 @@ run[handle].value(t) is its value. Raises InvalidInput for a name that is taken,
             py::arg("name"), py::arg("function"),
             R"(A first integral of one's own: function(now) as for watch(). run.drift[name] says how far it departs from its value
 at the start, relative to its largest size.)")
+        .def(
+            "without", &without,
+            R"(The same scene without some of what acts in it: names of effects, handles of loads and couplings, several at once.
+
+    scene.without("drag", "static friction", spring)
+
+What is taken away keeps its place and does nothing, so every handle is good for the new scene and its runs. The effects:
+gravity, rotation, spring, damper, drag, gravitation, central force, user force, user torque, drive, moving rail, dynamic
+friction, static friction, contact, impact. "static friction" beside dynamic friction is what it has more than that.
+Without "rotation" a free body is a particle at its centre of mass.
+
+Raises InvalidInput for a name that is none, and for an effect that the scene does not have or cannot be without.)")
         .def("__eq__",
              [](const BoundScene& a, const py::object& b) {
                  return py::isinstance<BoundScene>(b) && a.scene == b.cast<const BoundScene&>().scene;

@@ -8,7 +8,7 @@
 
 namespace binding {
 
-using rbdyn::Price, rbdyn::CostRow, rbdyn::Trajectory;
+using rbdyn::Price, rbdyn::CostRow, rbdyn::EffectRow, rbdyn::EffectTable, rbdyn::Trajectory;
 
 namespace {
 
@@ -221,6 +221,85 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
     return *price;
 }
 
+EffectTable effects(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
+                    const std::string& engine, std::int64_t max_steps) {
+    const rbdyn::Scene copy = scene.scene;
+    Watch watch(py::bool_(false), start, until);
+    rbdyn::SimulateOptions options;
+    options.until = until;
+    options.start = start;
+    options.error = error;
+    options.rtol = rtol;
+    options.engine = engine;
+    options.max_steps = max_steps;
+    options.monitor = watch.monitor();
+    std::optional<EffectTable> table;
+    try {
+        std::optional<py::gil_scoped_release> free;
+        if (!calls_python(copy)) free.emplace();
+        table = rbdyn::effects(copy, options);
+    } catch (const rbdyn::AccuracyError& e) {
+        raise_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError", e.what());
+    } catch (const rbdyn::IntegrationError& e) {
+        raise_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError",
+                   e.what());
+    }
+    watch.look(1.0);
+    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
+    return *table;
+}
+
+/// A table of rows as a sequence.
+template <class Table, class Row>
+void as_sequence(py::class_<Table>& type, const char* name) {
+    type.def_readonly("rows", &Table::rows)
+        .def("__len__", [](const Table& t) { return t.rows.size(); })
+        .def(
+            "__getitem__",
+            [name](const Table& t, py::ssize_t i) {
+                const auto n = static_cast<py::ssize_t>(t.rows.size());
+                if (i < 0) i += n;
+                if (i < 0 || i >= n)
+                    throw py::index_error(std::string(name) + ": there are " + std::to_string(n) + " rows");
+                return t.rows[static_cast<std::size_t>(i)];
+            },
+            py::arg("index"))
+        .def("__iter__", [](const Table& t) {
+            return py::reinterpret_borrow<py::typing::Iterator<Row>>(py::iter(py::cast(t.rows)));
+        });
+}
+
+void bind_effects(py::module_& m) {
+    py::class_<EffectRow>(m, "EffectRow", "What one effect does: a row of effects().")
+        .def_readonly("effect", &EffectRow::effect)
+        .def_readonly("difference", &EffectRow::difference,
+                      "Of the states with and without it at the end, in the motion's scales; nan if there is none.")
+        .def_readonly("time", &EffectRow::time, "Where they are compared: the earlier end of the two [s].")
+        .def_readonly("gained", &EffectRow::gained, "Events that it brings.")
+        .def_readonly("lost", &EffectRow::lost, "Events that it prevents.")
+        .def_readonly("seconds", &EffectRow::seconds, "Of simulate() without it, least of the repeats [s].")
+        .def_readonly("steps", &EffectRow::steps, "Without it.")
+        .def_readonly("note", &EffectRow::note, "Why there are no numbers, or not all; else empty.")
+        .def("__repr__", [](const EffectRow& r) {
+            return "<EffectRow: " + r.effect + ", difference " + rbdyn::text(r.difference) +
+                   (r.note.empty() ? "" : ", " + r.note) + ">";
+        });
+
+    py::class_<EffectTable> table(
+        m, "EffectTable",
+        "What each effect does to motion and price: a sequence of EffectRow, also by name. print() shows it.");
+    as_sequence<EffectTable, EffectRow>(table, "EffectTable");
+    table
+        .def(
+            "__getitem__", [](const EffectTable& t, const std::string& effect) { return t[effect]; }, py::arg("effect"))
+        .def_readonly("seconds", &EffectTable::seconds, "Of simulate() with all of them, least of the repeats [s].")
+        .def_readonly("steps", &EffectTable::steps, "With all of them.")
+        .def_readonly("events", &EffectTable::events, "With all of them.")
+        .def("__str__", &printed<EffectTable>)
+        .def("__repr__",
+             [](const EffectTable& t) { return "<EffectTable: " + std::to_string(t.rows.size()) + " rows>"; });
+}
+
 void bind_price(py::module_& m) {
     py::class_<CostRow>(m, "CostRow", "One run of the table of cost().")
         .def_readonly("engine", &CostRow::engine)
@@ -234,23 +313,10 @@ void bind_price(py::module_& m) {
                    rbdyn::text(r.error) + ", " + rbdyn::text(r.seconds) + " s>";
         });
 
-    py::class_<Price>(m, "Price",
-                      "What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.")
-        .def_readonly("rows", &Price::rows)
-        .def("__len__", [](const Price& p) { return p.rows.size(); })
-        .def(
-            "__getitem__",
-            [](const Price& p, py::ssize_t i) {
-                const auto n = static_cast<py::ssize_t>(p.rows.size());
-                if (i < 0) i += n;
-                if (i < 0 || i >= n) throw py::index_error("Price: there are " + std::to_string(n) + " rows");
-                return p.rows[static_cast<std::size_t>(i)];
-            },
-            py::arg("index"))
-        .def("__iter__",
-             [](const Price& p) {
-                 return py::reinterpret_borrow<py::typing::Iterator<CostRow>>(py::iter(py::cast(p.rows)));
-             })
+    py::class_<Price> price(m, "Price",
+                            "What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.");
+    as_sequence<Price, CostRow>(price, "Price");
+    price
         .def(
             "cheapest", [](const Price& p, double error) { return p.cheapest(error); }, py::arg("error"),
             "The quickest row that reaches an error. Raises InvalidInput if none does.")
@@ -272,6 +338,7 @@ Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
 void bind_verbs(py::module_& m) {
     m.attr("__version__") = rbdyn::version;
     bind_price(m);
+    bind_effects(m);
     const rbdyn::SimulateOptions defaults;
     m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
           py::arg("error") = defaults.error, py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
@@ -300,6 +367,18 @@ The options are those of a scene; "auto" is "taylor". error: of each variable re
 
 until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
 budget: time to spend, about [s]. Raises what simulate() raises.)");
+    m.def(
+        "effects", &effects, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
+        py::arg("error") = defaults.error, py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
+        py::arg("max_steps") = defaults.max_steps,
+        R"(What each effect of a scene does to its motion and its price: the scene is run as it is, and without each of them.
+
+Arguments as for simulate(). The difference is that of the states at the end, in the scales of the motion: of each body
+the place of its centre of mass to the extent of the motion, velocity and angular velocity to their largest size (of
+whichever run has more), the attitude in radians; the largest of these. Events are gained or lost by kind, name and
+subject.
+
+Raises what simulate() raises for the scene as it is; what goes wrong without an effect is the note of its row.)");
 }
 
 }  // namespace binding

@@ -9,7 +9,7 @@ import rbdyn.frames
 import rbdyn.sample
 import scipy.spatial.transform
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -1450,6 +1450,19 @@ class Scene:
 
         run[handle].value(t) is its value. Raises InvalidInput for a name that is taken, or a quantity that is not there.
         """
+    def without(self, *args) -> Scene:
+        """
+        The same scene without some of what acts in it: names of effects, handles of loads and couplings, several at once.
+
+            scene.without("drag", "static friction", spring)
+
+        What is taken away keeps its place and does nothing, so every handle is good for the new scene and its runs. The effects:
+        gravity, rotation, spring, damper, drag, gravitation, central force, user force, user torque, drive, moving rail, dynamic
+        friction, static friction, contact, impact. "static friction" beside dynamic friction is what it has more than that.
+        Without "rotation" a free body is a particle at its centre of mass.
+
+        Raises InvalidInput for a name that is none, and for an effect that the scene does not have or cannot be without.
+        """
     @property
     def bodies(self) -> list[BodyHandle]:
         """
@@ -1623,6 +1636,30 @@ class Now:
         """
         [s]
         """
+class Size:
+    """
+    How much is integrated: the equations that a motion begins with.
+    """
+    __hash__: typing.ClassVar[None] = None
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def guards(self) -> int:
+        """
+        Functions whose zeros are looked for.
+        """
+    @property
+    def instructions(self) -> int:
+        """
+        Of the right-hand side and its guards.
+        """
+    @property
+    def variables(self) -> int:
+        """
+        Of the state.
+        """
 class Omission:
     """
     Something a scene does not call for, and why.
@@ -1687,6 +1724,11 @@ class Plan:
     def reason(self) -> str:
         """
         Why that engine.
+        """
+    @property
+    def size(self) -> Size:
+        """
+        Of the equations that a motion from time 0 begins with; of several parts the sum.
         """
 class Equilibrium:
     """
@@ -1911,6 +1953,11 @@ class Statistics:
     def seconds(self) -> float:
         """
         The whole call, estimate of the error included [s].
+        """
+    @property
+    def size(self) -> Size:
+        """
+        Of the equations the motion began with; of several parts the sum.
         """
     @property
     def steps(self) -> int:
@@ -2356,6 +2403,86 @@ class Price:
     @property
     def rows(self) -> list[CostRow]:
         ...
+class EffectRow:
+    """
+    What one effect does: a row of effects().
+    """
+    def __repr__(self) -> str:
+        ...
+    @property
+    def difference(self) -> float:
+        """
+        Of the states with and without it at the end, in the motion's scales; nan if there is none.
+        """
+    @property
+    def effect(self) -> str:
+        ...
+    @property
+    def gained(self) -> int:
+        """
+        Events that it brings.
+        """
+    @property
+    def lost(self) -> int:
+        """
+        Events that it prevents.
+        """
+    @property
+    def note(self) -> str:
+        """
+        Why there are no numbers, or not all; else empty.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Of simulate() without it, least of the repeats [s].
+        """
+    @property
+    def steps(self) -> int:
+        """
+        Without it.
+        """
+    @property
+    def time(self) -> float:
+        """
+        Where they are compared: the earlier end of the two [s].
+        """
+class EffectTable:
+    """
+    What each effect does to motion and price: a sequence of EffectRow, also by name. print() shows it.
+    """
+    @typing.overload
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> EffectRow:
+        ...
+    @typing.overload
+    def __getitem__(self, effect: str) -> EffectRow:
+        ...
+    def __iter__(self) -> collections.abc.Iterator[EffectRow]:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def events(self) -> int:
+        """
+        With all of them.
+        """
+    @property
+    def rows(self) -> list[EffectRow]:
+        ...
+    @property
+    def seconds(self) -> float:
+        """
+        Of simulate() with all of them, least of the repeats [s].
+        """
+    @property
+    def steps(self) -> int:
+        """
+        With all of them.
+        """
 def _function(inputs: typing.SupportsInt | typing.SupportsIndex, nodes: collections.abc.Sequence[tuple[str, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]], outputs: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], names: collections.abc.Sequence[str], parameters: collections.abc.Sequence[Parameter]) -> Function:
     ...
 def _length(parts: collections.abc.Sequence[typing.Any]) -> typing.Any:
@@ -2390,6 +2517,17 @@ def cylinder(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.S
 def disc(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, normal: numpy.typing.ArrayLike) -> RigidBody:
     """
     A thin disc centred on the origin: m r^2/2 about its normal, half of it across.
+    """
+def effects(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000) -> EffectTable:
+    """
+    What each effect of a scene does to its motion and its price: the scene is run as it is, and without each of them.
+
+    Arguments as for simulate(). The difference is that of the states at the end, in the scales of the motion: of each body
+    the place of its centre of mass to the extent of the motion, velocity and angular velocity to their largest size (of
+    whichever run has more), the attitude in radians; the largest of these. Events are gained or lost by kind, name and
+    subject.
+
+    Raises what simulate() raises for the scene as it is; what goes wrong without an effect is the note of its row.
     """
 def ellipsoid(mass: typing.SupportsFloat | typing.SupportsIndex, semi_axes: numpy.typing.ArrayLike) -> RigidBody:
     """

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 
-DOCUMENTS = ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/functions.md", "docs/plan.md"]
+DOCUMENTS = ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/effects.md", "docs/functions.md", "docs/plan.md"]
 
 
 @pytest.mark.parametrize("document", DOCUMENTS)

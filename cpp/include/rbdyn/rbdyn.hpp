@@ -4,6 +4,7 @@
 #include "rbdyn/body/momentum.hpp"
 #include "rbdyn/body/shapes.hpp"
 #include "rbdyn/cost.hpp"
+#include "rbdyn/effects.hpp"
 #include "rbdyn/model/euler_top.hpp"
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/statics/equilibria.hpp"

@@ -67,6 +67,7 @@ inline Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solu
     s.guard_evaluations = w.guard_evaluations;
     s.events = static_cast<std::int64_t>(solution.record.events.size());
     s.runs = solution.runs;
+    if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
     data.error = solution.error;
     data.certain_until = solution.certain_until;
     data.record = std::move(solution.record);
@@ -221,6 +222,7 @@ inline bool may_stop(const Scene& scene) {
         s.right_hand_sides += w.right_hand_sides;
         s.jacobians += w.jacobians;
         s.guard_evaluations += w.guard_evaluations;
+        s.size += w.size;
         data.certain_until = std::min(data.certain_until, part.data.certain_until);
         if (data.error && part.data.error)
             data.error = std::max(*data.error, *part.data.error);

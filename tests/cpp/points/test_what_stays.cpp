@@ -8,8 +8,8 @@ namespace {
 
 /// Variables that are simulated, and of the whole scene, as "4 of 6".
 std::string simulated(const Plan& plan) {
-    const StateMap& map = plan.model->laws().map();
-    return std::to_string(map.size()) + " of " + std::to_string(map.variables());
+    const auto [simulated, all] = plan.variables();
+    return std::to_string(simulated) + " of " + std::to_string(all);
 }
 std::string simulated(const Scene& scene) { return simulated(make_plan(scene)); }
 

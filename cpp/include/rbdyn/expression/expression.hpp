@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -28,7 +29,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -321,20 +321,35 @@ public:
     const std::vector<Branch>& branches() const { return branches_; }
 
 private:
-    struct Hash {
-        std::size_t operator()(const Node& n) const {
-            std::size_t h = static_cast<std::size_t>(n.operation);
-            for (std::int32_t x : {n.a, n.b, n.c, n.d}) h = h * 1000003u ^ static_cast<std::size_t>(x + 7);
-            return h * 1000003u ^ std::hash<double>{}(n.value);
-        }
-    };
+    /// Where to begin to look for a node among 2^bits places.
+    static std::size_t place_of(const Node& n, int bits) {
+        std::uint64_t h = static_cast<std::uint64_t>(n.operation);
+        for (std::int32_t x : {n.a, n.b, n.c, n.d}) h = h * 1000003u ^ static_cast<std::uint64_t>(x + 7);
+        // zeros of both signs are one number
+        h = h * 1000003u ^ (n.value == 0.0 ? 0 : std::bit_cast<std::uint64_t>(n.value));
+        // the high bits of a product with 2^64 over the golden section depend on all of h
+        return static_cast<std::size_t>((h ^ h >> 32) * 0x9e3779b97f4a7c15u >> (64 - bits));
+    }
     std::int32_t intern(const Node& node) {
-        auto [found, is_new] = index_.try_emplace(node, static_cast<std::int32_t>(nodes_.size()));
-        if (is_new) {
+        if (2 * nodes_.size() >= index_.size()) {
+            bits_ = bits_ == 0 ? 6 : bits_ + 1;
+            index_.assign(std::size_t{1} << bits_, -1);
+            for (std::size_t n = 0; n < nodes_.size(); ++n)
+                index_[free_place(nodes_[n])] = static_cast<std::int32_t>(n);
+        }
+        std::int32_t& found = index_[free_place(node)];
+        if (found < 0) {
+            found = static_cast<std::int32_t>(nodes_.size());
             nodes_.push_back(node);
             if (follows_) values_.push_back(value_of(node));
         }
-        return found->second;
+        return found;
+    }
+    /// The place in the index that holds a node, or where it goes.
+    std::size_t free_place(const Node& node) const {
+        std::size_t place = place_of(node, bits_);
+        while (index_[place] >= 0 && !(nodes_[at(index_[place])] == node)) place = (place + 1) & (index_.size() - 1);
+        return place;
     }
     static std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
@@ -351,7 +366,8 @@ private:
     Purpose purpose_;
     std::vector<Node> nodes_;
     std::vector<std::uint64_t> identities_;
-    std::unordered_map<Node, std::int32_t, Hash> index_;
+    std::vector<std::int32_t> index_;  // nodes by what they are: 2^bits places, at least half of them empty (-1)
+    int bits_ = 0;
     std::vector<Switch> switches_;
     std::vector<Branch> branches_;
     std::vector<Call> calls_;

@@ -66,6 +66,26 @@ public:
         return result;
     }
 
+    /// The results if they are the same for all inputs, with the numbers of the user's as they are now: what a factor
+    /// of zero leaves.
+    [[gnu::cold]] std::optional<std::vector<double>> constants() const {
+        std::vector<double> result;
+        for (const std::int32_t out : outputs_)
+            if (const Node& node = recorder_->node(out); node.operation == Operation::constant)
+                result.push_back(node.value);
+        if (result.size() == outputs_.size()) return result;
+        if (recorder_->cells().empty()) return std::nullopt;
+        Recorder scratch(Recorder::Purpose::function);
+        std::vector<Expression> x;
+        for (int i = 0; i < inputs_; ++i) x.push_back(scratch.input(i));
+        result.clear();
+        for (const Expression& y : (*this)(std::span<const Expression>(x))) {
+            if (!y.is_constant()) return std::nullopt;
+            result.push_back(y.value());
+        }
+        return result;
+    }
+
     /// Whether any result depends on an input.
     bool depends_on(int input) const {
         std::vector<bool> depends(static_cast<std::size_t>(recorder_->size()), false);

@@ -146,6 +146,21 @@ private:
         std::map<std::pair<int, int>, Expression> products;  // slots -> weight
     };
 
+    /// What is known of nodes: a number that is not negative, or -1.
+    class ByNode {
+    public:
+        int operator[](std::int32_t n) const {
+            return static_cast<std::size_t>(n) < known_.size() ? known_[static_cast<std::size_t>(n)] : -1;
+        }
+        int set(std::int32_t n, int value) {
+            if (static_cast<std::size_t>(n) >= known_.size()) known_.resize(2 * static_cast<std::size_t>(n) + 16, -1);
+            return known_[static_cast<std::size_t>(n)] = value;
+        }
+
+    private:
+        std::vector<int> known_;
+    };
+
     bool parametric(std::int32_t n) {
         const Node& node = r_.node(n);
         switch (node.operation) {
@@ -156,11 +171,10 @@ private:
             case Operation::call: return false;
             default: break;
         }
-        auto found = parametric_.find(n);
-        if (found != parametric_.end()) return found->second;
+        if (const int known = parametric_[n]; known >= 0) return known == 1;
         const bool result =
             parametric(node.a) && (node.b < 0 || parametric(node.b)) && (node.c < 0 || parametric(node.c));
-        return parametric_[n] = result;
+        return parametric_.set(n, result ? 1 : 0) == 1;
     }
 
     bool parameter_used(int index) const {
@@ -208,8 +222,7 @@ private:
             p_.uses_time_ = true;
             return p_.inputs_;
         }
-        auto found = slots_.find(n);
-        if (found != slots_.end()) return found->second;
+        if (slots_[n] >= 0) return slots_[n];
         int slot = -1;
         switch (parametric(n) ? Operation::constant : node.operation) {
             case Operation::constant:
@@ -232,8 +245,8 @@ private:
                 Instruction i{Code::sine_cosine, new_slot(), new_slot(), slot_of(node.a)};
                 i.extra = new_slot();
                 emit(i);
-                slots_[r_.record(Operation::sine, node.a).node()] = i.out;
-                slots_[r_.record(Operation::cosine, node.a).node()] = i.out2;
+                slots_.set(r_.record(Operation::sine, node.a).node(), i.out);
+                slots_.set(r_.record(Operation::cosine, node.a).node(), i.out2);
                 slot = node.operation == Operation::sine ? i.out : i.out2;
                 break;
             }
@@ -242,8 +255,8 @@ private:
                 Instruction i{Code::hyperbolic, new_slot(), new_slot(), slot_of(node.a)};
                 i.extra = new_slot();
                 emit(i);
-                slots_[r_.record(Operation::hyperbolic_sine, node.a).node()] = i.out;
-                slots_[r_.record(Operation::hyperbolic_cosine, node.a).node()] = i.out2;
+                slots_.set(r_.record(Operation::hyperbolic_sine, node.a).node(), i.out);
+                slots_.set(r_.record(Operation::hyperbolic_cosine, node.a).node(), i.out2);
                 slot = node.operation == Operation::hyperbolic_sine ? i.out : i.out2;
                 break;
             }
@@ -268,7 +281,7 @@ private:
                 for (const std::int32_t argument : recorded.arguments) call.arguments.push_back(slot_of(argument));
                 for (int i = 0; i < call.function->outputs; ++i) {
                     call.results.push_back(new_slot());
-                    slots_[r_.record({Operation::call, node.a, -1, -1, i}).node()] = call.results.back();
+                    slots_.set(r_.record({Operation::call, node.a, -1, -1, i}).node(), call.results.back());
                 }
                 slot = call.results[static_cast<std::size_t>(node.d)];
                 Instruction i{Code::call, slot};
@@ -291,7 +304,7 @@ private:
             }
             default: break;
         }
-        return slots_[n] = slot;
+        return slots_.set(n, slot);
     }
 
     int emit(const Instruction& i) {
@@ -365,12 +378,11 @@ private:
     /// The scalar that holds a parametric expression.
     int scalar_of(const Expression& x) {
         const std::int32_t n = r_.node_of(x);
-        auto found = scalars_.find(n);
-        if (found != scalars_.end()) return found->second;
+        if (scalars_[n] >= 0) return scalars_[n];
         const Node node = r_.node(n);
         const int out = static_cast<int>(p_.constants_.size());
         p_.constants_.push_back({node.value, node.rest});
-        scalars_[n] = out;
+        scalars_.set(n, out);
         if (node.operation == Operation::parameter) {
             p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
         } else if (node.operation != Operation::constant) {
@@ -386,9 +398,7 @@ private:
     Program& p_;
     std::vector<int> uses_;
     std::vector<bool> parameter_used_;
-    std::unordered_map<std::int32_t, bool> parametric_;
-    std::unordered_map<std::int32_t, int> slots_;
-    std::unordered_map<std::int32_t, int> scalars_;
+    ByNode parametric_, slots_, scalars_;
 };
 
 inline Program::Program(Recorder& recorder, std::span<const Expression> outputs, int inputs) {

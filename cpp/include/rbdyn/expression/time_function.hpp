@@ -52,9 +52,9 @@ public:
 private:
     struct Frozen {};
     TimeFunction(Frozen, Function function) : function_(std::move(function)), rate_(function_.derivative(0)) {
-        if (function_.depends_on(0)) return;
-        const double zero = 0.0;
-        constant_ = function_(std::span<const double>(&zero, 1))[0];
+        const auto same = function_.constants();
+        if (!same) return;
+        constant_ = same->front();
         function_ = {};
     }
 

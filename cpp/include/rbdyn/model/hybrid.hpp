@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +24,31 @@ struct Mode {
     bool still = false;  // nothing can move or happen in this mode
     int jumps = 0;       // how often the state has jumped so far
 };
+
+/// The size of what is integrated in a mode.
+struct Size {
+    int variables = 0, guards = 0;
+    int instructions = 0;  // of the right-hand side and its guards
+
+    Size() = default;
+    explicit Size(const Mode& mode) {
+        if (mode.equations == nullptr) return;
+        variables = mode.equations->variables();
+        guards = static_cast<int>(mode.equations->guards.size());
+        instructions = static_cast<int>(mode.equations->program.instructions().size());
+    }
+    bool operator==(const Size&) const = default;
+    Size& operator+=(const Size& other) {
+        variables += other.variables;
+        guards += other.guards;
+        instructions += other.instructions;
+        return *this;
+    }
+};
+
+inline std::ostream& operator<<(std::ostream& out, const Size& s) {
+    return out << s.variables << " variables, " << s.guards << " guards, " << s.instructions << " instructions";
+}
 
 /// Something that happened at an event.
 struct Happening {

@@ -192,10 +192,13 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     Recorder r;
     const int count = static_cast<int>(laws.bodies().size());
-    if (count > 0) r.parameter(2 * count - 1);
     const StateMap& map = laws.map();
-    std::vector<double> parameters(at(2 * count));
-    for (int i = 0; i < count; ++i) {
+    std::vector<double> parameters;
+    if (laws.takes_numbers()) {
+        r.parameter(2 * count - 1);
+        parameters.resize(at(2 * count));
+    }
+    for (int i = 0; i < count && laws.takes_numbers(); ++i) {
         parameters[at(i)] = slip[at(i)];
         parameters[at(count + i)] = map.value(laws.body(i).fixed_variable(), at_state.x);
     }

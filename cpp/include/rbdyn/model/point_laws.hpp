@@ -341,6 +341,11 @@ public:
         return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
                std::none_of(springs_.begin(), springs_.end(), touches);
     }
+    /// Whether equations take numbers of their mode, two a body: the sign of its slip, and what is fixed in the mode.
+    bool takes_numbers() const {
+        return std::any_of(bodies_.begin(), bodies_.end(),
+                           [](const Body& b) { return b.rough || (b.rigid && b.rigid->follows_axis); });
+    }
     /// Whether any variable of a body is simulated.
     bool moves(int index) const {
         const Body& b = bodies_[at(index)];

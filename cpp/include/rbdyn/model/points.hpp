@@ -546,6 +546,7 @@ private:
         return record_points(laws_, watches_, mode.slip, state);
     }
     void own_parameters(Mode& mode, std::span<const double> x) const override {
+        if (!laws_.takes_numbers()) return;
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
             mode.parameters[at(bodies() + i)] = laws_.map().value(laws_.body(i).fixed_variable(), x);

@@ -49,6 +49,24 @@ struct Plan {
         if (parts.empty()) return closed != nullptr;
         return std::all_of(parts.begin(), parts.end(), [](const Plan& part) { return part.is_closed(); });
     }
+    /// How many variables are simulated, and how many there are.
+    std::pair<int, int> variables() const {
+        std::pair<int, int> sum{0, 0};
+        for (const Plan& part : parts) {
+            const auto [simulated, all] = part.variables();
+            sum.first += simulated;
+            sum.second += all;
+        }
+        return model ? std::pair(model->laws().map().size(), model->laws().map().variables()) : sum;
+    }
+    /// Of the equations that a motion from the scene's state at time 0 begins with; of several parts the sum.
+    Size size() const {
+        Size sum;
+        for (const Plan& part : parts) sum += part.size();
+        if (!model) return sum;
+        std::vector<double> x = model->start(0.0);
+        return Size(model->begin(0.0, x));
+    }
     bool has(const std::string& effect) const {
         return std::find(effects.begin(), effects.end(), effect) != effects.end();
     }
@@ -159,31 +177,23 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
 /// Plans a scene, or a part of one with rigid bodies.
 [[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid) {
     Plan plan;
-    bool any_rail = false, dynamic = false, statics = false, drive = false, drag = false, user = false, spring = false,
-         damper = false, is_rough = false, free = false, moving = false, rotation = false, torque = false;
+    plan.effects = effects_of(scene);
+    bool any_rail = false, is_rough = false, free = false;
     const auto leave_out = [&](const std::string& what, const std::string& why) {
         plan.omissions.push_back({what, why});
     };
-    const bool gravity = !scene.gravity().isZero(0.0);
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
-        if (b.rigid() != nullptr) {
-            rotation = rotation || !std::holds_alternative<Prismatic>(b.joint);
-            continue;
-        }
+        if (b.rigid() != nullptr) continue;
         if (rail == nullptr) {
             free = true;
             continue;
         }
         any_rail = true;
-        moving = moving || rail->motion().present();
         if (!rail->drive().is_constant()) plan.functions.push_back("drive of " + b.name + " traced, native");
         if (rail->motion().present()) plan.functions.push_back("motion of the rail of " + b.name + " traced, native");
-        if (const auto friction = rail->friction()) {
+        if (rail->friction()) {
             is_rough = true;
-            statics = statics || friction->mu_static > 0.0;
-            dynamic = dynamic || friction->dynamic() > 0.0;
-            drive = drive || !rail->drive().is_zero();
         } else if (!rail->drive().is_zero()) {
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
@@ -191,7 +201,7 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     for (const auto& load : scene.loads()) {
         const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
         if (const Force* force = std::get_if<Force>(&load.load)) {
-            if (!force->is_constant() || !force->constant().isZero(0.0)) user = true;
+            if (!force->present()) leave_out("force" + on, "it is zero");
             if (force->is_constant()) continue;
             if (force->callback()) {
                 plan.calls_back = true;
@@ -202,20 +212,15 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
                 plan.functions.push_back("force \"" + force->name() + "\" traced, native," + on);
             }
         } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
-            user = true;
+            if (!potential->present()) leave_out("potential" + on, "it does not vary with the position");
             plan.functions.push_back("potential \"" + potential->name() + "\" traced, native," + on);
         } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
-            user = user || lorentz->present();
             if (!lorentz->present()) leave_out("Lorentz force" + on, "its strength or its field is zero");
         } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
-            drag = drag || d->present();
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
-            spring = spring || torsion->stiffness > 0.0;
-            damper = damper || torsion->damping > 0.0;
             if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
         } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
-            torque = torque || twist->present();
             if (!twist->present()) leave_out("torque" + on, "it is zero");
             if (twist->is_constant()) continue;
             if (twist->callback()) {
@@ -238,16 +243,8 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     }
     for (const auto& c : scene.connections()) {
         const Spring& s = std::get<Spring>(c.coupling);
-        spring = spring || s.stiffness > 0.0;
-        damper = damper || s.damping > 0.0;
         if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
     }
-    const std::pair<bool, const char*> effects[] = {
-        {gravity, "gravity"},    {rotation, "rotation"},        {spring, "spring"},          {damper, "damper"},
-        {drag, "drag"},          {user, "user force"},          {torque, "user torque"},     {drive, "drive"},
-        {moving, "moving rail"}, {dynamic, "dynamic friction"}, {statics, "static friction"}};
-    for (const auto& [present, name] : effects)
-        if (present) plan.effects.push_back(name);
     const bool any_rigid = beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
                                                        [](const Scene::Body& b) { return b.rigid() != nullptr; });
     SceneParts apart(scene);
@@ -272,11 +269,11 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
         plan_parts(scene, std::move(apart), any_rigid, plan, simulated);
     }
     plan.coordinates = std::move(simulated.coordinates);
-    if (!simulated.any_turns) std::erase(plan.effects, "rotation");
-    if (!gravity) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
-    if (!rotation)
+    if (!plan.has("gravity")) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
+    if (!plan.has("rotation"))
         leave_out("rotation", free && !any_rail ? "particles have no attitude; a RigidBody brings it in"
                                                 : "a bead is a point; a RigidBody brings it in");
+    if (!simulated.any_turns) std::erase(plan.effects, "rotation");
     if (any_rail && !is_rough)
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     plan.omissions.insert(plan.omissions.end(), simulated.omissions.begin(), simulated.omissions.end());
@@ -319,10 +316,11 @@ inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     for (const std::string& e : plan.effects) effects += (effects.empty() ? "" : ", ") + e;
     out << "Plan\n";
     list("  coordinates ", plan.coordinates, "none");
-    const StateMap& map = plan.model->laws().map();
-    out << "  state       " << map.size() << " of " << map.variables() << " variables are simulated\n";
+    const auto [simulated, variables] = plan.variables();
+    out << "  state       " << simulated << " of " << variables << " variables are simulated\n";
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
+    out << "  size        " << plan.size() << '\n';
     if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");
     list("  conserved   ", plan.integrals, "nothing");
     out << "  engine      " << plan.engine << ": " << plan.reason << '\n';

@@ -1,6 +1,7 @@
 // Handles: what a scene gives back for a thing it has taken, by order of addition.
 #pragma once
 
+#include <string>
 #include <variant>
 
 #include "rbdyn/basics/vector.hpp"
@@ -38,6 +39,9 @@ struct WatchHandle {
 
 /// An end of a coupling: a body (a particle, or the centre of mass), one of its points, or a point of the world.
 using End = std::variant<BodyHandle, BodyPoint, Vector3>;
+
+/// What can be taken from a scene: an effect by its name, one load, one coupling.
+using Removable = std::variant<std::string, LoadHandle, CouplingHandle>;
 
 /// The body an end is on, or -1.
 inline int body_of(const End& end) {

@@ -56,10 +56,17 @@ public:
         return callback_ ||
                (function_ && (function_.depends_on(4) || function_.depends_on(5) || function_.depends_on(6)));
     }
-    /// With the numbers of the user's as they are now.
+    /// Whether there is any.
+    bool present() const { return !is_constant() || !constant_.isZero(0.0); }
+    /// With the numbers of the user's as they are now; constant if nothing in it varies with them.
     Force frozen() const {
         Force result = *this;
+        if (!function_) return result;
         result.function_ = function_.frozen();
+        if (const auto same = result.function_.constants()) {
+            result.function_ = {};
+            result.constant_ = {(*same)[0], (*same)[1], (*same)[2]};
+        }
         return result;
     }
 
@@ -126,10 +133,17 @@ public:
 
     const Function& function() const { return function_; }
     const std::string& name() const { return name_; }
+    /// Whether it exerts any force; what depends on numbers of the user's does until they are frozen().
+    bool present() const { return present_; }
     Potential frozen() const {
         Potential result = *this;
         result.function_ = function_.frozen();
-        for (Function& f : result.slope_) f = f.frozen();
+        result.present_ = false;
+        for (Function& f : result.slope_) {
+            f = f.frozen();
+            const auto same = f.constants();
+            result.present_ = result.present_ || !same || same->front() != 0.0;
+        }
         return result;
     }
 
@@ -150,6 +164,7 @@ public:
 private:
     Function function_, slope_[3];
     std::string name_;
+    bool present_ = true;
 };
 
 /// A force across the velocity: strength v x field, that of a uniform field on a charge. It does no work.
@@ -206,12 +221,7 @@ using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring
 
 /// Whether a load does anything.
 inline bool is_present(const Load& load) {
-    if (const Force* force = std::get_if<Force>(&load)) return !force->is_constant() || !force->constant().isZero(0.0);
-    if (const Torque* torque = std::get_if<Torque>(&load)) return torque->present();
-    if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) return lorentz->present();
-    if (const Drag* drag = std::get_if<Drag>(&load)) return drag->present();
-    if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) return spring->present();
-    return true;
+    return std::visit([](const auto& l) { return l.present(); }, load);
 }
 
 /// The force of a load on a particle at r that moves with v; zero for a drag, whose law depends on how the particle

@@ -89,10 +89,12 @@ public:
 
     bool present() const { return static_cast<bool>(function_); }
     const Function& function() const { return function_; }
+    /// With the numbers of the user's as they are now; none if it moves nothing.
     RigidMotion frozen() const {
         RigidMotion result = *this;
         if (!present()) return result;
         result.function_ = function_.frozen();
+        if (result.function_.constants() == std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}) return {};
         result.rate_ = rate_.frozen();
         result.second_ = second_.frozen();
         return result;

@@ -238,6 +238,13 @@ public:
         return result;
     }
 
+    /// The same scene without some effects, loads or couplings (scene/effects.hpp). What is taken away keeps its place
+    /// and does nothing, so all handles stay good. Throws InvalidInput for what the scene does not have.
+    Scene without(const std::vector<Removable>& parts) const;
+    template <class... Parts>
+    requires(std::is_constructible_v<Removable, const Parts&>&&...) Scene without(const Parts&... parts)
+    const { return without(std::vector<Removable>{Removable(parts)...}); }
+
     bool operator==(const Scene&) const = default;
 
     const std::vector<Body>& bodies() const { return bodies_; }
@@ -292,6 +299,8 @@ private:
     // a moment of inertia that is this small beside the others is rounding
     static constexpr double least_moment = 1e-15;
 
+    static Rail without(const Rail& rail, const std::string& name, const std::vector<std::string>& gone);
+    void hold_attitudes();
     BodyHandle add(Body body) {
         bodies_.push_back(std::move(body));
         return {static_cast<int>(bodies_.size()) - 1};
@@ -341,3 +350,5 @@ private:
 };
 
 }  // namespace rbdyn
+
+#include "rbdyn/scene/effects.hpp"

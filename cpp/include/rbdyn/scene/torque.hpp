@@ -63,10 +63,15 @@ public:
     Frame frame() const { return frame_; }
     /// Whether there is any.
     bool present() const { return !is_constant() || !constant_.isZero(0.0); }
-    /// With the numbers of the user's as they are now.
+    /// With the numbers of the user's as they are now; constant if nothing in it varies with them.
     Torque frozen() const {
         Torque result = *this;
+        if (!function_) return result;
         result.function_ = function_.frozen();
+        if (const auto same = result.function_.constants()) {
+            result.function_ = {};
+            result.constant_ = {(*same)[0], (*same)[1], (*same)[2]};
+        }
         return result;
     }
 

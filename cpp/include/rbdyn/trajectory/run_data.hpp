@@ -21,13 +21,14 @@ struct Statistics {
     std::int64_t steps = 0, rejected = 0, right_hand_sides = 0, jacobians = 0, guard_evaluations = 0, events = 0;
     std::int64_t python_calls = 0;
     int runs = 1;  // integrations, those for the estimate counted
+    Size size;     // of the equations the motion began with; of several parts the sum
 };
 
 inline std::ostream& operator<<(std::ostream& out, const Statistics& s) {
     return out << "seconds " << s.seconds << ", integration " << s.integration_seconds << ", steps " << s.steps
                << ", rejected " << s.rejected << ", right-hand sides " << s.right_hand_sides << ", Jacobians "
                << s.jacobians << ", guard evaluations " << s.guard_evaluations << ", events " << s.events
-               << ", Python calls " << s.python_calls << ", runs " << s.runs;
+               << ", Python calls " << s.python_calls << ", runs " << s.runs << ", " << s.size;
 }
 
 /// The events of a run, in order of time.

@@ -1,0 +1,110 @@
+"""What is paid before and beside the integration: import, a call of simulate(), memory of scenes and runs.
+
+Import: median of whole processes, with the time of the interpreter and of NumPy alone beside it. Calls: median of 401.
+Memory: resident size over many scenes or runs that are kept, a number that depends on the allocator.
+"""
+
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import rbdyn as rb
+
+
+def median_of(f, *arguments, count=401, **options):
+    """Median time of a call [us]."""
+    times = []
+    for _ in range(count):
+        start = time.perf_counter()
+        f(*arguments, **options)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times) * 1e6
+
+
+def process(program):
+    """Median time of a process of Python's [ms]."""
+    return median_of(subprocess.run, [sys.executable, "-c", program], count=21, check=True) * 1e-3
+
+
+def resident():
+    """Bytes of memory in use."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+
+KEPT = []  # so that no memory is used twice
+
+
+def bytes_of(count, f, *arguments, **options):
+    """Bytes of each of many objects that are kept."""
+    before = resident()
+    KEPT.append([f(*arguments, **options) for _ in range(count)])
+    return (resident() - before) / count
+
+
+def thrown():
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    scene.add(rb.Particle(1.0), velocity=[1, 0, 4])
+    return scene
+
+
+def hoop():
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    rail = rb.Rail(rb.Circle(1.0, [0, 0, -1], [1, 0, 0]), friction=rb.Coulomb(0.15, 0.1))
+    scene.add(rb.Particle(1.0), rail, parameter=2.0, speed=6.0)
+    return scene
+
+
+def body():
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    unequal = rb.RigidBody(0.5, [0.0022, 0.0019, 0.001])
+    scene.add(unequal, rb.Spherical(point=[0.01, 0, -0.05]), angular_velocity=[0, 0, 30])
+    return scene
+
+
+SCENES = (("particle, 1 s", thrown, 1.0), ("rough hoop, 30 s", hoop, 30.0), ("body, 1 s", body, 1.0))
+
+
+def main():
+    print("import: whole process [ms]")
+    for program in ("pass", "import numpy", "import rbdyn"):
+        print(f"  {program:14} {process(program):8.1f}")
+
+    # memory first, while none has been given back
+    print("\nmemory [bytes]")
+    print(f"  scene of a particle      {bytes_of(20000, thrown):8.0f}")
+    for name, make, until in SCENES:
+        scene = make()
+        whole = bytes_of(2000, rb.simulate, scene, until)
+        end = bytes_of(2000, rb.simulate, scene, until, keep="end")
+        print(f"  run of {name:17} {whole:8.0f}, its end alone {end:.0f}")
+
+    print("\ncalls [us]: plan; simulate with rtol 1e-9, of which integration; simulate with error 1e-9")
+    for name, make, until in SCENES:
+        scene = make()
+        alone = [rb.simulate(scene, until, rtol=1e-9).statistics.integration_seconds for _ in range(401)]
+        row = [
+            median_of(rb.plan, scene),
+            median_of(rb.simulate, scene, until, rtol=1e-9),
+            statistics.median(alone) * 1e6,
+            median_of(rb.simulate, scene, until),
+        ]
+        print(f"  {name:18}" + "".join(f"{x:9.1f}" for x in row))
+
+    stiffness = rb.parameter(1.0, "stiffness")
+    scene = thrown()
+    scene.apply(rb.Force(lambda t, position, velocity: -stiffness * position), scene.bodies[0])
+    values = iter(np.linspace(1.0, 30.0, 1000))
+
+    def changed():
+        stiffness.value = float(next(values))
+        return rb.simulate(scene, 1.0, rtol=1e-9)
+
+    sweep, plan = median_of(changed), median_of(rb.plan, scene)
+    print(f"\nsweep of a traced parameter, one run of 1 s [us]: {sweep:.1f}, of it plan and recording {plan:.1f}")
+
+
+if __name__ == "__main__":
+    main()
