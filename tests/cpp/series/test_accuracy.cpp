@@ -58,6 +58,28 @@ TEST(Steps, of_a_polynomial_computed_as_more_end_where_the_rounding_of_its_serie
     }
 }
 
+TEST(Steps, of_numbers_at_the_end_of_doubles_hold_nothing_up) {
+    // the far end of a chain that was just struck at the other: its last terms are beyond where doubles end
+    constexpr int p = 15;
+    std::array<double, p + 1> size{};
+    for (int k = 1; k <= p - 4; ++k) size[static_cast<std::size_t>(k)] = std::pow(10.0, k - 300);
+    EXPECT_EQ(series::log_step(size.data(), p, 1e-300, -30.0), std::numeric_limits<double>::infinity());
+    for (double& x : size) x *= 0x1p-60;
+    EXPECT_EQ(series::log_step(size.data(), p, 1e-318, -30.0), std::numeric_limits<double>::infinity());
+}
+
+TEST(Steps, do_not_depend_on_units) {
+    constexpr int p = 20;
+    std::array<double, p + 1> size{}, other{};
+    for (int k = 0; k <= p; ++k) size[static_cast<std::size_t>(k)] = 1.0 / (1.0 + k * k) * std::pow(0.7, k);
+    for (const int power : {1, 30, -30, 200, -200}) {
+        for (int k = 0; k <= p; ++k)
+            other[static_cast<std::size_t>(k)] = std::ldexp(size[static_cast<std::size_t>(k)], power);
+        EXPECT_EQ(series::log_step(other.data(), p, std::ldexp(0.3, power), -40.0),
+                  series::log_step(size.data(), p, 0.3, -40.0));
+    }
+}
+
 TEST(LongRuns, a_pendulum_s_error_at_rounding_level_grows_no_faster_than_time_to_the_power_three_halves) {
     const double angle = 1.5, w2 = 1.0;
     const ExactPendulum exact{angle, w2};
