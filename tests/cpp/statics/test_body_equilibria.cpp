@@ -247,7 +247,7 @@ TEST(BodyEquilibria, a_body_held_at_its_centre_of_mass_rests_as_it_is_and_is_ind
     const auto all = equilibria(scene);
     ASSERT_EQ(all.size(), 1u);
     const auto& c = all[0].coordinates;
-    EXPECT_LE((rotation_matrix({c[0], c[1], c[2], c[3]}) - start.matrix()).norm(), 1e-15);
+    EXPECT_LE((rotation_matrix(Quaternion{c[0], c[1], c[2], c[3]}) - start.matrix()).norm(), 1e-15);
     EXPECT_FALSE(all[0].stable);
     EXPECT_TRUE(all[0].axes.empty() && all[0].periods.empty());
 }
