@@ -7,7 +7,6 @@ import sys
 
 import pytest
 
-
 DOCUMENTS = ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/effects.md", "docs/functions.md", "docs/plan.md"]
 
 
