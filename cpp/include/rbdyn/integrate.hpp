@@ -261,10 +261,15 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         if (comparison.same_events && comparison.error <= (at_floor ? 1.0 : 0.5) * options.error) break;
         // what is left is the rounding of doubles, and what the motion makes of it
         if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
-            tolerance = least_tolerance(engine);
-            manner = {.is_refined = true};
-            run = run_with(engine, tolerance, compared, manner);
-            continue;
+            const Manner refined{.is_refined = true};
+            Timed longer = run_with(engine, least_tolerance(engine), compared, refined);
+            const Status status = longer.record.status;
+            if (status != Status::not_finite && status != Status::inconsistent) {
+                run = std::move(longer);
+                tolerance = least_tolerance(engine);
+                manner = refined;
+                continue;
+            }
         }
         if (at_floor) {
             run.record.status = Status::accuracy_not_reached;
