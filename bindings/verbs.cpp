@@ -225,14 +225,8 @@ EffectTable effects(const BoundScene& scene, double until, double start, double 
                     const std::string& engine, std::int64_t max_steps) {
     const rbdyn::Scene copy = scene.scene;
     Watch watch(py::bool_(false), start, until);
-    rbdyn::SimulateOptions options;
-    options.until = until;
-    options.start = start;
-    options.error = error;
-    options.rtol = rtol;
-    options.engine = engine;
-    options.max_steps = max_steps;
-    options.monitor = watch.monitor();
+    const rbdyn::SimulateOptions options =
+        options_of(until, start, error, rtol, engine, std::string("all"), max_steps, watch);
     std::optional<EffectTable> table;
     try {
         std::optional<py::gil_scoped_release> free;

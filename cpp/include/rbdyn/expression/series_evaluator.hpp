@@ -114,7 +114,7 @@ private:
     };
     struct Step {
         Code code;
-        Linear linear;
+        int weight;
         series::View out, out2, a, b, c;
         double* slope;
         int* valuation;
@@ -152,11 +152,11 @@ private:
         return sum;
     }
 
-    /// Coefficient k of the slots of an instruction without products.
+    /// Coefficient k of the slots of an instruction that is no combination.
     void compute(const Step& i, int k) {
         const series::View& out = i.out;
         switch (i.code) {
-            case Code::combine: break;  // not here
+            case Code::combine: break;
             case Code::divide: out.set(k, series::quotient(i.a, i.b, out, k)); break;
             case Code::square_root: {
                 const double a_k = i.a[k];
@@ -275,8 +275,7 @@ private:
         int& m = *i.valuation;
         const series::View part[3] = {i.a, i.b, i.c};
         if (m < 0) {
-            const bool ignored =
-                k == 0 && i.linear.weight >= 0 && scalars_[static_cast<std::size_t>(i.linear.weight)] != 0.0;
+            const bool ignored = k == 0 && i.weight >= 0 && scalars_[static_cast<std::size_t>(i.weight)] != 0.0;
             const double x = part[0][k], y = part[1][k], z = part[2][k];
             if (ignored || (x == 0.0 && y == 0.0 && z == 0.0)) {
                 out.set(k, 0.0);
@@ -356,8 +355,8 @@ private:
 
     Step step(const Instruction& i) {
         const auto view = [&](int index) { return index >= 0 ? slot(index) : series::View{nullptr, nullptr}; };
-        Step s{i.code,    linear_part(i), view(i.out), view(i.out2), view(i.a), view(i.b),
-               view(i.c), nullptr,        nullptr,     i.value,      nullptr};
+        Step s{i.code,    i.weight, view(i.out), view(i.out2), view(i.a), view(i.b),
+               view(i.c), nullptr,  nullptr,     i.value,      nullptr};
         if (i.code == Code::norm)
             s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
         else if (i.code == Code::call)
