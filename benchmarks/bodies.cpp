@@ -1,30 +1,18 @@
 // The closed forms of scenes F and T of bodies.py: set-up once, and the state at a time, in microseconds. bodies.py
 // reads the lines.
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <rbdyn/closed_form/free_rotation.hpp>
 #include <rbdyn/closed_form/lagrange_top.hpp>
 
 #include "calibration.hpp"
+#include "timing.hpp"
 
 namespace {
 
 using namespace rbdyn;
+using timing::microseconds;
 
 volatile double seen;  // so that nothing measured is left out by the compiler
-
-/// Microseconds of one call: the least of several batches.
-template <class Function>
-double microseconds(int count, Function f) {
-    double best = 1e300;
-    for (int batch = 0; batch < 51; ++batch) {
-        const auto start = std::chrono::steady_clock::now();
-        for (int i = 0; i < count; ++i) f(i);
-        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / count);
-    }
-    return best * 1e6;
-}
 
 template <class Make>
 void report(const char* scene, double until, Make make) {

@@ -1,28 +1,12 @@
 // The closed form of the free rotation: set-up, and a state at a time.
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <rbdyn/closed_form/free_rotation.hpp>
 
 #include "calibration.hpp"
-
-namespace {
+#include "timing.hpp"
 
 using namespace rbdyn;
-
-/// Microseconds of one call: the least of several batches.
-template <class Function>
-double microseconds(int count, Function f) {
-    double best = 1e300;
-    for (int batch = 0; batch < 20; ++batch) {
-        const auto start = std::chrono::steady_clock::now();
-        for (int i = 0; i < count; ++i) f(i);
-        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / count);
-    }
-    return best * 1e6;
-}
-
-}  // namespace
+using timing::microseconds;
 
 int main() {
     volatile double sink = 0.0;
