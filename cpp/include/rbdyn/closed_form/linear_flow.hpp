@@ -5,7 +5,7 @@
 // E_k = exp(M 2^k h), one for each binary digit of t/h, and from a short series for what is left of t: h is a power of
 // two, so nothing of the time is lost. E_0 is a series, the others are squares (Higham, "The Scaling and Squaring
 // Method for the Matrix Exponential Revisited", SIAM J. Matrix Anal. Appl. 26, 2005), in 32 digits, made when a time
-// first asks for them; each has half a unit more of error than twice the one before. Variables are scaled by powers of
+// first asks for them; each has twice the error of the one before. Variables are scaled by powers of
 // two so that rows and columns of M are of like size (Osborne, "On Pre-Conditioning of Matrices", J. ACM 7, 1960).
 #pragma once
 
@@ -14,7 +14,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <mutex>
 #include <span>
 #include <utility>
@@ -62,10 +61,21 @@ public:
     }
 
     void add_errors(double since, std::span<double> errors) const override {
-        std::vector<double> bounds;
-        const std::vector<double> x = moved({since, 0.0}, &bounds);
-        for (std::size_t i = 0; i < places_.size(); ++i)
-            errors[at(places_[i])] += std::isfinite(x[i]) ? bounds[i] : std::numeric_limits<double>::infinity();
+        const std::vector<double> x = moved({since, 0.0});
+        std::vector<double> sizes;
+        for (std::size_t i = 0; i < places_.size(); ++i) {
+            const double z = std::abs(x[i] - start_[i].hi) / units_[i];
+            sizes.push_back(std::isfinite(z) ? z : std::numeric_limits<double>::infinity());
+        }
+        sizes.push_back(1.0 / units_.back());
+        // the products come to as many roundings as there are steps; then the series is rounded, a term most
+        const double relative = 16.0 * n_ * 0x1p-104 * (1.0 + since / step_),
+                     rounded = relative * *std::max_element(sizes.begin(), sizes.end());
+        for (int i = 0; i < n_ - 1; ++i) {
+            double term = 0.0;
+            for (int j = 0; j < n_; ++j) term += std::abs(near_(i, j)) * step_ * sizes[at(j)];
+            errors[at(places_[at(i)])] += (rounded + epsilon * term) * units_[at(i)];
+        }
     }
 
     double fastest() const override { return fastest_; }
@@ -75,14 +85,9 @@ private:
     static constexpr double largest_step = 0.125;
     static constexpr int terms = 24, near_terms = 12;
     // after 2^100 steps nothing is left of 32 digits
-    static constexpr int most_levels = 100;
-    static constexpr double most_steps = 0x1p100;
+    static constexpr int most_powers = 100;
+    static constexpr double most_steps = 0x1p100, epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-    struct Level {
-        WideMatrix power;    // its transpose, so that columns lie together
-        SquareMatrix bound;  // of the error of each entry
-    };
 
     /// Scales of the variables: rows and columns of like size, as far as both are there.
     [[gnu::cold]] void balance() {
@@ -121,23 +126,21 @@ private:
         }
     }
 
-    /// x at a time, and bounds on what it is off if they are wanted.
-    std::vector<double> moved(Instant since, std::vector<double>* bounds = nullptr) const {
+    /// x at a time.
+    std::vector<double> moved(Instant since) const {
         std::vector<DoubleDouble> z(at(n_)), next(z.size());
         z.back() = 1.0 / units_.back();
-        if (bounds != nullptr) bounds->assign(z.size(), 0.0);
         double steps = std::trunc(since.hi / step_);
         if (!(steps < most_steps)) return std::vector<double>(z.size(), std::numeric_limits<double>::quiet_NaN());
         const Instant left = exact_sum(since.hi - steps * step_, since.lo);
         while (steps > 0.0) {
             const int k = std::ilogb(steps);
             steps -= std::ldexp(1.0, k);
-            const Level& one = level(k);
-            if (bounds != nullptr) *bounds = after(one, z, *bounds);
+            const WideMatrix& e = power(k);
             std::fill(next.begin(), next.end(), DoubleDouble(0.0));
             for (int j = 0; j < n_; ++j) {
                 const DoubleDouble factor = z[at(j)];
-                for (int i = 0; i < n_; ++i) next[at(i)] += one.power(j, i) * factor;
+                for (int i = 0; i < n_; ++i) next[at(i)] += e(j, i) * factor;
             }
             std::swap(z, next);
         }
@@ -152,79 +155,42 @@ private:
             }
             std::swap(term, following);
         }
-        // of what the series adds, an eighth of the largest at most, and of the sum
-        double largest = 0.0;
-        for (const double change : sum) largest = std::max(largest, std::abs(change));
-        for (std::size_t i = 0; i < start_.size(); ++i) {
+        for (std::size_t i = 0; i < start_.size(); ++i)
             sum[i] = static_cast<double>(start_[i] + (z[i] + sum[i]) * units_[i]);
-            if (bounds != nullptr)
-                (*bounds)[i] = ((*bounds)[i] + std::numeric_limits<double>::epsilon() * largest) * units_[i];
-        }
         return sum;
     }
 
-    /// Bounds on the error of a product with z, which is off by so much itself.
-    std::vector<double> after(const Level& one, const std::vector<DoubleDouble>& z,
-                              const std::vector<double>& off) const {
-        std::vector<double> result(z.size());
-        for (int j = 0; j < n_; ++j)
-            for (int i = 0; i < n_; ++i) {
-                const double size = std::abs(z[at(j)].hi), entry = std::abs(one.power(j, i).hi);
-                result[at(i)] += entry * (off[at(j)] + rounding() * size) + one.bound(j, i) * size;
-            }
-        return result;
-    }
-
-    const Level& level(int k) const {
+    /// E_k, made if nobody has asked for it yet.
+    const WideMatrix& power(int k) const {
         if (k >= ready_.load(std::memory_order_acquire)) {
             const std::lock_guard lock(mutex_);
             for (int next = ready_.load(std::memory_order_relaxed); next <= k; ++next) {
-                levels_[at(next)] =
-                    std::make_unique<const Level>(next == 0 ? first() : squared(*levels_[at(next - 1)]));
+                powers_[at(next)] = next == 0 ? series() : product(powers_[at(next - 1)], powers_[at(next - 1)]);
                 ready_.store(next + 1, std::memory_order_release);
             }
         }
-        return *levels_[at(k)];
+        return powers_[at(k)];
     }
 
-    /// exp(M h), in powers of M^4.
-    [[gnu::cold]] Level first() const {
-        WideMatrix powers[5] = {WideMatrix(n_), m_, WideMatrix(), WideMatrix(), WideMatrix()};
+    /// exp(M h), in powers of (M h)^4.
+    [[gnu::cold]] WideMatrix series() const {
+        std::vector<WideMatrix> powers(5, WideMatrix(n_));
         for (int i = 0; i < n_; ++i) {
             powers[0](i, i) = 1.0;
-            for (int j = 0; j < n_; ++j) powers[1](i, j) *= step_;
+            for (int j = 0; j < n_; ++j) powers[1](i, j) = m_(i, j) * step_;
         }
-        for (int p = 2; p < 5; ++p) powers[p] = product(powers[p - 1], powers[1]);
+        for (std::size_t p = 2; p < 5; ++p) powers[p] = product(powers[p - 1], powers[1]);
         DoubleDouble factorials[terms] = {1.0};
         for (int k = 1; k < terms; ++k) factorials[k] = factorials[k - 1] / static_cast<double>(k);
         WideMatrix sum(n_);
-        SquareMatrix bound(n_);
-        for (int row = terms / 4 - 1; row >= 0; --row) {
-            if (row < terms / 4 - 1) sum = product(sum, powers[4]);
+        for (int first = terms - 4; first >= 0; first -= 4) {
+            if (first < terms - 4) sum = product(sum, powers[4]);
             for (int p = 0; p < 4; ++p)
                 for (int i = 0; i < n_; ++i)
-                    for (int j = 0; j < n_; ++j) {
-                        sum(i, j) += powers[p](i, j) * factorials[4 * row + p];
-                        // of some products and sums; what is zero stays so
-                        if (row == 0) bound(i, j) += 4.0 * rounding() * std::abs(powers[p](i, j).hi);
-                    }
+                    for (int j = 0; j < n_; ++j) sum(i, j) += powers[at(p)](i, j) * factorials[first + p];
         }
-        return {std::move(sum), std::move(bound)};
+        return sum;
     }
-
-    [[gnu::cold]] Level squared(const Level& half) const {
-        SquareMatrix sizes(n_), bound(n_);
-        for (int i = 0; i < n_; ++i)
-            for (int j = 0; j < n_; ++j) sizes(i, j) = std::abs(half.power(i, j).hi);
-        for (int i = 0; i < n_; ++i)
-            for (int k = 0; k < n_; ++k)
-                for (int j = 0; j < n_; ++j)
-                    bound(i, j) +=
-                        sizes(i, k) * (half.bound(k, j) + rounding() * sizes(k, j)) + half.bound(i, k) * sizes(k, j);
-        return {product(half.power, half.power), std::move(bound)};
-    }
-    /// Of a sum of products, relative to their sizes.
-    double rounding() const { return 4.0 * n_ * 0x1p-104; }
 
     std::vector<int> places_;
     std::vector<DoubleDouble> start_;
@@ -235,7 +201,7 @@ private:
     double fastest_ = 0.0, step_ = 1.0;
     mutable std::mutex mutex_;
     mutable std::atomic<int> ready_ = 0;
-    mutable std::array<std::unique_ptr<const Level>, most_levels> levels_;
+    mutable std::array<WideMatrix, most_powers> powers_;  // transposed, so that columns lie together
 };
 
 }  // namespace rbdyn

@@ -73,8 +73,7 @@ inline WideMatrix across(const WideMatrix& a, const WideMatrix& b) {
     using refining::at;
     const int n = a.size();
     // a bound on the rounding of sums of n products, two units of 2^-104 each
-    const double size = a.largest(), rounding = 4.0 * n * 0x1p-104;
-    SymmetricModes result{std::vector<DoubleDouble>(at(n)), WideMatrix(n), rounding * size};
+    SymmetricModes result{std::vector<DoubleDouble>(at(n)), WideMatrix(n), 4.0 * n * 0x1p-104 * a.largest()};
     WideMatrix& x = result.vectors;
     std::vector<DoubleDouble>& values = result.values;
     if (n == 1) {
@@ -107,16 +106,17 @@ inline WideMatrix across(const WideMatrix& a, const WideMatrix& b) {
                 const double gap = (values[at(j)] - values[at(i)]).hi, up = (s(i, j) + values[at(j)] * r(i, j)).hi,
                              down = (s(i, j) + values[at(i)] * r(i, j)).hi,
                              most = std::max(std::abs(up), std::abs(down));
-                if (most < 1e-3 * std::abs(gap)) {
+                const bool is_noise = most <= result.error;
+                if (!is_noise && most < 1e-3 * std::abs(gap)) {
                     e(i, j) = up / gap;
                     e(j, i) = -down / gap;
                 } else {
                     e(i, j) = e(j, i) = 0.5 * r(i, j).hi;
-                    if (most > rounding * size) {
-                        const auto [low, high] = std::minmax(head[at(i)], head[at(j)]);
-                        std::replace(head.begin(), head.end(), int(high), int(low));
-                        turns = true;
-                    }
+                }
+                if (!is_noise && most >= 1e-3 * std::abs(gap)) {
+                    const auto [low, high] = std::minmax(head[at(i)], head[at(j)]);
+                    std::replace(head.begin(), head.end(), int(high), int(low));
+                    turns = true;
                 }
                 largest = std::max({largest, std::abs(e(i, j)), std::abs(e(j, i))});
             }

@@ -11,7 +11,7 @@
 // by the state the mode begins in, or by whoever knows better (`Branch`).
 //
 // Constants are doubles, or numbers of 32 digits where a model gives such; what is folded with one of these is one, and
-// is rounded once, by the program that uses it.
+// is rounded once, by the program that uses it. Who asks for all digits (WideFolding) has them of all constants.
 //
 // Conventions: an expression is a constant or a node of one Recorder. `parameter` nodes are numbers that are fixed
 // during smooth motion and may change between pieces (the sign of a slip).
@@ -395,11 +395,21 @@ inline Recorder* common(const Expression& a, const Expression& b) {
     return recorder;
 }
 
+/// While one lives, this thread folds all constants with 32 digits.
+class WideFolding {
+public:
+    WideFolding() { is_on = true; }
+    ~WideFolding() { is_on = false; }
+    WideFolding(const WideFolding&) = delete;
+    WideFolding& operator=(const WideFolding&) = delete;
+    inline static thread_local bool is_on = false;
+};
+
 /// What an operation makes of two constants.
 template <class F>
 Expression folded(const Expression& a, const Expression& b, F&& f) {
     const double rounded = f(a.value(), b.value());
-    if (!a.is_wide() && !b.is_wide()) return rounded;
+    if (!a.is_wide() && !b.is_wide() && !WideFolding::is_on) return rounded;
     const DoubleDouble exact = f(a.exact(), b.exact());
     return std::isfinite(exact.hi) && std::isfinite(exact.lo) ? exact : DoubleDouble(rounded);
 }

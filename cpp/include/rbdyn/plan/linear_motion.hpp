@@ -94,27 +94,44 @@ struct FoundForm {
     std::string why_not = {};
 };
 
-/// Which slots of a program are weighted sums of variables and constants.
-inline std::vector<char> linear_slots(const Program& program) {
-    std::vector<char> linear(static_cast<std::size_t>(program.slots()), 0);
-    std::fill_n(linear.begin(), program.inputs(), static_cast<char>(1));
+/// What a slot of a program depends on.
+enum class Dependence : char { other, linear, constant };
+
+/// Which slots are weighted sums of variables and constants.
+inline std::vector<Dependence> dependences(const Program& program) {
+    std::vector<Dependence> all(static_cast<std::size_t>(program.slots()), Dependence::other);
+    std::fill_n(all.begin(), program.inputs(), Dependence::linear);
     for (const Instruction& i : program.instructions()) {
         if (i.code != Code::combine || i.products > 0) continue;
-        const Term* term = program.terms(i);
-        linear[static_cast<std::size_t>(i.out)] = std::all_of(
-            term, term + i.terms, [&](const Term& t) { return linear[static_cast<std::size_t>(t.slot)] != 0; });
+        Dependence& out = all[static_cast<std::size_t>(i.out)];
+        out = Dependence::constant;
+        for (int k = 0; k < i.terms; ++k) out = std::min(out, all[static_cast<std::size_t>(program.terms(i)[k].slot)]);
     }
-    return linear;
+    return all;
 }
 
-/// The rates of a program that is linear, from the values it gives: column by column would do, but a row is a few
-/// numbers.
-[[gnu::cold]] inline LinearSystem linear_system(const Program& program, const std::vector<char>& linear) {
+/// The rates of a scene as a program whose constants have 32 digits.
+[[gnu::cold]] inline Program wide_rates(const PointsModel& model, const std::vector<double>& start,
+                                        const std::vector<signed char>& slip) {
+    const recording::WideFolding all_digits;
+    const StateMap& map = model.laws().map();
+    Recorder r;
+    r.follow(0.0, start, {});
+    EquationsWriter write(r, map.size());
+    const std::vector<Expression> all = write_points(r, write, model.laws(), map, {}, slip).rates;
+    std::vector<Expression> rates;
+    for (int i = 0; i < map.variables(); ++i)
+        if (map.is_simulated(i)) rates.push_back(all[static_cast<std::size_t>(i)]);
+    return Program(r, rates, map.size());
+}
+
+/// The system that the rates of a linear program are.
+[[gnu::cold]] inline LinearSystem linear_system(const Program& program) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     using Row = std::vector<LinearSystem::Entry>;
     const std::vector<DoubleDouble>& weights = *program.exact_weights();
-    std::vector<Row> rows(linear.size());
-    std::vector<DoubleDouble> constants(linear.size());
+    std::vector<Row> rows(at(program.slots()));
+    std::vector<DoubleDouble> constants(rows.size());
     for (int i = 0; i < program.inputs(); ++i) rows[at(i)] = {{i, 1.0}};
     const auto add = [](Row& row, const Row& other, const DoubleDouble& factor) {
         for (const LinearSystem::Entry& e : other) {
@@ -127,7 +144,6 @@ inline std::vector<char> linear_slots(const Program& program) {
         }
     };
     for (const Instruction& i : program.instructions()) {
-        if (linear[at(i.out)] == 0) continue;
         if (i.weight >= 0) constants[at(i.out)] = weights[at(i.weight)];
         for (int k = 0; k < i.terms; ++k) {
             const Term& term = program.terms(i)[k];
@@ -155,23 +171,28 @@ inline std::vector<char> linear_slots(const Program& program) {
     for (const Scene::Watch& w : scene.watches())
         if (w.options.action.kind == WatchAction::Kind::change)
             return {nullptr, "\"" + w.name + "\" changes the state on the way"};
-    const Equations& e = model.equations(std::vector<signed char>(laws.bodies().size(), 1));
+    const std::vector<signed char> slip(laws.bodies().size(), 1);
+    const Equations& e = model.equations(slip);
     const Program& program = e.program;
-    const std::vector<char> linear = linear_slots(program);
-    // positions follow velocities by themselves: forces are in the rates of these
-    for (auto b = laws.bodies().begin(); b != laws.bodies().end(); ++b)
-        for (int k = 0; k < b->velocities() + b->positions(); ++k) {
-            const int i = laws.map().place(k < b->velocities() ? b->first_rate + k : b->first + k - b->velocities());
-            if (i >= 0 && linear[static_cast<std::size_t>(program.output(i))] == 0)
-                return {nullptr, "the equations of " + b->name + " are not linear with constant coefficients"};
+    const std::vector<Dependence> known = dependences(program);
+    bool is_even = true;
+    for (const PointLaws::Body& b : laws.bodies())
+        for (int k = 0; k < b.positions() + b.velocities(); ++k) {
+            const int i = laws.map().place(k < b.positions() ? b.first + k : b.first_rate + k - b.positions());
+            if (i < 0) continue;
+            const Dependence rate = known[static_cast<std::size_t>(program.output(i))];
+            if (rate == Dependence::other)
+                return {nullptr, "the equations of " + b.name + " are not linear with constant coefficients"};
+            is_even = is_even && (k < b.positions() || rate == Dependence::constant);
         }
+    static const char* const polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
+    if (is_even) return {nullptr, polynomial};
     const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
-    if (!e.branches.empty() || std::any_of(e.guards.begin(), e.guards.end(), changes) ||
-        program.exact_weights() == nullptr)
+    if (!e.branches.empty() || std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers())
         return {nullptr, "its equations change from one formula to the next"};
-    LinearSystem system = linear_system(program, linear);
-    if (system.is_polynomial()) return {nullptr, "a polynomial in time, of which one step of a Taylor series is exact"};
     std::vector<double> start = model.start();
+    LinearSystem system = linear_system(wide_rates(model, start, slip));
+    if (system.is_polynomial()) return {nullptr, polynomial};
     system.start.assign(start.begin(), start.end());
     const std::vector<double> rest = model.start_rest();
     for (std::size_t i = 0; i < rest.size(); ++i) system.start[i] += rest[i];
