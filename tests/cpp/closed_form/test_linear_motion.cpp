@@ -480,6 +480,18 @@ TEST(LinearScenes, have_events_at_any_time) {
     EXPECT_NEAR(stopped[body].position(stopped.end())[0], -0.5, 4e-15);
 }
 
+TEST(LinearScenes, end_where_their_rails_end) {
+    // x = 1 - cos t to the end at 1.5
+    Scene scene;
+    const Polynomial rail{.coefficients = {{0, 0, 0}, {1, 0, 0}}, .domain = {0.0, 1.5}};
+    const BodyHandle bead = scene.add(Particle{2.0}, Rail(rail), {.parameter = 0.0, .speed = 0.0});
+    scene.connect(Spring{.stiffness = 2.0}, bead, Vector3(1, 0, 0));
+    const Trajectory run = simulate(scene, {.until = 10.0, .error = 1e-12});
+    EXPECT_EQ(run.engine(), "closed form");
+    EXPECT_EQ(kinds(run), "rail-end");
+    EXPECT_NEAR(run.end(), 2.0 * std::numbers::pi / 3.0, 4e-15);
+}
+
 TEST(LinearScenes, have_the_work_of_their_forces_over_many_periods) {
     Scene scene(down);
     const BodyHandle bead = scene.add(Particle{0.5}, Rail(incline(0.75)), {.parameter = 0.25, .speed = 1.0});

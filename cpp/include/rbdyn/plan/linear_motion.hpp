@@ -185,7 +185,7 @@ inline std::vector<Dependence> dependences(const Program& program) {
                 return {nullptr, "the equations of " + b.name + " are not linear with constant coefficients"};
             is_even = is_even && (k < b.positions() || rate == Dependence::constant);
         }
-    static const char* const polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
+    constexpr const char* polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
     if (is_even) return {nullptr, polynomial};
     const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
     if (!e.branches.empty() || std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers())
