@@ -142,7 +142,7 @@ def test_the_plan_names_what_is_traced_and_what_is_called_back_and_why():
     line = gusts.__code__.co_firstlineno + 1
     scene.apply(rb.Force(wind), ball)
     assert 'force "wind" traced, native, on ball' in str(rb.plan(scene))
-    assert rb.plan(scene).engine == "taylor"
+    assert rb.plan(scene).engine == "closed form"  # a drag in proportion, known as such
     assert rb.simulate(scene, 1.0).statistics.python_calls == 0
     scene.apply(rb.Force(gusts), ball)
     words = str(rb.plan(scene))

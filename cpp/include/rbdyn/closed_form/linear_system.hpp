@@ -147,8 +147,9 @@ struct LinearBlocks {
     int too_large = 0;     // of a block that set-up does not pay for: its variables; then there is no solution
 };
 
-// set-up costs the third power of a block's size: beyond these it takes longer than integration of a short run
-inline constexpr int most_modes = 64, most_in_flow = 24;
+// set-up costs the third power of a size: beyond these a run of a period takes longer than by integration, or twice as
+// long
+inline constexpr int most_modes = 64, most_in_flow = 16;
 
 [[gnu::cold]] inline LinearBlocks solve(const LinearSystem& system) {
     using linear::at;
