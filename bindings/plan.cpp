@@ -1,5 +1,5 @@
 // The plan: what a scene calls for.
-#include <rbdyn/plan/plan.hpp>
+#include <rbdyn/plan/kept_plan.hpp>
 
 #include "handles.hpp"
 

@@ -295,9 +295,7 @@ private:
         using std::atan2;
         return atan2(y, x);
     }
-    static Expression angle_of(const Expression& y, const Expression& x) {
-        return recording::angle(y, x);
-    }
+    static Expression angle_of(const Expression& y, const Expression& x) { return recording::angle(y, x); }
 
     std::vector<Expression> differentiated(const std::vector<Expression>& x, int input) const;
 

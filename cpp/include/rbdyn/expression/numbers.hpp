@@ -1,9 +1,10 @@
 // Numbers of the user's in equations that are recorded while they have certain values.
 //
-// While equations are recorded, a number of the user's (Parameter) is a constant that knows where it comes from. What is
-// folded with it is recorded here, too, and is such a constant itself; a program takes it as a parameter. So equations
-// hold for other values as well, as long as what was decided by them stays so: what was zero stays zero and nothing else
-// becomes zero, what was chosen by a sign keeps the sign, and what went into the equations as a double keeps its value.
+// While equations are recorded, a number of the user's (Parameter) is a constant that knows where it comes from. What
+// is folded with it is recorded here, too, and is such a constant itself; a program takes it as a parameter. So
+// equations hold for other values as well, as long as what was decided by them stays so: what was zero stays zero and
+// nothing else becomes zero, what was chosen by a sign keeps the sign, and what went into the equations as a double
+// keeps its value.
 #pragma once
 
 #include <cmath>

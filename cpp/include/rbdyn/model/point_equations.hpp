@@ -188,7 +188,8 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
 }
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
-inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const PointLaws>& of, const std::vector<Scene::Watch>& watches,
+inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const PointLaws>& of,
+                                                const std::vector<Scene::Watch>& watches,
                                                 const std::vector<signed char>& slip, const RecordedFor& at_state) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     Recorder r;

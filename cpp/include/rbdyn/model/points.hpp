@@ -226,7 +226,7 @@ public:
             const PointLaws::Body& b = laws_->body(i);
             if (b.rigid) return 0;
             laws_->slope(i, mode.slip, t, x, std::span(all).subspan(at(b.first)),
-                        std::span(all).subspan(at(b.first_rate)));
+                         std::span(all).subspan(at(b.first_rate)));
         }
         for (double s : all)
             if (!std::isfinite(s)) return 0;
