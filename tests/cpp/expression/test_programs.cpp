@@ -7,7 +7,7 @@
 
 #include "rbdyn/plan/kept_plan.hpp"
 
-namespace rbdyn {
+namespace rbdyn::test_programs {
 namespace {
 
 double uniform(double lo, double hi) {
@@ -380,4 +380,4 @@ TEST(Programs, constants_of_32_digits_are_rounded_once) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_programs
