@@ -11,7 +11,7 @@
 
 #include "rbdyn/rbdyn.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_sweeps {
 namespace {
 
 using Number = Expression;
@@ -338,4 +338,4 @@ TEST(Sweeps, run_random_formulas_as_if_planned_anew) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_sweeps
