@@ -7,9 +7,11 @@
 // keeps its value.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -32,6 +34,7 @@ struct GivenNumbers {
     }
 };
 
+/// Where equations take numbers of the user's from while they are recorded, and what was decided by them.
 class Numbers {
 public:
     explicit Numbers(const GivenNumbers& given) : given_(given.values) {
