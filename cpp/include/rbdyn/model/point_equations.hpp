@@ -229,7 +229,7 @@ inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const Poin
     result->equations.drives = drives;
     std::vector<int> held;
     for (int i = 0; i < count; ++i)
-        if (laws.is_conservative(i) && laws.moves(i)) held.push_back(i);
+        if (laws.is_conservative(i) && laws.turns(i)) held.push_back(i);
     if (!held.empty())
         result->equations.projection = [of, held](std::span<const double> state, std::span<const double> rest) {
             std::vector<double> x(static_cast<std::size_t>(of->variables())), low(x.size());

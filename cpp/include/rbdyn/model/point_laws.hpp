@@ -358,8 +358,17 @@ public:
     }
     /// Whether equations take numbers of their mode, two a body: the sign of its slip, and what is fixed in the mode.
     bool takes_numbers() const {
-        return std::any_of(bodies_.begin(), bodies_.end(),
-                           [](const Body& b) { return b.rough || (b.rigid && b.rigid->follows_axis); });
+        return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& b) {
+            return b.rough || (b.rigid && b.rigid->follows_axis && map_.is_simulated(b.fixed_variable()));
+        });
+    }
+    /// Whether any variable of a body's rotation is simulated.
+    bool turns(int index) const {
+        const Body& b = bodies_[at(index)];
+        if (!b.rigid || b.rigid->kind == RigidLaw::Kind::prismatic) return false;
+        for (int k = b.rigid->kind == RigidLaw::Kind::free ? 3 : 0; k < b.positions(); ++k)
+            if (map_.is_simulated(b.first + k)) return true;
+        return false;
     }
     /// Whether any variable of a body is simulated.
     bool moves(int index) const {
