@@ -233,6 +233,7 @@ public:
     /// The scene with the numbers of the user's (Parameter) as they are now: what a run is made of.
     [[gnu::cold]] Scene frozen() const {
         Scene result = *this;
+        result.plan_.forget();
         for (Body& b : result.bodies_)
             if (const Rail* rail = b.rail()) b.joint = rail->frozen();
         for (AppliedLoad& l : result.loads_) {
