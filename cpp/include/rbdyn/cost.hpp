@@ -108,7 +108,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
         const double span = base.until - options.start;
         for (Part& part : parts) {
             const auto first = Clock::now();
-            const auto form = planning::closed_motion(part.scene, part.plan.model->laws()).first;
+            const auto form = planning::closed_form(part.scene, *part.plan.model, true).form;
             std::vector<double> end(part.start.size());
             form->state({span, 0.0}, end);
             row.seconds += seconds_since(first);

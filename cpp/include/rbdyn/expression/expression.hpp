@@ -11,7 +11,7 @@
 // by the state the mode begins in, or by whoever knows better (`Branch`).
 //
 // Constants are doubles, or numbers of 32 digits where a model gives such; what is folded with one of these is one, and
-// is rounded once, by the program that uses it.
+// is rounded once, by the program that uses it. Who asks for all digits (WideFolding) has them of all constants.
 //
 // Conventions: an expression is a constant or a node of one Recorder. `parameter` nodes are numbers that are fixed
 // during smooth motion and may change between pieces (the sign of a slip).
@@ -42,11 +42,23 @@ inline Recorder* common(const Expression& a, const Expression& b) {
     return recorder;
 }
 
+/// While one lives, this thread folds all constants with 32 digits.
+class WideFolding {
+public:
+    WideFolding() { is_on = true; }
+    ~WideFolding() { is_on = false; }
+    WideFolding(const WideFolding&) = delete;
+    WideFolding& operator=(const WideFolding&) = delete;
+    inline static thread_local bool is_on = false;
+};
+
 /// What an operation makes of two constants.
 template <class F>
 Expression folded(Operation operation, const Expression& a, const Expression& b, F&& f) {
     if (a.is_number() || b.is_number()) return Numbers::active()->record(operation, a, b);
-    const Constant result = folded(a.constant(), b.constant(), f);
+    Constant x = a.constant(), y = b.constant();
+    x.is_wide = x.is_wide || WideFolding::is_on;
+    const Constant result = folded(x, y, f);
     return result.is_wide ? Expression(result.number) : Expression(result.number.hi);
 }
 

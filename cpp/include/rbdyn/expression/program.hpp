@@ -93,6 +93,9 @@ public:
     void set_parameters(std::span<const T> parameters, std::vector<T>& scalars,
                         Rounding rounding = Rounding::nearest) const;
 
+    /// The weights with all their digits; none if they depend on parameters.
+    const std::vector<DoubleDouble>* exact_weights() const { return scalar_steps_.empty() ? &constants_ : nullptr; }
+
     /// The program's instructions, one a line.
     std::string text() const;
 

@@ -54,8 +54,10 @@ inline GivenNumbers numbers_of(const Scene& scene) {
         // on which side of a case motion begins depends on them
         if (plan.model->distinguishes()) plan.guards = guards_of(*plan.model);
         if (!kept.closed) return plan;
-        plan.closed = closed_motion(scene, plan.model->laws()).first;
-        return plan.closed ? std::optional(std::move(plan)) : std::nullopt;
+        plan.closed = closed_form(scene, *plan.model, true).form;
+        if (!plan.closed) return std::nullopt;
+        plan.reason = reason_of(*plan.closed);
+        return plan;
     }
     auto apart = std::make_shared<const SceneParts>(scene);
     for (std::size_t i = 0; i < plan.parts.size(); ++i) {

@@ -5,11 +5,13 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
+#include "rbdyn/plan/linear_motion.hpp"
 #include "rbdyn/plan/simulated.hpp"
 #include "rbdyn/scene/parts.hpp"
 
@@ -26,15 +28,15 @@ struct Plan {
     std::string engine, reason;            // the automatic choice; of several parts each one's, once
     std::string integrator;                // the automatic choice among those that integrate
     std::vector<Omission> omissions;
-    std::vector<std::string> integrals;          // first integrals of the scene
-    Vector3 pole = Vector3::Zero();              // what those of angular momentum are about
-    Vector3 up{0, 0, 1};                         // against gravity
-    Placement view;                              // the axes the equations are written in
-    std::shared_ptr<const PointsModel> model;    // the equations of motion, of one part
-    std::shared_ptr<const ClosedMotion> closed;  // the motion of one part in closed form, if there is one
-    std::vector<Plan> parts;                     // of bodies that nothing joins; none if there is one only
-    std::shared_ptr<const SceneParts> apart;     // the scenes of these parts, and what is where in them
-    bool calls_back = false;                     // a force of it has values only, no series
+    std::vector<std::string> integrals;        // first integrals of the scene
+    Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
+    Vector3 up{0, 0, 1};                       // against gravity
+    Placement view;                            // the axes the equations are written in
+    std::shared_ptr<const PointsModel> model;  // the equations of motion, of one part
+    std::shared_ptr<const ClosedForm> closed;  // the motion of one part in closed form, if there is one
+    std::vector<Plan> parts;                   // of bodies that nothing joins; none if there is one only
+    std::shared_ptr<const SceneParts> apart;   // the scenes of these parts, and what is where in them
+    bool calls_back = false;                   // a force of it has values only, no series
     std::vector<std::shared_ptr<const Callback>> callbacks;
 
     /// Calls of functions in Python so far.
@@ -174,6 +176,20 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& n
     plan.apart = std::make_shared<const SceneParts>(std::move(apart));
 }
 
+/// The closed form of a scene, or why there is none: that of its bodies one by one, or that of linear equations.
+[[gnu::cold]] inline FoundForm closed_form(const Scene& scene, const PointsModel& model, bool any_rigid) {
+    FoundForm found;
+    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, model.laws());
+    if (found.form) return found;
+    FoundForm linear = linear_motion(scene, model);
+    if (!linear.form && any_rigid) return found;
+    return linear;
+}
+
+inline std::string reason_of(const ClosedForm& form) {
+    return form.name() + ": exact at every time, whatever the time";
+}
+
 /// Plans a scene, or a part of one with rigid bodies, while numbers of the user's are what they are.
 [[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers) {
     Plan plan;
@@ -286,12 +302,12 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& n
     for (const Plan& part : plan.parts)
         for (const Omission& o : part.omissions)
             if (o.what == "closed form") leave_out(o.what, o.why);
-    if (!any_rigid || !plan.model) return plan;
-    const auto [closed, why_not] = closed_motion(scene, plan.model->laws());
+    if (!plan.model) return plan;
+    const auto [closed, why_not] = closed_form(scene, *plan.model, any_rigid);
     if (closed) {
         plan.closed = closed;
         plan.engine = "closed form";
-        plan.reason = closed->name() + ": exact at every time, whatever the time";
+        plan.reason = reason_of(*closed);
     } else {
         leave_out("closed form", why_not);
     }
