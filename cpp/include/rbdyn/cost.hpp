@@ -67,8 +67,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     base.monitor = options.monitor;
     validate(base);
     const auto began = Clock::now();
-    const Scene plan_scene = scene.frozen();
-    const Plan plan = make_plan(plan_scene);
+    const auto [plan_scene, plan, is_new] = planned(scene);
     // each by itself, as simulate() does; their times add up
     struct Part {
         const Plan& plan;

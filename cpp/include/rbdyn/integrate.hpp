@@ -89,15 +89,16 @@ inline constexpr double other_stride = 0.7;
 inline void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
     require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
-    require(o.until > o.start, "simulate", "until", o.until,
-            "a run ends after its start, which is " + text(o.start) +
-                " s; motion backwards is motion with reversed velocities");
+    if (!(o.until > o.start))
+        refuse("simulate", "until", o.until,
+               "a run ends after its start, which is " + text(o.start) +
+                   " s; motion backwards is motion with reversed velocities");
     if (o.rtol) {
         require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
                 "a local tolerance lies between 1e-16 and 0.1");
-    } else {
-        require(o.error >= least_error && o.error <= 0.1, "simulate", "error", o.error,
-                "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
+    } else if (!(o.error >= least_error && o.error <= 0.1)) {
+        refuse("simulate", "error", o.error,
+               "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
     }
     require(o.max_steps > 0, "simulate", "max_steps", static_cast<double>(o.max_steps), "it is positive");
     for (double t : o.keep.times)

@@ -8,7 +8,7 @@
 #include "rbdyn/cost.hpp"
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_parts {
 namespace {
 
 using Add = std::function<BodyHandle(Scene&)>;
@@ -441,4 +441,4 @@ TEST(Parts, cost_what_they_cost_alone) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_parts

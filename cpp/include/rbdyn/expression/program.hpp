@@ -318,7 +318,7 @@ private:
     int emit(const Combination& sum) {
         if (sum.products.empty() && sum.constant.is_zero() && sum.terms.size() == 1) {
             const auto& [slot, weight] = *sum.terms.begin();
-            if (weight.is_constant() && weight.exact() == DoubleDouble(1.0)) return slot;
+            if (weight.is_one()) return slot;
         }
         Instruction i{Code::combine};
         i.first_term = static_cast<int>(p_.terms_.size());

@@ -110,10 +110,11 @@ inline std::vector<Dependence> dependences(const Program& program) {
     return all;
 }
 
-/// The rates of a scene as a program whose constants have 32 digits.
+/// The rates of a scene as a program whose constants have 32 digits, numbers of the user's among them.
 [[gnu::cold]] inline Program wide_rates(const PointsModel& model, const std::vector<double>& start,
                                         const std::vector<signed char>& slip) {
     const recording::WideFolding all_digits;
+    const Numbers::Active plain(nullptr);
     const StateMap& map = model.laws().map();
     Recorder r;
     r.follow(0.0, start, {});

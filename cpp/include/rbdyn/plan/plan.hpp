@@ -93,7 +93,7 @@ inline Placement view_of(const Scene& scene) {
     take(scene.gravity());
     for (const auto& load : scene.loads())
         if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->is_constant())
-            take(force->constant());
+            take(force->settled());
     for (const auto& c : scene.connections()) {
         if (!is_present(c.coupling)) continue;
         for (const End* e : {&c.a, &c.b})
@@ -153,14 +153,14 @@ inline std::string names_of(const Scene& part) {
     return first_of(names, 3, " + ");
 }
 
-inline Plan plan_of(const Scene& scene, bool beside_rigid);
+inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers);
 
 /// Plans the parts of a scene, each by itself: guards, engines and the reason for them are theirs together.
-[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, Plan& plan,
-                                     Simulated& simulated) {
+[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid,
+                                     const GivenNumbers& numbers, Plan& plan, Simulated& simulated) {
     std::vector<std::string> names, engines;
     for (const SceneParts::Part& part : apart.parts) {
-        const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid));
+        const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid, numbers));
         plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
         if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
         names.push_back(names_of(part.scene) + " (" + own.engine + ")");
@@ -186,8 +186,12 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     return linear;
 }
 
-/// Plans a scene, or a part of one with rigid bodies.
-[[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid) {
+inline std::string reason_of(const ClosedForm& form) {
+    return form.name() + ": exact at every time, whatever the time";
+}
+
+/// Plans a scene, or a part of one with rigid bodies, while numbers of the user's are what they are.
+[[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers) {
     Plan plan;
     plan.effects = effects_of(scene);
     bool any_rail = false, is_rough = false, free = false;
@@ -268,7 +272,7 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     Simulated simulated;
     if (apart.parts.empty()) {
         plan.view = view_of(scene);
-        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true);
+        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
         simulated.take(*plan.model);
         for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
         plan.guards = guards_of(*plan.model);
@@ -278,7 +282,7 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
                 ? "a force that is called back has no Taylor series; events are located but not certain"
                 : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
     } else {
-        plan_parts(scene, std::move(apart), any_rigid, plan, simulated);
+        plan_parts(scene, std::move(apart), any_rigid, numbers, plan, simulated);
     }
     plan.coordinates = std::move(simulated.coordinates);
     if (!plan.has("gravity")) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
@@ -303,7 +307,7 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     if (closed) {
         plan.closed = closed;
         plan.engine = "closed form";
-        plan.reason = closed->name() + ": exact at every time, whatever the time";
+        plan.reason = reason_of(*closed);
     } else {
         leave_out("closed form", why_not);
     }
@@ -311,12 +315,6 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
 }
 
 }  // namespace planning
-
-/// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
-inline Plan make_plan(const Scene& scene) {
-    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
-    return planning::plan_of(scene, false);
-}
 
 inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     const auto list = [&](const char* head, const std::vector<std::string>& lines, const char* none) {
