@@ -6,7 +6,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_linear_motion {
 namespace {
 
 using Build = std::function<void(Scene&)>;
@@ -521,4 +521,4 @@ TEST(LinearScenes, are_asked_by_many_at_once) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_linear_motion
