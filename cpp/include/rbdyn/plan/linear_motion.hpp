@@ -65,7 +65,9 @@ public:
                 size += most * most;
             }
             const double scale = std::sqrt(group.is_position ? extent : size);
-            if (scale > nothing * std::sqrt(size)) worst = std::max(worst, std::sqrt(off) / scale);
+            // what is no number is kept
+            if (const double off_by = std::sqrt(off) / scale; scale > nothing * std::sqrt(size) && !(off_by <= worst))
+                worst = off_by;
         }
         return std::isfinite(worst) ? worst : std::numeric_limits<double>::infinity();
     }
