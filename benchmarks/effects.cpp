@@ -135,7 +135,8 @@ std::string hexadecimal(const std::vector<Record>& records) {
 }
 
 void print(const std::string& name, const char* which, const Motions& motions, double until, bool counts) {
-    std::vector<Record> records;
+    // what a model keeps for its next integration is not from the block
+    std::vector<Record> records = integrated(motions, until);
     for (int i = 0; i < (counts ? 2 : 1); ++i) {
         records = counted(motions, until);
         integration_is_over();
