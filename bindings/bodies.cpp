@@ -46,7 +46,7 @@ std::string repr(const RigidBody& b) {
 }
 
 // numbers of 32 digits as Python's tuples hold them
-py::tuple data(const RigidBody& b) {
+py::tuple body_data(const RigidBody& b) {
     const MassProperties& given = b.given();
     std::vector<double> digits;
     const auto put = [&](const DoubleDouble& x) { digits.insert(digits.end(), {x.hi, x.lo}); };
@@ -236,7 +236,7 @@ attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rot
                  return py::isinstance<RigidBody>(b) && a == b.cast<const RigidBody&>();
              })
         .def("__hash__", [](const RigidBody& b) { return py::hash(py::make_tuple(b.mass(), b.com()[0], b.com()[1])); })
-        .def(py::pickle(&data, &body_from))
+        .def(py::pickle(&body_data, &body_from))
         .def("__repr__", &repr);
 
     m.def(

@@ -124,7 +124,7 @@ Function recorded_by_hand(const py::object& f, const std::optional<int>& inputs)
     return with_inputs(a.function, count);
 }
 
-py::object to_python(const std::vector<double>& y) {
+py::object number_or_tuple(const std::vector<double>& y) {
     if (y.size() == 1) return py::float_(y[0]);
     return py::tuple(py::cast(y));
 }
@@ -179,7 +179,7 @@ py::object applied(const Function& f, const py::args& arguments) {
     }
     std::vector<double> x;
     for (const py::handle a : arguments) x.push_back(number(a, "Function", "an input"));
-    return to_python(f(std::span<const double>(x)));
+    return number_or_tuple(f(std::span<const double>(x)));
 }
 
 }  // namespace
@@ -363,7 +363,7 @@ Inside a function that is being recorded it becomes part of that one.)")
                 rbdyn::require(static_cast<int>(x.size()) == f.callback->inputs, "UserFunction", "count of numbers",
                                static_cast<double>(x.size()), "it takes " + std::to_string(f.callback->inputs));
                 (*f.callback)(x.data(), y.data());
-                return to_python(y);
+                return number_or_tuple(y);
             },
             "Its results for numbers.")
         .def("__repr__", [](const UserFunction& f) {

@@ -16,18 +16,18 @@ namespace {
 // beyond these the function is called back instead: its formulas are too many, or it never ends
 constexpr int most_paths = 64, most_decisions = 1000, most_questions = 20000;
 
-std::vector<Recording*>& under_way() {
-    static thread_local std::vector<Recording*> recordings;
-    return recordings;
+std::vector<Recording*>& recordings() {
+    static thread_local std::vector<Recording*> stack;
+    return stack;
 }
 
 class UnderWay {
 public:
     explicit UnderWay(Recording& r) : active_(r.recorder()), called_back_(std::exchange(CallingBack::depth(), 0)) {
-        under_way().push_back(&r);
+        recordings().push_back(&r);
     }
     ~UnderWay() {
-        under_way().pop_back();
+        recordings().pop_back();
         CallingBack::depth() = called_back_;
     }
     UnderWay(const UnderWay&) = delete;
@@ -42,7 +42,7 @@ py::module_ reasons() { return py::module_::import("rbdyn.reasons"); }
 
 }  // namespace
 
-Recording* Recording::current() { return under_way().empty() ? nullptr : under_way().back(); }
+Recording* Recording::current() { return recordings().empty() ? nullptr : recordings().back(); }
 
 py::object Recording::input(int index) {
     inputs_ = std::max(inputs_, index + 1);

@@ -219,7 +219,7 @@ rbdyn::Attitude attitude_from(const py::handle& data) {
     return rbdyn::QuaternionOf<DoubleDouble>{q[0], q[1], q[2], q[3]};
 }
 
-py::tuple data(const BoundScene& s) {
+py::tuple scene_data(const BoundScene& s) {
     py::list bodies, loads, couplings, watches, integrals;
     for (const Scene::Body& b : s.scene.bodies()) {
         const auto& w = b.angular_velocity;
@@ -451,7 +451,7 @@ Raises InvalidInput for a name that is none, and for an effect that the scene do
              [](const BoundScene& a, const py::object& b) {
                  return py::isinstance<BoundScene>(b) && a.scene == b.cast<const BoundScene&>().scene;
              })
-        .def(py::pickle(&data, &scene_from))
+        .def(py::pickle(&scene_data, &scene_from))
         .def("__copy__", [](const BoundScene& s) { return BoundScene(s); })
         .def(
             "__deepcopy__", [](const BoundScene& s, const py::dict&) { return BoundScene(s); }, py::arg("memo"))

@@ -16,12 +16,12 @@ std::string tuple_text(const std::vector<double>& values) {
 py::array_t<double> array_of(const std::vector<double>& values) {
     return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
 }
-py::tuple tuple_of(const std::vector<double>& values) {
+py::tuple numbers_of(const std::vector<double>& values) {
     py::tuple result(values.size());
     for (std::size_t k = 0; k < values.size(); ++k) result[k] = values[k];
     return result;
 }
-std::string rows_text(const std::vector<Vector3>& vectors) {
+std::string tuple_text(const std::vector<Vector3>& vectors) {
     std::string text = "(";
     for (std::size_t k = 0; k < vectors.size(); ++k) text += (k == 0 ? "" : ", ") + list_text(vectors[k]);
     return text + (vectors.size() == 1 ? ",)" : ")");
@@ -56,13 +56,13 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
              [](const Equilibrium& a, const py::object& b) {
                  return py::isinstance<Equilibrium>(b) && a == b.cast<const Equilibrium&>();
              })
-        .def("__hash__", [](const Equilibrium& e) { return py::hash(tuple_of(e.coordinates)); })
+        .def("__hash__", [](const Equilibrium& e) { return py::hash(numbers_of(e.coordinates)); })
         .def("__str__", &printed<Equilibrium>)
         .def("__repr__", [](const Equilibrium& e) {
             return "Equilibrium(coordinates=" + tuple_text(e.coordinates) +
                    ", stable=" + (e.stable ? "True" : "False") + ", interval=" +
                    (e.interval ? tuple_text({e.interval->first, e.interval->second}) : std::string("None")) +
-                   ", periods=" + tuple_text(e.periods) + (e.axes.empty() ? "" : ", axes=" + rows_text(e.axes)) + ")";
+                   ", periods=" + tuple_text(e.periods) + (e.axes.empty() ? "" : ", axes=" + tuple_text(e.axes)) + ")";
         });
 
     m.def(

@@ -306,8 +306,10 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
     const auto before = std::chrono::steady_clock::now();
     Solution result;
     result.runs = 1;
+    // pieces say when events are, not where things are: they are kept if all of a run is
+    const Keep keep{.what = options.keep.what == Keep::What::all ? Keep::What::all : Keep::What::end};
     const auto run = [&](double tolerance, int order) {
-        return integrate(model, x, options, "", tolerance, {}, {.order = order}, form).record;
+        return integrate(model, x, options, "", tolerance, keep, {.order = order}, form).record;
     };
     Comparison events{.error = 0.0, .certain_until = options.until};
     std::vector<double> first = x;

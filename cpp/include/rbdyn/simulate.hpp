@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "rbdyn/model/own_model.hpp"
+#include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/solve.hpp"
 #include "rbdyn/trajectory/trajectory.hpp"
 
@@ -58,12 +59,12 @@ inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
     using namespace simulating;
     const auto began = std::chrono::steady_clock::now();
     validate(options);
-    Scene frozen = scene.frozen();
-    Plan plan = make_plan(frozen);
+    auto [frozen, plan, is_new] = planned(scene);
     const std::int64_t calls = plan.python_calls();
     Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options)
                                        : solve_apart(std::move(frozen), std::move(plan), options);
     Statistics& s = result.data.statistics;
+    s.planned = is_new;
     s.python_calls = result.data.plan.python_calls() - calls;
     s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 #ifdef RBDYN_CHECK_SIZES

@@ -8,9 +8,10 @@
 #include <numbers>
 #include <vector>
 
+namespace rbdyn::test::test_dense {
+
 namespace {
 
-using rbdyn::SquareMatrix;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// A full matrix without structure, entries between -1 and 1.
@@ -106,3 +107,5 @@ TEST(Dense, a_power_of_two_in_the_unit_changes_no_digit_of_an_eigenvalue) {
     const std::vector<double> values = rbdyn::symmetric_eigenvalues(a), small = rbdyn::symmetric_eigenvalues(scaled);
     for (std::size_t k = 0; k < values.size(); ++k) EXPECT_EQ(small[k], 0x1p-300 * values[k]);
 }
+
+}  // namespace rbdyn::test::test_dense

@@ -8,13 +8,9 @@
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/rounded.hpp"
 
-namespace {
+namespace rbdyn::test::test_vector {
 
-using rbdyn::cross;
-using rbdyn::dot;
-using rbdyn::Matrix3;
-using rbdyn::Vector3;
-using rbdyn::Vector3Of;
+namespace {
 
 /// Every operation a model may use on vectors.
 template <class S>
@@ -58,3 +54,5 @@ TEST(Vectors, matrices_turn_vectors_as_eigen_turns_them) {
     EXPECT_EQ(m * v, Vector3(m.lazyProduct(v)));
     EXPECT_EQ(m.transpose() * v, Vector3(m.transpose().lazyProduct(v)));
 }
+
+}  // namespace rbdyn::test::test_vector

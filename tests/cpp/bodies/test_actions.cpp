@@ -3,11 +3,9 @@
 
 #include <rbdyn/rbdyn.hpp>
 
-namespace {
+namespace rbdyn::test::test_actions {
 
-using rbdyn::Attitude, rbdyn::BodyHandle, rbdyn::EulerAngles, rbdyn::Free, rbdyn::InvalidInput, rbdyn::Matrix3,
-    rbdyn::Now, rbdyn::Observe, rbdyn::Prismatic, rbdyn::Quantity, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene,
-    rbdyn::Side, rbdyn::Spherical, rbdyn::StateChange, rbdyn::Vector3;
+namespace {
 
 const RigidBody top(1.5, {0.6, 0.6, 0.2}, {.com = {0, 0, 0.4}, .inertia_about = rbdyn::InertiaAbout::origin});
 const RigidBody stone(1.5, {0.6, 0.8, 1.1}, {.com = {0.1, -0.2, 0.3}});
@@ -76,3 +74,5 @@ TEST(WatchedBodies, what_a_joint_does_not_have_cannot_be_watched) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_actions

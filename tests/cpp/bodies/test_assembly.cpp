@@ -7,7 +7,7 @@
 
 #include "bodies/random_bodies.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_assembly {
 namespace {
 
 const char* const joints[] = {"free", "ball joint", "hinge", "slide"};
@@ -197,4 +197,4 @@ TEST(IdealJoints, a_balanced_rotor_asks_nothing_of_its_bearings_and_another_does
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_assembly

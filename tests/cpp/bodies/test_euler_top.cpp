@@ -6,7 +6,7 @@
 #include "refusal.hpp"
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_euler_top {
 namespace {
 
 const RigidBody body(1.0, {0.5, 0.75, 0.4}, {.com = {0.1, 0.05, 0.3}, .inertia_about = InertiaAbout::origin});
@@ -68,4 +68,4 @@ TEST(EulerTop, refuses_axes_that_are_not_principal) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_euler_top

@@ -8,7 +8,7 @@
 
 #include "bodies/random_bodies.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_hard_cases {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -382,4 +382,4 @@ TEST(HardRotation, long_integration_loses_next_to_nothing) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_hard_cases

@@ -6,7 +6,7 @@
 
 #include "bodies/random_bodies.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_metamorphic {
 namespace {
 
 constexpr BodyHandle first{0};
@@ -369,4 +369,4 @@ TEST(Metamorphic, a_body_welded_of_pieces_is_the_whole) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_metamorphic

@@ -12,7 +12,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_reference {
 namespace {
 
 using nlohmann::json;
@@ -189,4 +189,4 @@ INSTANTIATE_TEST_SUITE_P(of_the_chapter, Bodies,
                          name_of_case);
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_reference

@@ -9,7 +9,7 @@
 #include "bodies/truth.hpp"
 #include "rbdyn/model/assembly.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_theorems {
 namespace {
 
 constexpr BodyHandle first{0};
@@ -301,4 +301,4 @@ TEST(RandomBodies, tops_built_turned_moved_and_welded_have_the_motion_of_the_upr
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_theorems

@@ -11,11 +11,10 @@
 #include "rbdyn/body/momentum.hpp"
 #include "refusal.hpp"
 
+namespace rbdyn::test::test_rigid_body {
+
 namespace {
 
-using rbdyn::Attitude, rbdyn::DoubleDouble, rbdyn::EulerAngles, rbdyn::InertiaAbout, rbdyn::InvalidInput;
-using rbdyn::MassProperties, rbdyn::Matrix3, rbdyn::Matrix3Of, rbdyn::Quaternion, rbdyn::RigidBody, rbdyn::Vector3;
-using rbdyn::Vector3Of;
 using rbdyn::test::Random;
 using rbdyn::test::refusal;
 
@@ -367,3 +366,5 @@ TEST(Momentum, about_a_point_at_rest_it_is_the_inertia_there_times_omega) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_rigid_body

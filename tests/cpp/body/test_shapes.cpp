@@ -11,11 +11,12 @@
 #include "rbdyn/body/solid.hpp"
 #include "refusal.hpp"
 
+namespace rbdyn::test::test_shapes {
+
 namespace {
 
 using rbdyn::test::refusal;
 
-using rbdyn::DoubleDouble, rbdyn::InertiaAbout, rbdyn::InvalidInput, rbdyn::Matrix3, rbdyn::Matrix3Of;
 using rbdyn::Quaternion, rbdyn::RigidBody, rbdyn::Vector3, rbdyn::test::Random;
 using rbdyn::shapes::Range, rbdyn::shapes::SolidBounds;
 namespace shapes = rbdyn::shapes;
@@ -250,3 +251,5 @@ TEST(Solid, momentum_of_a_continuous_body_is_that_of_its_mass_properties) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_shapes

@@ -11,7 +11,7 @@
 #include "closed_form/free_body.hpp"
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_free_rotation {
 namespace {
 
 using Json = nlohmann::json;
@@ -346,4 +346,4 @@ TEST(FreeRotation, does_not_depend_on_units_that_are_powers_of_two) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_free_rotation

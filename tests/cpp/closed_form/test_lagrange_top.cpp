@@ -7,7 +7,7 @@
 #include "rbdyn/closed_form/lagrange_top.hpp"
 #include "reference.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_lagrange_top {
 namespace {
 
 constexpr double limit = 2e-15;  // what the closed forms promise
@@ -192,4 +192,4 @@ TEST(LagrangeTop, is_the_same_motion_in_other_units_and_a_turned_world) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_lagrange_top

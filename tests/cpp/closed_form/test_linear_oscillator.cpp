@@ -5,7 +5,7 @@
 
 #include "rbdyn/closed_form/linear_oscillator.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_linear_oscillator {
 namespace {
 
 constexpr double limit = 2e-15;  // what the closed forms promise
@@ -75,4 +75,4 @@ TEST(LinearOscillator, damped_away_keeps_the_digits_of_what_is_left) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_linear_oscillator

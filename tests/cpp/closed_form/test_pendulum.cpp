@@ -6,7 +6,7 @@
 #include "rbdyn/closed_form/pendulum.hpp"
 #include "reference.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_pendulum {
 namespace {
 
 constexpr double pi = std::numbers::pi, limit = 2e-15;  // what the closed forms promise
@@ -106,4 +106,4 @@ TEST(Pendulum, counts_its_turns_and_returns_the_start_exactly) {
 TEST(Pendulum, refuses_a_weight_above_the_axis) { EXPECT_THROW(Pendulum(-1.0, 0.0, 0.0), InvalidInput); }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_pendulum

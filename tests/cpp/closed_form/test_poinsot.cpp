@@ -8,7 +8,7 @@
 
 #include "rbdyn/closed_form/free_rotation.hpp"
 
-namespace rbdyn {
+namespace rbdyn::test_poinsot {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -77,4 +77,4 @@ TEST(Poinsot, the_plane_on_which_the_ellipsoid_rolls_keeps_its_distance) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_poinsot

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-namespace rbdyn::curves {
+namespace rbdyn::curves::test_crossing {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -527,4 +527,4 @@ TEST(Crossing, paths_along_the_curve_and_numbers_that_are_not_finite_end_without
 }
 
 }  // namespace
-}  // namespace rbdyn::curves
+}  // namespace rbdyn::curves::test_crossing

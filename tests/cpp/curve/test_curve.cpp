@@ -13,11 +13,10 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/program.hpp"
 
+namespace rbdyn::test::test_curve {
+
 namespace {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::CurvePoint, rbdyn::Cycloid, rbdyn::Expression, rbdyn::Frenet, rbdyn::Helix;
-using rbdyn::Line, rbdyn::Matrix3, rbdyn::Parabola, rbdyn::Placement, rbdyn::Polynomial, rbdyn::Spline, rbdyn::Vector3;
-using rbdyn::Vector3Of;
 using LongVector = Eigen::Matrix<long double, 3, 1>;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -297,3 +296,5 @@ TEST(Curve, a_curve_is_a_value) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_curve

@@ -11,11 +11,10 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/program.hpp"
 
+namespace rbdyn::test::test_function_curve {
+
 namespace {
 
-using rbdyn::Curve, rbdyn::Domain, rbdyn::Expression, rbdyn::Frenet, rbdyn::Function, rbdyn::FunctionCurve,
-    rbdyn::Helix;
-using rbdyn::InvalidInput, rbdyn::Line, rbdyn::Polynomial, rbdyn::Vector3;
 using Point = rbdyn::Vector3Of<Expression>;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -261,3 +260,5 @@ TEST(FunctionCurve, in_other_units_and_along_other_axes_keeps_every_bit) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_function_curve

@@ -7,10 +7,9 @@
 
 #include "rbdyn/curve/curve.hpp"
 
-namespace {
+namespace rbdyn::test::test_invalid {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::Cycloid, rbdyn::Domain, rbdyn::Expression, rbdyn::FunctionCurve, rbdyn::Helix;
-using rbdyn::InvalidInput, rbdyn::Line, rbdyn::Parabola, rbdyn::Polynomial, rbdyn::Spline;
+namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -165,3 +164,5 @@ TEST(CurveInput, a_cusp_has_no_tangent) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_invalid

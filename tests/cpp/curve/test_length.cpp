@@ -8,9 +8,9 @@
 
 #include "rbdyn/curve/curve.hpp"
 
-namespace {
+namespace rbdyn::test::test_length {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::Helix, rbdyn::Line, rbdyn::Polynomial;
+namespace {
 
 // sums of 31 rounded terms a piece: a few units in the last place
 constexpr double relative = 1e-14;
@@ -146,3 +146,5 @@ TEST(CurveLength, a_length_that_is_infinite_or_unknown_is_an_error) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_length

@@ -8,10 +8,9 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/program.hpp"
 
-namespace {
+namespace rbdyn::test::test_parabola_cycloid {
 
-using rbdyn::Curve, rbdyn::Cycloid, rbdyn::Expression, rbdyn::Frenet, rbdyn::InvalidInput, rbdyn::Parabola;
-using rbdyn::Vector3;
+namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr long double pi = std::numbers::pi_v<long double>;
@@ -157,3 +156,5 @@ TEST(Cycloid, and_parabola_in_other_units_keep_every_bit) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_parabola_cycloid

@@ -10,10 +10,9 @@
 
 #include "rbdyn/curve/curve.hpp"
 
-namespace {
+namespace rbdyn::test::test_reference {
 
-using rbdyn::Circle, rbdyn::Curve, rbdyn::Cycloid, rbdyn::Expression, rbdyn::Frenet, rbdyn::Helix, rbdyn::Line;
-using rbdyn::Parabola, rbdyn::Polynomial, rbdyn::Vector3, rbdyn::Vector3Of;
+namespace {
 
 // parameters and arc lengths are read as doubles, so that each value differs by a few units in the last place times
 // the slope of what is compared; slopes are below 10 in these files
@@ -108,3 +107,5 @@ TEST(CurveReference, a_line_and_a_polynomial_of_degree_one_are_the_reference_lin
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_reference

@@ -9,10 +9,9 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/expression/program.hpp"
 
-namespace {
+namespace rbdyn::test::test_spline {
 
-using rbdyn::Curve, rbdyn::Expression, rbdyn::Frenet, rbdyn::Line, rbdyn::Matrix3, rbdyn::Polynomial, rbdyn::Spline;
-using rbdyn::Vector3;
+namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
@@ -268,3 +267,5 @@ TEST(Spline, of_a_thousand_random_points_is_as_smooth_as_one_of_ten) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_spline

@@ -32,7 +32,9 @@ std::unique_ptr<HybridModel> bare(std::shared_ptr<const PointsModel> holder, boo
     return std::make_unique<Bare<Written<false>>>(std::move(holder));
 }
 
-inline RigidMotion shaken(const Parameter& height) {
+/// `height`: a number, or one of the user's.
+template <class Number>
+RigidMotion shaken(const Number& height) {
     return RigidMotion::translation([&](const auto& t) {
         using T = std::decay_t<decltype(t)>;
         return Vector3Of<T>{T(0.0), T(0.0), T(height) * sin(2.0 * t)};
@@ -77,7 +79,7 @@ inline std::vector<Kind> kinds() {
          {"gravity", "spring", "damper", "drag", "user force", "dynamic friction", "static friction"},
          [](Scene& s, const RailOptions& more, std::optional<Coulomb> friction) {
              RailOptions moving = more;
-             moving.motion = shaken(Parameter(0.25));
+             moving.motion = shaken(0.25);
              return s.add(Particle{mass}, Rail(hoop(), friction, moving), {.parameter = 2.0, .speed = 1.0});
          },
          &bare<ShakenHoop>},

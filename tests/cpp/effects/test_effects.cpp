@@ -12,7 +12,7 @@
 #include "refusal.hpp"
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_effects {
 namespace {
 
 using proof::Motions, proof::motions_of, proof::Row, proof::rows;
@@ -445,4 +445,4 @@ TEST(Sweeps, bring_an_effect_where_a_parameter_leaves_zero_and_take_it_where_it_
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_effects

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-namespace rbdyn {
+namespace rbdyn::test_cvode {
 namespace {
 
 using Method = CvodeEngine::Method;
@@ -464,6 +464,6 @@ TEST(Cvode, failures_are_told_by_status_alone) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_cvode
 
 #endif

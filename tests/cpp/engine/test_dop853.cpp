@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-namespace rbdyn {
+namespace rbdyn::test_dop853 {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -690,4 +690,4 @@ TEST(Dop853, a_function_called_back_is_never_given_what_is_no_number) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_dop853

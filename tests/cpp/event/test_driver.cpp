@@ -7,7 +7,7 @@
 
 #include "rbdyn/engine/taylor.hpp"
 
-namespace rbdyn {
+namespace rbdyn::test_driver {
 namespace {
 
 constexpr double g = 9.81;
@@ -342,4 +342,4 @@ TEST(Endings, what_is_kept_is_what_was_asked_for) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_driver

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace rbdyn::series {
+namespace rbdyn::series::test_roots {
 namespace {
 
 std::vector<double> roots_of(const std::vector<double>& coefficients) {
@@ -199,4 +199,4 @@ TEST(Roots, numbers_that_are_not_finite_give_no_root_and_no_hang) {
 }
 
 }  // namespace
-}  // namespace rbdyn::series
+}  // namespace rbdyn::series::test_roots

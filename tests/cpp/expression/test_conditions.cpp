@@ -5,9 +5,9 @@
 #include <rbdyn/expression/function.hpp>
 #include <vector>
 
-namespace {
+namespace rbdyn::test::test_conditions {
 
-using rbdyn::Condition, rbdyn::Expression, rbdyn::Function, rbdyn::Recorder;
+namespace {
 
 TEST(Conditions, are_asked_about_in_order_and_no_further_than_needed) {
     Recorder recorder(Recorder::Purpose::function);
@@ -47,3 +47,5 @@ TEST(Functions, print_what_their_cases_are_called) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_conditions

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <functional>
 
-#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/kept_plan.hpp"
 
-namespace rbdyn {
+namespace rbdyn::test_programs {
 namespace {
 
 double uniform(double lo, double hi) {
@@ -380,4 +380,4 @@ TEST(Programs, constants_of_32_digits_are_rounded_once) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_programs

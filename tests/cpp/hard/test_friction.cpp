@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_friction {
 namespace {
 
 using Real = long double;
@@ -690,4 +690,4 @@ TEST(Resistance, a_bead_at_rest_on_a_running_rail_starts_under_drag_without_an_e
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_friction

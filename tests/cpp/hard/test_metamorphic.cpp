@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_metamorphic {
 namespace {
 
 /// Lengths, times and masses of a telling, and how its world is turned.
@@ -284,4 +284,4 @@ TEST(Metamorphic, an_effect_that_is_there_with_coefficient_zero_changes_no_bit) 
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_metamorphic

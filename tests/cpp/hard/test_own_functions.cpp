@@ -6,7 +6,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_own_functions {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -467,4 +467,4 @@ TEST(OwnModels, without_motion_stay_where_they_are) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_own_functions

@@ -9,7 +9,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_random {
 namespace {
 
 struct RandomScene {
@@ -245,4 +245,4 @@ TEST(RandomScenes, dop853_gives_the_same_motion_to_the_error_asked_for) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_random

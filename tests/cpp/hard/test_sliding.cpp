@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_sliding {
 namespace {
 
 using Real = long double;
@@ -441,4 +441,4 @@ TEST(Sliding, other_units_by_powers_of_two_change_no_digit) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_sliding

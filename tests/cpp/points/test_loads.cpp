@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_loads {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -502,4 +502,4 @@ TEST(Loads, in_other_units_have_the_same_motion_bit_by_bit) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_loads

@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_moving_rails {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -435,4 +435,4 @@ TEST(MovingRails, are_refused_where_nobody_knows_the_landing_or_no_rigid_motion_
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_moving_rails

@@ -6,7 +6,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_one_sided {
 namespace {
 
 using Real = long double;
@@ -564,4 +564,4 @@ TEST(RailEnds, a_bead_that_starts_at_one_moving_outward_flies_silently_or_is_ref
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_one_sided

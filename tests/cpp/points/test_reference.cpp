@@ -13,7 +13,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_reference {
 namespace {
 
 using nlohmann::json;
@@ -419,4 +419,4 @@ TEST(ReferenceMotions, belt_has_the_period_of_the_limit_cycle) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_reference

@@ -5,7 +5,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_watch {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -465,4 +465,4 @@ TEST(Watches, with_a_corner_or_a_case_are_heard_where_they_pass_zero) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_watch

@@ -3,7 +3,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_what_stays {
 namespace {
 
 /// Variables that are simulated, and of the whole scene, as "4 of 6".
@@ -259,4 +259,4 @@ TEST(WhatStays, a_spring_to_a_bead_that_may_fly_leaves_no_plane) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_what_stays

@@ -9,9 +9,10 @@
 #include "random.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 
+namespace rbdyn::test::test_attitude {
+
 namespace {
 
-using rbdyn::Attitude, rbdyn::EulerAngles, rbdyn::InvalidInput, rbdyn::Matrix3, rbdyn::Quaternion, rbdyn::Vector3;
 using rbdyn::test::Random;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -142,3 +143,5 @@ TEST(Attitude, what_is_no_rotation_is_refused_with_its_number) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_attitude

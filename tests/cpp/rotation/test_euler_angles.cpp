@@ -7,9 +7,10 @@
 #include "random.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 
+namespace rbdyn::test::test_euler_angles {
+
 namespace {
 
-using rbdyn::continue_from, rbdyn::euler_angles, rbdyn::euler_rates, rbdyn::EulerAngles, rbdyn::Matrix3;
 using rbdyn::Quaternion, rbdyn::turn, rbdyn::Vector3, rbdyn::test::Random;
 
 constexpr double pi = std::numbers::pi;
@@ -182,3 +183,5 @@ TEST(EulerAngles, rates_at_theta_0_and_pi_are_finite_where_the_motion_allows) {
 }
 
 }  // namespace
+
+}  // namespace rbdyn::test::test_euler_angles

@@ -7,7 +7,7 @@
 
 #include "rbdyn/engine/taylor.hpp"
 
-namespace rbdyn {
+namespace rbdyn::test_accuracy {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -186,4 +186,4 @@ TEST(LongRuns, a_motion_that_is_a_polynomial_is_one_step_of_any_length) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_accuracy

@@ -7,7 +7,7 @@
 
 #include "rbdyn/series/polynomial.hpp"
 
-namespace rbdyn::series {
+namespace rbdyn::series::test_fit {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -93,4 +93,4 @@ TEST(Fit, is_off_by_no_more_than_what_was_left_out) {
 }
 
 }  // namespace
-}  // namespace rbdyn::series
+}  // namespace rbdyn::series::test_fit

@@ -7,7 +7,7 @@
 #include "random.hpp"
 #include "rbdyn/series/product_sums.hpp"
 
-namespace rbdyn {
+namespace rbdyn::test_product_sums {
 namespace {
 
 constexpr int orders = 25;
@@ -80,4 +80,4 @@ TEST(ProductSums, have_the_same_bits_on_every_processor) {
 }
 
 }  // namespace
-}  // namespace rbdyn
+}  // namespace rbdyn::test_product_sums

@@ -9,7 +9,7 @@
 #include "refusal.hpp"
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_body_equilibria {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -338,4 +338,4 @@ TEST(BodyEquilibria, what_they_cannot_answer_they_refuse) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_body_equilibria

@@ -7,7 +7,7 @@
 
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_equilibria {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -507,4 +507,4 @@ TEST(Equilibria, powers_of_two_in_the_units_change_no_digit) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_equilibria

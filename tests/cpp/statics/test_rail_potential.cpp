@@ -7,7 +7,7 @@
 #include "rbdyn/statics/rail_potential.hpp"
 #include "support.hpp"
 
-namespace rbdyn::test {
+namespace rbdyn::test::test_rail_potential {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -315,4 +315,4 @@ TEST(RailPotential, powers_of_two_in_the_units_change_no_digit) {
 }
 
 }  // namespace
-}  // namespace rbdyn::test
+}  // namespace rbdyn::test::test_rail_potential
