@@ -3,10 +3,10 @@
 //
 // One line a motion: table; motion or law; effect; which; final state in hexadecimal; steps; orders; guard evaluations;
 // microseconds, least of several. With the argument "count" each is integrated twice instead, by the function
-// counted_integration(), for callgrind to count the instructions of and to write down after. What a model does
-// where it begins a mode is left out of that, and how it tells how many variables there are: equations written by hand
-// have no scene to read. There memory is given
-// out from one block that starts anew for every integration, so that the history of the heap counts for nothing.
+// counted_integration(), for callgrind to count the instructions of and to write down after. What a model does where it
+// begins a mode is left out of that, and how it tells how many variables there are: equations written by hand have no
+// scene to read. There memory is given out from one block that starts anew for every integration, so that the history
+// of the heap counts for nothing.
 #include "../tests/cpp/effects/proof.hpp"
 
 #include <chrono>
