@@ -37,9 +37,10 @@ struct Attempt {
     Trajectory run;
 };
 
-/// Runs a scene and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
-inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
-    using namespace simulating;
+namespace simulating {
+
+/// What attempt() does.
+inline Attempt attempted(const Scene& scene, const SimulateOptions& options) {
     const auto began = std::chrono::steady_clock::now();
     validate(options);
     Scene frozen = scene.frozen();
@@ -52,6 +53,17 @@ inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
     s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }
+
+}  // namespace simulating
+
+/// Runs a scene and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
+#ifdef RBDYN_COMPILED
+Attempt attempt(const Scene& scene, const SimulateOptions& options);
+#else
+inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
+    return simulating::attempted(scene, options);
+}
+#endif
 
 /// Runs a scene. Throws InvalidInput for options that break a rule, AccuracyError if the error asked for is out of
 /// reach, IntegrationError if the motion cannot be continued; both carry the partial run. What a function of the user's
