@@ -1,9 +1,9 @@
-// Nothing unused is paid: the four models of tests/cpp/effects/proof.hpp for each kind of motion and each effect, one
-// integration each. benchmarks/effects.py makes the table.
+// Nothing unused is paid: the four ways to a motion of tests/cpp/effects/proof.hpp for each kind of motion and each
+// effect, and laws that are built in beside the same as functors. benchmarks/effects.py makes the tables.
 //
-// One line an integration: kind; effect; model; final state in hexadecimal; steps; orders; guard evaluations;
-// microseconds, least of several. With the argument "count" each is integrated twice instead, the second time as the
-// function counted_integration(), for callgrind to count the instructions of and to write down after. What a model does
+// One line a motion: table; motion or law; effect; which; final state in hexadecimal; steps; orders; guard evaluations;
+// microseconds, least of several. With the argument "count" each is integrated twice instead, by the function
+// counted_integration(), for callgrind to count the instructions of and to write down after. What a model does
 // where it begins a mode is left out of that: equations written by hand have no scene to read. There memory is given
 // out from one block that starts anew for every integration, so that the history of the heap counts for nothing.
 #include "../tests/cpp/effects/proof.hpp"
@@ -89,70 +89,85 @@ extern "C" {
 
 namespace {
 
-Record counted(const HybridModel& model, const std::vector<double>& x, double until) {
-    const Aside aside(model);
-    Record record;
-    {
-        TaylorEngine engine(tolerance);
-        used = 0;
-        Driver driver(aside, engine, 100'000'000, {}, {}, tolerance * until);
-        counted_integration(driver, x, until, record);
+/// One integration of each model, with memory that starts anew.
+std::vector<Record> counted(const Motions& motions, double until) {
+    std::vector<Record> records;
+    for (std::size_t i = 0; i < motions.models.size(); ++i) {
+        const Aside aside(*motions.models[i]);
+        Record record;
+        {
+            TaylorEngine engine(tolerance);
+            used = 0;
+            Driver driver(aside, engine, 100'000'000, {}, {}, tolerance * until);
+            counted_integration(driver, motions.starts[i], until, record);
+        }
+        // what is handed back is in memory of its own
+        used = block_size;
+        records.push_back(Record(record));
     }
-    // what is handed back is in memory of its own
-    used = block_size;
-    return Record(record);
+    return records;
 }
 
-double microseconds(const HybridModel& model, const std::vector<double>& x, double until) {
+double microseconds(const Motions& motions, double until) {
     double least = 1e300;
     for (int i = 0; i < 200; ++i) {
         const auto start = std::chrono::steady_clock::now();
-        const Record record = integrated(model, x, until);
+        const std::vector<Record> records = integrated(motions, until);
         least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * 1e6);
     }
     return least;
 }
 
-std::string hexadecimal(const Record& record) {
-    std::vector<double> x(static_cast<std::size_t>(record.variables));
-    record.last_state(x);
+std::string hexadecimal(const std::vector<Record>& records) {
     std::string text;
-    for (const double value : x) {
-        unsigned long long bits = 0;
-        std::memcpy(&bits, &value, sizeof bits);
-        char digits[17];
-        std::snprintf(digits, sizeof digits, "%016llx", bits);
-        text += digits;
+    for (const Record& record : records) {
+        std::vector<double> x(static_cast<std::size_t>(record.variables));
+        record.last_state(x);
+        for (const double value : x) {
+            unsigned long long bits = 0;
+            std::memcpy(&bits, &value, sizeof bits);
+            char digits[17];
+            std::snprintf(digits, sizeof digits, "%016llx", bits);
+            text += digits;
+        }
     }
     return text;
+}
+
+void print(const std::string& name, const char* which, const Motions& motions, double until, bool counts) {
+    std::vector<Record> records;
+    for (int i = 0; i < (counts ? 2 : 1); ++i) {
+        records = counted(motions, until);
+        integration_is_over();
+    }
+    Work work;
+    for (const Record& record : records) {
+        if (record.thrown) std::rethrow_exception(record.thrown);
+        work.steps += record.work.steps;
+        work.right_hand_sides += record.work.right_hand_sides;
+        work.guard_evaluations += record.work.guard_evaluations;
+    }
+    std::printf("%s;%s;%s;%lld;%lld;%lld;%.3f\n", name.c_str(), which, hexadecimal(records).c_str(),
+                static_cast<long long>(work.steps), static_cast<long long>(work.right_hand_sides),
+                static_cast<long long>(work.guard_evaluations), counts ? 0.0 : microseconds(motions, until));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     const bool counts = argc > 1 && std::strcmp(argv[1], "count") == 0;
-    for (const Kind& kind : kinds())
-        for (const std::string& effect : kind.effects) {
-            const auto without = model_of(scene_of(kind, effect, Variant::without));
-            const auto zero = model_of(scene_of(kind, effect, Variant::zero));
-            const auto on = model_of(scene_of(kind, effect, Variant::on));
-            const auto by_hand = bare_of(kind, effect);
-            const std::pair<const char*, const HybridModel*> models[] = {
-                {"without", without.get()}, {"zero", zero.get()}, {"bare", by_hand.get()}, {"on", on.get()}};
-            for (const auto& [name, model] : models) {
-                const std::vector<double> x = (model == on.get() ? on : without)->start();
-                Record record;
-                for (int i = 0; i < (counts ? 2 : 1); ++i) {
-                    record = counted(*model, x, kind.until);
-                    integration_is_over();
-                }
-                if (record.thrown) std::rethrow_exception(record.thrown);
-                std::printf("%s;%s;%s;%s;%lld;%lld;%lld;%.3f\n", kind.name.c_str(), effect.c_str(), name,
-                            hexadecimal(record).c_str(), static_cast<long long>(record.work.steps),
-                            static_cast<long long>(record.work.right_hand_sides),
-                            static_cast<long long>(record.work.guard_evaluations),
-                            counts ? 0.0 : microseconds(*model, x, kind.until));
-            }
-        }
+    for (const Row& row : rows()) {
+        const std::string name = "effects;" + row.motion + ";" + row.effect;
+        print(name, "without", motions_of(row.without), row.until, counts);
+        print(name, "zero", motions_of(row.zero), row.until, counts);
+        print(name, "by hand", row.by_hand, row.until, counts);
+        print(name, "on", motions_of(row.on), row.until, counts);
+    }
+    for (const OwnLaw& law : own_laws()) {
+        const std::string name = "laws;" + law.law + ";";
+        print(name, "built in", law.built_in, law.until, counts);
+        print(name, "functor", law.functor, law.until, counts);
+        print(name, "by hand", law.by_hand, law.until, counts);
+    }
     return 0;
 }

@@ -1,5 +1,5 @@
 // The plan: what a scene calls for.
-#include <rbdyn/plan/plan.hpp>
+#include <rbdyn/plan/kept_plan.hpp>
 
 #include "handles.hpp"
 
@@ -41,7 +41,7 @@ void bind_plan(py::module_& m) {
         });
 
     m.def(
-        "plan", [](const BoundScene& scene) { return rbdyn::make_plan(scene.scene.frozen()); }, py::arg("scene"),
+        "plan", [](const BoundScene& scene) { return rbdyn::make_plan(scene.scene); }, py::arg("scene"),
         R"(What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
 
 Raises InvalidInput for a scene without bodies.)");

@@ -195,6 +195,7 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
         .def_readonly("events", &Statistics::events)
         .def_readonly("python_calls", &Statistics::python_calls, "Calls of functions that could not be recorded.")
         .def_readonly("runs", &Statistics::runs, "Integrations, those for the estimate counted.")
+        .def_readonly("planned", &Statistics::planned, "Whether it was planned anew, and not as an earlier run was.")
         .def_readonly("size", &Statistics::size, "Of the equations the motion began with; of several parts the sum.")
         .def("__str__", &printed<Statistics>)
         .def("__repr__", [](const Statistics& s) { return "<Statistics: " + printed(s) + ">"; });

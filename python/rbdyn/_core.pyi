@@ -1930,6 +1930,11 @@ class Statistics:
     def jacobians(self) -> int:
         ...
     @property
+    def planned(self) -> bool:
+        """
+        Whether it was planned anew, and not as an earlier run was.
+        """
+    @property
     def python_calls(self) -> int:
         """
         Calls of functions that could not be recorded.

@@ -1,9 +1,12 @@
 """What belongs together, as named tuples: (3,) each, or (n, 3), unless a tuple says otherwise; world axes."""
 
-from typing import NamedTuple
+from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 
 class Frenet(NamedTuple):

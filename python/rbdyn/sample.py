@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from rbdyn._core import Handle, Trajectory
 
 # dimensions of arrays, and the names along them; of a matrix: rows, columns

@@ -19,7 +19,7 @@ def test_the_python_in_a_document_runs(document, root, tmp_path):
     (tmp_path / "figures").mkdir()
     environment = {**os.environ, "MPLBACKEND": "Agg"}
     done = subprocess.run(
-        [sys.executable, "-W", "error", program],
+        [sys.executable, "-W", "error", root / "tests" / "python" / "sizes.py", program],
         cwd=tmp_path / "figures",
         env=environment,
         capture_output=True,

@@ -18,7 +18,7 @@ def oscillator():
 
 
 # beyond the patience of any test, in memory that does not grow
-ENDLESS = {"until": 1e12, "rtol": 1e-12, "keep": "end"}
+ENDLESS = {"until": 1e12, "rtol": 1e-12, "keep": "end", "engine": "taylor"}
 
 
 @pytest.mark.parametrize("engine", ["auto", "taylor", "dop853", "cvode-adams", "cvode-bdf"])
@@ -28,7 +28,27 @@ def test_every_engine_gives_the_motion_of_the_closed_form(engine):
     assert run.error <= 1e-8
     t = np.linspace(0, 3, 31)
     np.testing.assert_allclose(run[mass].position(t)[:, 0], np.cos(2 * t), rtol=0, atol=1e-7)
-    assert run.engine == ("taylor" if engine == "auto" else engine)
+    assert run.engine == ("closed form" if engine == "auto" else engine)
+
+
+def test_linear_equations_are_solved_by_modes():
+    scene, mass = oscillator()
+    plan = rb.plan(scene)
+    assert plan.engine == "closed form"
+    assert plan.reason == "modes of a linear scene: exact at every time, whatever the time"
+    run = rb.simulate(scene, until=1e6, error=1e-14)
+    assert run.engine == "closed form" and run.statistics.steps == 0
+    assert run[mass].position(1e6)[0] == pytest.approx(np.cos(2e6), abs=4e-15)
+    row = rb.cost(scene, until=1e3, engines=["closed form"], budget=0.5)[0]
+    assert row.engine == "closed form" and row.error < 1e-14
+    # a field turns velocities: no modes of real numbers
+    ball = scene.add(rb.Particle(1.0), velocity=[1, 0, 0])
+    scene.apply(rb.Lorentz(2.0, [0, 0, 1]), ball)
+    assert "exponential of a linear scene" in rb.plan(scene).parts[1].reason
+    # a spring of some length does not pull in proportion
+    scene.connect(rb.Spring(4.0, rest_length=1.0), mass, [0, 0, 1])
+    with pytest.raises(rb.InvalidInput, match="equations of particle 1 are not linear"):
+        rb.simulate(scene, 1.0, engine="closed form")
 
 
 def test_a_run_may_start_at_any_time():
@@ -58,16 +78,16 @@ def test_with_a_local_tolerance_there_is_no_estimate():
 
 def test_of_a_run_only_the_end_or_some_times_may_be_kept():
     scene, mass = oscillator()
-    end = rb.simulate(scene, 100.0, keep="end")
+    end = rb.simulate(scene, 100.0, engine="taylor", keep="end")
     assert end[mass].position(100.0)[0] == pytest.approx(np.cos(200.0), abs=1e-8)
     with pytest.raises(rb.InvalidInput, match="keep"):
         end[mass].position(1.0)
     # the start is known, and the drift between the two
     assert end[mass].position(0.0)[0] == 1.0
     assert 0.0 <= end.drift["energy"] < 1e-8
-    times = rb.simulate(scene, 100.0, keep=[70.0, 20.0])
+    times = rb.simulate(scene, 100.0, engine="taylor", keep=[70.0, 20.0])
     np.testing.assert_allclose(times[mass].position([20.0, 70.0])[:, 0], np.cos([40.0, 140.0]), atol=1e-8)
-    assert times.t.size < rb.simulate(scene, 100.0).t.size
+    assert times.t.size < rb.simulate(scene, 100.0, engine="taylor").t.size
 
 
 @pytest.mark.parametrize(
@@ -199,21 +219,22 @@ def test_runs_in_several_threads_are_the_runs_made_alone():
 def test_progress_is_a_fraction_that_ends_at_one():
     fractions = []
     scene, _ = oscillator()
-    rb.simulate(scene, until=5e5, rtol=1e-12, keep="end", progress=fractions.append)
+    rb.simulate(scene, until=5e5, rtol=1e-12, engine="taylor", keep="end", progress=fractions.append)
     assert len(fractions) > 1 and fractions[-1] == 1.0
     assert fractions == sorted(fractions) and fractions[0] > 0.0
 
 
 def test_a_progress_bar_is_a_line_on_stderr(capsys):
     scene, _ = oscillator()
-    rb.simulate(scene, until=1.0, progress=True)
+    rb.simulate(scene, until=1.0, engine="taylor", progress=True)
     captured = capsys.readouterr()
     assert "100" in captured.err and "%" in captured.err and captured.out == ""
 
 
 @pytest.fixture(scope="module")
 def price():
-    return rb.cost(oscillator()[0], until=3.0, errors=[1e-4, 1e-8], budget=1.0)
+    engines = ["taylor", "dop853", "cvode-adams", "cvode-bdf"]
+    return rb.cost(oscillator()[0], until=3.0, errors=[1e-4, 1e-8], engines=engines, budget=1.0)
 
 
 def test_a_price_is_a_table_of_engines_over_tolerances(price):

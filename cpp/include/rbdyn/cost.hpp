@@ -67,8 +67,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
     base.monitor = options.monitor;
     validate(base);
     const auto began = Clock::now();
-    const Scene plan_scene = scene.frozen();
-    const Plan plan = make_plan(plan_scene);
+    const auto [plan_scene, plan, is_new] = planned(scene);
     // each by itself, as simulate() does; their times add up
     struct Part {
         const Plan& plan;
@@ -109,7 +108,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
         const double span = base.until - options.start;
         for (Part& part : parts) {
             const auto first = Clock::now();
-            const auto form = planning::closed_motion(part.scene, part.plan.model->laws()).first;
+            const auto form = planning::closed_form(part.scene, *part.plan.model, true).form;
             std::vector<double> end(part.start.size());
             form->state({span, 0.0}, end);
             row.seconds += seconds_since(first);

@@ -89,15 +89,16 @@ inline constexpr double other_stride = 0.7;
 inline void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
     require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
-    require(o.until > o.start, "simulate", "until", o.until,
-            "a run ends after its start, which is " + text(o.start) +
-                " s; motion backwards is motion with reversed velocities");
+    if (!(o.until > o.start))
+        refuse("simulate", "until", o.until,
+               "a run ends after its start, which is " + text(o.start) +
+                   " s; motion backwards is motion with reversed velocities");
     if (o.rtol) {
         require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
                 "a local tolerance lies between 1e-16 and 0.1");
-    } else {
-        require(o.error >= least_error && o.error <= 0.1, "simulate", "error", o.error,
-                "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
+    } else if (!(o.error >= least_error && o.error <= 0.1)) {
+        refuse("simulate", "error", o.error,
+               "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
     }
     require(o.max_steps > 0, "simulate", "max_steps", static_cast<double>(o.max_steps), "it is positive");
     for (double t : o.keep.times)
@@ -305,8 +306,10 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
     const auto before = std::chrono::steady_clock::now();
     Solution result;
     result.runs = 1;
+    // pieces say when events are, not where things are: they are kept if all of a run is
+    const Keep keep{.what = options.keep.what == Keep::What::all ? Keep::What::all : Keep::What::end};
     const auto run = [&](double tolerance, int order) {
-        return integrate(model, x, options, "", tolerance, {}, {.order = order}, form).record;
+        return integrate(model, x, options, "", tolerance, keep, {.order = order}, form).record;
     };
     Comparison events{.error = 0.0, .certain_until = options.until};
     std::vector<double> first = x;

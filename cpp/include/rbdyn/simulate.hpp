@@ -8,10 +8,12 @@
 #include <optional>
 #include <ostream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "rbdyn/model/own_model.hpp"
+#include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/solve.hpp"
 #include "rbdyn/trajectory/trajectory.hpp"
 
@@ -39,18 +41,36 @@ struct Attempt {
 
 namespace simulating {
 
+#ifdef RBDYN_CHECK_SIZES
+/// Of our own tests: what a plan made anew says of the size of a motion is what its statistics count. What begins later
+/// than the plan speaks of, what broke off and what calls back, which tests count, is left alone.
+inline void check_size(const simulating::Solved& solved, double start) {
+    const RunData& run = solved.data;
+    if (start != 0.0 || solved.outcome != simulating::Solution::Outcome::good ||
+        run.record.status == Status::stopped_by_user || !run.plan.callbacks.empty())
+        return;
+    std::ostringstream sizes;
+    const Size planned = make_plan(run.scene).size();
+    sizes << "simulate: " << run.statistics.size << "; the plan says " << planned;
+    if (run.statistics.size != planned) throw std::logic_error(sizes.str());
+}
+#endif
+
 /// What attempt() does.
 inline Attempt attempted(const Scene& scene, const SimulateOptions& options) {
     const auto began = std::chrono::steady_clock::now();
     validate(options);
-    Scene frozen = scene.frozen();
-    Plan plan = make_plan(frozen);
+    auto [frozen, plan, is_new] = planned(scene);
     const std::int64_t calls = plan.python_calls();
     Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options)
                                        : solve_apart(std::move(frozen), std::move(plan), options);
     Statistics& s = result.data.statistics;
+    s.planned = is_new;
     s.python_calls = result.data.plan.python_calls() - calls;
     s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+#ifdef RBDYN_CHECK_SIZES
+    check_size(result, options.start);
+#endif
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }
 

@@ -28,7 +28,7 @@ inline std::string engine_for(const Plan& plan, const std::string& wanted) {
     const std::string engine = wanted == "auto" ? plan.engine : wanted;
     if (engine == "closed form") {
         if (plan.closed) return engine;
-        std::string why = "there are only particles in it";
+        std::string why;
         for (const Plan::Omission& o : plan.omissions)
             if (o.what == "closed form") why = o.why;
         throw InvalidInput("simulate: engine is \"closed form\", and this scene has none: " + why +

@@ -1,391 +1,262 @@
-// Nothing unused is paid: for each kind of motion and each effect four models of the same motion.
+// Nothing unused is paid: for each kind of motion and each effect four ways to the same motion.
 //
 //   without   the scene without the effect
 //   zero      the effect is in the scene, and zero: a coefficient, a field, a traced function times a parameter of zero
-//   bare      the equations written out by hand, which never heard of scenes, loads or effects
+//   by hand   the equations written out by hand (by_hand.hpp)
 //   on        the effect is in the scene and acts
-// The first three are the same motion: the same states bit for bit, the same work, the same instructions.
-//
-// Notation: g gravity, m mass; a hoop of radius 1 m by the angle u from its lowest point, w = u'. All numbers are short
-// in binary, so that no way to write the equations rounds.
+// The first three are the same: the same states bit for bit, the same work, the same instructions. Bodies that nothing
+// joins have models of their own: the state is then that of all of them, the work the sum.
 #pragma once
 
-#include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "rbdyn/simulate.hpp"
+#include "kinds.hpp"
 
 namespace rbdyn::proof {
 
-inline constexpr double g = 9.8125, mass = 0.5;
-inline const Vector3 weight{0.0, 0.0, -g};
+/// Models that are integrated one after the other, each from its start.
+struct Motions {
+    std::vector<std::shared_ptr<const HybridModel>> models;
+    std::vector<std::vector<double>> starts;
+};
 
-// --- equations by hand ---
-
-using Rates = EquationsWriter;
-using S = Expression;
-
-/// The start of what flies freely [m/s].
-inline const Vector3 thrown{1.0, 0.5, 4.0};
-
-/// What flies freely: x, y, z, and the velocity of z at `v` if there is gravity; that of x and y stays as it starts.
-template <bool gravity>
-void fly(Recorder& r, Rates& rates, int v) {
-    for (int i = 0; i < 3; ++i) rates.rate(i) = thrown[i];
-    if constexpr (gravity) {
-        rates.rate(2) = r.input(v);
-        rates.rate(v) = -g;
+/// Those of a scene, as a run has them.
+inline std::vector<std::shared_ptr<const PointsModel>> models_of(const Scene& scene) {
+    const Plan plan = make_plan(scene.frozen());
+    if (plan.parts.empty()) return {plan.model};
+    std::vector<std::shared_ptr<const PointsModel>> models;
+    for (const Plan& part : plan.parts) models.push_back(part.model);
+    return models;
+}
+inline Motions motions_of(const Scene& scene) {
+    Motions all;
+    for (const auto& model : models_of(scene)) {
+        all.models.push_back(model);
+        all.starts.push_back(model->start());
     }
+    return all;
 }
 
-/// A particle.
-template <bool gravity>
-struct FreeParticle {
-    static constexpr int variables = gravity ? 4 : 3;
-    static std::vector<VariableGroup> groups() {
-        if constexpr (gravity) return {{0, 3, true}, {3, 1, false, thrown[0]}};
-        return {{0, 3, true}};
-    }
-    static void write(Recorder& r, Rates& rates) { fly<gravity>(r, rates, 3); }
-};
-
-/// One coordinate and its rate, which stays as it starts if nothing acts along it.
-template <bool acts>
-std::vector<VariableGroup> one_coordinate(bool is_position) {
-    if constexpr (acts) return {{0, 1, is_position}, {1, 1, false}};
-    return {{0, 1, is_position}};
-}
-
-/// A bead on a hoop: u, w.
-template <bool gravity>
-struct Hoop {
-    static constexpr int variables = gravity ? 2 : 1;
-    static std::vector<VariableGroup> groups() { return one_coordinate<gravity>(true); }
-    static void write(Recorder& r, Rates& rates) {
-        rates.rate(0) = 1.0;
-        if constexpr (gravity) {
-            rates.rate(0) = r.input(1);
-            rates.rate(1) = -g * sin(r.input(0));
-        }
-    }
-};
-
-inline constexpr double mu_static = 1.0 / 32.0, mu_dynamic = 1.0 / 64.0;
-
-/// The same with friction, while it slides forward.
-template <bool gravity>
-struct RoughHoop {
-    static constexpr int variables = 2;
-    static std::vector<VariableGroup> groups() { return {{0, 1, true}, {1, 1, false}}; }
-    static void write(Recorder& r, Rates& rates) {
-        // the numbers of a mode: which way it slides; where it is held, while it sticks
-        const S slides = r.parameter(0);
-        r.parameter(1);
-        const S u = r.input(0), w = r.input(1);
-        S press = mass * (w * w), pull = 0.0;
-        if constexpr (gravity) {
-            press += mass * g * cos(u);
-            pull = -mass * g * sin(u);
-        }
-        rates.rate(0) = w;
-        rates.rate(1) = (pull - mu_dynamic * slides * abs_of(press)) / S(mass);
-        rates.guard({.kind = EventKind::reverse, .subject = 0, .sign_parameter = 0}, w);
-    }
-    static S abs_of(const S& x) { return length(Vector3Of<S>{S(0.0), S(0.0), x}, "normal reaction", 0); }
-};
-
-/// A bead that the hoop holds by pushing it inward: u and a place for its flight, then their velocities.
-template <bool gravity>
-struct PushingHoop {
-    static constexpr int variables = 8;
-    static std::vector<VariableGroup> groups() { return {{0, 1, true}, {1, 3, true}, {4, 1, false}, {5, 3, false}}; }
-    static void write(Recorder& r, Rates& rates) {
-        const S u = r.input(0), w = r.input(4);
-        S press = mass * (w * w);
-        rates.rate(0) = w;
-        if constexpr (gravity) {
-            press += mass * g * cos(u);
-            rates.rate(4) = -g * sin(u);
-        }
-        rates.guard({.kind = EventKind::detach, .subject = 0}, press);
-    }
-};
-
-/// A bead on a hoop that is shaken: its height is sin(2t)/4.
-template <bool gravity>
-struct ShakenHoop {
-    static constexpr int variables = 2;
-    static std::vector<VariableGroup> groups() { return {{0, 1, true}, {1, 1, false}}; }
-    static void write(Recorder& r, Rates& rates) {
-        const S u = r.input(0), w = r.input(1), t = r.time();
-        const S slope = sin(u);
-        S pull = -mass * sin(2.0 * t);
-        if constexpr (gravity) pull += mass * g;
-        rates.rate(0) = w;
-        rates.rate(1) = -(slope * pull) / S(mass);
-    }
-};
-
-inline const Vector3 moments{0.875, 1.375, 1.75};
-inline constexpr double arm = 0.5;  // of the centre of mass from the joint
-
-/// A number of 32 digits, as constants that derive from others are.
-inline DoubleDouble wide(double x) { return DoubleDouble(x); }
-
-/// Euler's equations: quaternion at `q`, angular velocity at `v`, moments of inertia `I` and moment of forces `M`.
-inline void turn(Recorder& r, Rates& rates, int q, int v, const Vector3& I, const std::array<S, 3>& M) {
-    const S p0 = r.input(q), p1 = r.input(q + 1), p2 = r.input(q + 2), p3 = r.input(q + 3);
-    const S w1 = r.input(v), w2 = r.input(v + 1), w3 = r.input(v + 2);
-    rates.rate(q) = -0.5 * (p1 * w1 + p2 * w2 + p3 * w3);
-    rates.rate(q + 1) = 0.5 * (p0 * w1 + p2 * w3 - p3 * w2);
-    rates.rate(q + 2) = 0.5 * (p0 * w2 + p3 * w1 - p1 * w3);
-    rates.rate(q + 3) = 0.5 * (p0 * w3 + p1 * w2 - p2 * w1);
-    rates.rate(v) = S(wide(I[1] - I[2]) / wide(I[0])) * (w2 * w3) + M[0] / S(wide(I[0]));
-    rates.rate(v + 1) = S(wide(I[2] - I[0]) / wide(I[1])) * (w3 * w1) + M[1] / S(wide(I[1]));
-    rates.rate(v + 2) = S(wide(I[0] - I[1]) / wide(I[2])) * (w1 * w2) + M[2] / S(wide(I[2]));
-}
-
-/// A free body: place of its centre of mass, quaternion, velocity of z, angular velocity.
-template <bool gravity>
-struct FreeBody {
-    static constexpr int variables = gravity ? 11 : 10;
-    static std::vector<VariableGroup> groups() {
-        if constexpr (gravity) return {{0, 3, true}, {3, 4, false}, {7, 1, false, thrown[0]}, {8, 3, false}};
-        return {{0, 3, true}, {3, 4, false}, {7, 3, false}};
-    }
-    static void write(Recorder& r, Rates& rates) {
-        fly<gravity>(r, rates, 7);
-        turn(r, rates, 3, variables - 3, moments, {S(0.0), S(0.0), S(0.0)});
-    }
-};
-
-/// A body held at a point below its centre of mass: quaternion, angular velocity.
-template <bool gravity>
-struct HeldBody {
-    static constexpr int variables = 7;
-    static std::vector<VariableGroup> groups() { return {{0, 4, false}, {4, 3, false}}; }
-    static void write(Recorder& r, Rates& rates) {
-        const double more = mass * arm * arm;
-        std::array<S, 3> moment{S(0.0), S(0.0), S(0.0)};
-        if constexpr (gravity) {
-            // the third components of the body's first two axes
-            const S p0 = r.input(0), p1 = r.input(1), p2 = r.input(2), p3 = r.input(3);
-            moment[0] = (2.0 * mass * g * arm) * (p2 * p3 + p0 * p1);
-            moment[1] = (-2.0 * mass * g * arm) * (p1 * p3 - p0 * p2);
-        }
-        turn(r, rates, 0, 4, moments + Vector3(more, more, 0.0), moment);
-    }
-};
-
-/// A pendulum: its angle, and the rate.
-template <bool gravity>
-struct Pendulum {
-    static constexpr int variables = gravity ? 2 : 1;
-    static std::vector<VariableGroup> groups() { return one_coordinate<gravity>(false); }
-    static void write(Recorder& r, Rates& rates) {
-        rates.rate(0) = 1.0;
-        if constexpr (gravity) {
-            rates.rate(0) = r.input(1);
-            rates.rate(1) = -(mass * g * arm) * sin(r.input(0)) / S(wide(moments[1] + mass * arm * arm));
-        }
-    }
-};
-
-/// A body on a vertical slide.
-template <bool gravity>
-struct Slide {
-    static constexpr int variables = gravity ? 2 : 1;
-    static std::vector<VariableGroup> groups() { return one_coordinate<gravity>(true); }
-    static void write(Recorder& r, Rates& rates) {
-        rates.rate(0) = 4.0;
-        if constexpr (gravity) {
-            rates.rate(0) = r.input(1);
-            rates.rate(1) = -g;
-        }
-    }
-};
-
-/// Hand-written equations as a model; what they conserve is held as in the library.
-template <class Written>
-class Bare : public RecordedModel {
-public:
-    explicit Bare(std::shared_ptr<const PointsModel> holder) : holder_(std::move(holder)) {}
-    int variables() const override { return Written::variables; }
-    Mode begin(double t, std::span<double> x) const override {
-        Mode mode;
-        mode.slip = {1};
-        choose(mode, t, x, {});
-        return mode;
-    }
-    Mode next(const Mode&, std::span<const int>, double, std::span<double>, std::vector<Happening>&) const override {
-        throw Error("no event is met by equations written for smooth motion");
-    }
-
-private:
-    std::vector<signed char> kind_of(const Mode&) const override { return {}; }
-    void own_parameters(Mode& mode, std::span<const double>) const override {
-        if (!mode.parameters.empty()) mode.parameters[0] = 1.0;
-    }
-    std::unique_ptr<Structure> record(const Mode&, const RecordedFor& state) const override {
-        Recorder r;
-        r.follow(state.t, state.x, std::array{1.0}, {}, {});
-        EquationsWriter rates(r, Written::variables);
-        Written::write(r, rates);
-        auto result = rates.finish(Written::groups());
-        result->equations.projection = holder_->equations({1}).projection;
-        return result;
-    }
-    std::shared_ptr<const PointsModel> holder_;  // knows how to hold first integrals
-};
-
-// --- scenes ---
-
-enum class Variant { without, zero, on };
-
-/// One kind of motion.
-struct Kind {
-    std::string name;
+/// One motion and one effect.
+struct Row {
+    std::string motion, effect;
     double until;
-    std::vector<std::string> effects;  // those that can be absent from it
-    /// The body, in a scene with gravity or not; `rail`: what its rail has besides, if it is on one.
-    BodyHandle (*add)(Scene& scene, const RailOptions& more, std::optional<Coulomb> friction);
-    std::unique_ptr<HybridModel> (*bare)(std::shared_ptr<const PointsModel> holder, bool gravity);
+    Scene without, zero, on;
+    Motions by_hand = {};
+    bool is_named = true;    // by the plan of the scene where it acts, and not where it is zero
+    bool can_go = true;      // without(effect) of the scene where it acts is the scene without
+    bool is_noticed = true;  // it acts in this motion, and not only in others
 };
 
-inline Circle hoop() { return {.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}; }
-
-template <template <bool> class Written>
-std::unique_ptr<HybridModel> bare(std::shared_ptr<const PointsModel> holder, bool gravity) {
-    if (gravity) return std::make_unique<Bare<Written<true>>>(std::move(holder));
-    return std::make_unique<Bare<Written<false>>>(std::move(holder));
+/// Hand-written equations, a model for each part of a scene, from the state that scene starts in.
+template <class... Written>
+Motions by_hand(const Scene& scene) {
+    Motions all = motions_of(scene);
+    const auto holders = models_of(scene);
+    std::size_t i = 0;
+    ((all.models[i] = std::make_shared<Bare<Written>>(holders[i]), ++i), ...);
+    return all;
 }
 
-inline RigidMotion shaken(const Parameter& height) {
-    return RigidMotion::translation([&](const auto& t) {
-        using T = std::decay_t<decltype(t)>;
-        return Vector3Of<T>{T(0.0), T(0.0), T(height) * sin(2.0 * t)};
-    });
+/// The effects that each kind of motion may have or not.
+inline void add_kinds(std::vector<Row>& rows) {
+    for (const Kind& kind : kinds())
+        for (const std::string& effect : kind.effects) {
+            const auto scene = [&](Variant v) { return scene_of(kind, effect, v); };
+            Row row{kind.name, effect, kind.until, scene(Variant::without), scene(Variant::zero), scene(Variant::on)};
+            row.by_hand = motions_of(row.without);
+            row.by_hand.models = {kind.bare(models_of(row.without).front(), effect != "gravity")};
+            // while a bead slides one way its friction is the same whatever the drive
+            row.is_noticed = effect != "drive";
+            rows.push_back(std::move(row));
+        }
 }
 
-inline std::vector<Kind> kinds() {
-    const std::vector<std::string> on_bodies{"gravity", "spring", "damper", "drag", "user force", "user torque"};
-    std::vector<std::string> on_rails{"gravity",    "spring",      "damper",           "drag",
-                                      "user force", "moving rail", "dynamic friction", "static friction"};
-    return {
-        {"particle, free",
-         2.0,
-         {"gravity", "spring", "damper", "drag", "user force"},
-         [](Scene& s, const RailOptions&, std::optional<Coulomb>) {
-             return s.add(Particle{mass}, FreeStart{{0.0, 0.0, 1.0}, thrown});
-         },
-         &bare<FreeParticle>},
-        {"rail", 10.0, on_rails,
-         [](Scene& s, const RailOptions& more, std::optional<Coulomb> friction) {
-             return s.add(Particle{mass}, Rail(hoop(), friction, more), {.parameter = 2.0, .speed = 1.0});
-         },
-         &bare<Hoop>},
-        {"rough rail",
-         2.0,
-         {"gravity", "spring", "damper", "drag", "user force", "drive", "moving rail"},
-         [](Scene& s, const RailOptions& more, std::optional<Coulomb>) {
-             return s.add(Particle{mass}, Rail(hoop(), Coulomb{mu_static, mu_dynamic}, more), {.speed = 16.0});
-         },
-         &bare<RoughHoop>},
-        {"one-sided rail",
-         2.0,
-         {"gravity", "spring", "damper", "drag", "user force", "dynamic friction", "static friction"},
-         [](Scene& s, const RailOptions& more, std::optional<Coulomb> friction) {
-             RailOptions pushing = more;
-             pushing.side = RailSide::plus;
-             return s.add(Particle{mass}, Rail(hoop(), friction, pushing), {.speed = 16.0});
-         },
-         &bare<PushingHoop>},
-        {"moving rail",
-         10.0,
-         {"gravity", "spring", "damper", "drag", "user force", "dynamic friction", "static friction"},
-         [](Scene& s, const RailOptions& more, std::optional<Coulomb> friction) {
-             RailOptions moving = more;
-             moving.motion = shaken(Parameter(0.25));
-             return s.add(Particle{mass}, Rail(hoop(), friction, moving), {.parameter = 2.0, .speed = 1.0});
-         },
-         &bare<ShakenHoop>},
-        {"body, free", 10.0, on_bodies,
-         [](Scene& s, const RailOptions&, std::optional<Coulomb>) {
-             return s.add(RigidBody(mass, moments),
-                          BodyStart{.velocity = thrown, .angular_velocity = Vector3(0.25, 3.0, 0.5)});
-         },
-         &bare<FreeBody>},
-        {"body, spherical", 10.0, on_bodies,
-         [](Scene& s, const RailOptions&, std::optional<Coulomb>) {
-             return s.add(RigidBody(mass, moments), Spherical{.point = {0.0, 0.0, -arm}},
-                          {.angular_velocity = Vector3(0.25, 3.0, 0.5)});
-         },
-         &bare<HeldBody>},
-        {"body, revolute", 10.0, on_bodies,
-         [](Scene& s, const RailOptions&, std::optional<Coulomb>) {
-             return s.add(RigidBody(mass, moments), Revolute{.axis = {0, 1, 0}, .point = {0.0, 0.0, arm}},
-                          {.angle = 2.0, .rate = 1.0});
-         },
-         &bare<Pendulum>},
-        {"body, prismatic",
-         2.0,
-         {"gravity", "spring", "damper", "drag", "user force"},
-         [](Scene& s, const RailOptions&, std::optional<Coulomb>) {
-             return s.add(RigidBody(mass, moments), Prismatic{.axis = {0, 0, 1}}, {.displacement = 1.0, .rate = 4.0});
-         },
-         &bare<Slide>},
+inline const Vector3 place{0.0, 0.0, 1.0}, along_plane{thrown[0], 0.0, thrown[2]};
+inline const Drag drag{.linear = linear_drag, .quadratic = quadratic_drag};
+inline const Spring spring{.stiffness = stiffness, .rest_length = rest_length};
+
+/// Rotation: a body pulled through its centre of mass, without spin a particle there.
+inline void add_rotations(std::vector<Row>& rows) {
+    const auto add = [&](const std::string& motion, const Vector3& I, auto&& load, auto&& written) {
+        const auto body = [&](const Vector3& omega) {
+            Scene scene(weight);
+            const Vector3 com{0.25, 0.0, 0.125};
+            load(scene,
+                 scene.add(RigidBody(mass, I, {.com = com}), BodyStart{.position = place - com,
+                                                                       .velocity = thrown - Vector3(omega.cross(com)),
+                                                                       .angular_velocity = omega}));
+            return scene;
+        };
+        Scene particle(weight);
+        load(particle, particle.add(Particle{mass}, FreeStart{place, thrown}));
+        rows.push_back(
+            {motion, "rotation", 2.0, particle, body({0.0, 0.0, 0.0}), body({0.25, 3.0, 0.5}), written(particle)});
     };
+    const auto nothing = [](Scene&, BodyHandle) {};
+    const auto drags = [](Scene& s, BodyHandle b) { s.apply(drag, b); };
+    const auto springs = [](Scene& s, BodyHandle b) { s.connect(spring, b, anchor); };
+    const Vector3 symmetric{0.875, 0.875, 1.75};
+    add("body without spin", moments, nothing, by_hand<FreeParticle<true>>);
+    add("symmetric body without spin", symmetric, nothing, by_hand<FreeParticle<true>>);
+    add("body without spin, drag", moments, drags, by_hand<LoadedFlight<Acting::drag, false>>);
+    add("symmetric body without spin, drag", symmetric, drags, by_hand<LoadedFlight<Acting::drag, false>>);
+    add("body without spin, spring", moments, springs, by_hand<LoadedFlight<Acting::spring, false>>);
 }
 
-/// A scene of a kind with an effect, without it, or with one that is zero.
-inline Scene scene_of(const Kind& kind, const std::string& effect, Variant variant) {
-    const bool is_there = variant != Variant::without, acts = variant == Variant::on;
-    const auto amount = [&](double x) { return acts ? x : 0.0; };
-    const Parameter factor(amount(1.0));
-    Scene scene;
-    if (effect != "gravity") scene.set_gravity(weight);
-    if (effect == "gravity" && is_there) scene.set_gravity(amount(1.0) * weight);
-    RailOptions rail;
-    std::optional<Coulomb> friction;
-    if (is_there) {
-        if (effect == "drive") rail.drive = [&](const auto& t) { return S(factor) * sin(t); };
-        if (effect == "moving rail") rail.motion = shaken(Parameter(amount(0.25)));
-        if (effect == "static friction") friction = Coulomb{amount(mu_static), 0.0};
-        if (effect == "dynamic friction") friction = Coulomb{amount(mu_dynamic), amount(mu_dynamic)};
+/// Static friction beside dynamic friction: as much of it, against more.
+inline void add_static_frictions(std::vector<Row>& rows) {
+    const auto add = [&](const std::string& motion, double until, double dynamic, double more, double drive,
+                         double speed, auto&& written) {
+        const auto with = [&](Coulomb friction) {
+            Scene s(weight);
+            s.add(Particle{mass}, Rail(hoop(), friction, {.drive = drive}), {.speed = speed});
+            return s;
+        };
+        const Scene one = with({dynamic});
+        rows.push_back({motion, "static friction", until, one, with({dynamic, dynamic}), with({more, dynamic}),
+                        written(one), false, true, false});
+    };
+    add("rough rail", 2.0, mu_dynamic, mu_static, 0.0, 16.0, by_hand<RoughHoop<true>>);
+    add("rough rail, carried", 2.0, mu_hold, 2.0 * mu_hold, belt, belt, by_hand<CarriedBead>);
+}
+
+/// The third dimension: loads and starts in a plane, against a start out of it.
+inline void add_planes(std::vector<Row>& rows) {
+    const auto add = [&](const std::string& motion, auto&& load, auto&& written) {
+        const auto ball = [&](double across, bool is_pushed) {
+            Scene s(weight);
+            const BodyHandle b = s.add(Particle{mass}, FreeStart{place, along_plane + Vector3(0.0, across, 0.0)});
+            load(s, b);
+            if (is_pushed) s.apply(Force(Vector3(0.0, 0.0, 0.0)), b);
+            return s;
+        };
+        const Scene in_plane = ball(0.0, false);
+        rows.push_back({motion, "third dimension", 2.0, in_plane, ball(0.0, true), ball(0.5, false), written(in_plane),
+                        false, false});
+    };
+    add(
+        "particle in a plane", [](Scene&, BodyHandle) {}, by_hand<PlaneFlight>);
+    add(
+        "particle in a plane, drag", [](Scene& s, BodyHandle b) { s.apply(drag, b); },
+        by_hand<LoadedFlight<Acting::drag, true>>);
+    add(
+        "particle in a plane, spring", [](Scene& s, BodyHandle b) { s.connect(spring, b, anchor_in_plane); },
+        by_hand<LoadedFlight<Acting::spring, true>>);
+    const auto body = [](double wobble, bool is_twisted) {
+        Scene s(weight);
+        const BodyHandle b =
+            s.add(RigidBody(mass, moments), BodyStart{.position = place,
+                                                      .velocity = along_plane,
+                                                      .angular_velocity = Vector3(wobble, plane_spin, 0.0)});
+        if (is_twisted) s.apply(Torque(Vector3(0.0, 0.0, 0.0)), b);
+        return s;
+    };
+    const Scene turning = body(0.0, false);
+    rows.push_back({"body turning in a plane", "third dimension", 2.0, turning, body(0.0, true), body(0.25, false),
+                    by_hand<PlaneBody>(turning), false, false});
+}
+
+/// Motion at all: a bead and a body that are held where they are, against one that swings.
+inline void add_rests(std::vector<Row>& rows) {
+    Scene bead(weight);
+    bead.add(Particle{mass}, Rail(hoop()));
+    const auto held = [](Scene s, const std::string& motion, const Scene& rest, const Scene& moving) {
+        return Row{motion, "motion", 2.0, std::move(s), rest, moving, {}, false, false};
+    };
+    const auto ball_joint = [](const Vector3& omega) {
+        Scene s(weight);
+        s.add(RigidBody(mass, moments), Spherical{.point = {0.0, 0.0, arm}}, {.angular_velocity = omega});
+        return s;
+    };
+    const auto hinge = [](double rate) {
+        Scene s(weight);
+        s.add(RigidBody(mass, moments), Revolute{.axis = {0, 1, 0}, .point = {0.0, 0.0, arm}}, {.rate = rate});
+        return s;
+    };
+    rows.push_back(held(bead, "body at rest, spherical", ball_joint({0, 0, 0}), ball_joint({0.25, 3.0, 0.5})));
+    rows.push_back(held(bead, "body at rest, revolute", hinge(0.0), hinge(1.0)));
+    for (std::size_t i = rows.size() - 2; i < rows.size(); ++i) rows[i].by_hand = by_hand<Rest>(rows[i].without);
+}
+
+/// What joins two bodies: without it each is solved by itself.
+inline void add_pairs(std::vector<Row>& rows) {
+    const auto pair = [](const std::optional<Spring>& joint) {
+        Scene s(weight);
+        const BodyHandle ball = s.add(Particle{mass}, FreeStart{place, thrown});
+        const BodyHandle pendulum = s.add(RigidBody(mass, moments), Revolute{.axis = {0, 1, 0}, .point = {0, 0, arm}},
+                                          {.angle = 2.0, .rate = 1.0});
+        if (joint) s.connect(*joint, ball, pendulum);
+        return s;
+    };
+    const Scene apart = pair(std::nullopt);
+    const auto add = [&](const std::string& effect, const Spring& none, const Spring& some) {
+        rows.push_back({"particle beside a pendulum", effect, 2.0, apart, pair(none), pair(some),
+                        by_hand<FreeParticle<true>, Pendulum<true>>(apart)});
+    };
+    add("spring", {.rest_length = rest_length}, spring);
+    add("damper", {}, {.damping = 0.25});
+}
+
+/// All of them.
+inline std::vector<Row> rows() {
+    std::vector<Row> all;
+    add_kinds(all);
+    add_rotations(all);
+    add_static_frictions(all);
+    add_planes(all);
+    add_rests(all);
+    add_pairs(all);
+    return all;
+}
+
+// --- a law of one's own ---
+
+/// A law that is built in, and the same as a functor: nothing is paid for its being the user's.
+struct OwnLaw {
+    std::string law;
+    double until;
+    Motions built_in, functor, by_hand;
+};
+
+/// -(c1 + c2 |v|) v.
+struct OwnDrag {
+    template <class T>
+    Vector3Of<T> operator()(const T&, const Vector3Of<T>&, const Vector3Of<T>& v) const {
+        const T factor = linear_drag + quadratic_drag * length(v);
+        return {-factor * v[0], -factor * v[1], -factor * v[2]};
     }
-    const BodyHandle body = kind.add(scene, rail, friction);
-    if (!is_there) return scene;
-    const Vector3 anchor{0.5, 0.25, 3.0};
-    if (effect == "spring") scene.connect(Spring{.stiffness = amount(2.0), .rest_length = 0.5}, body, anchor);
-    if (effect == "damper") scene.connect(Spring{.damping = amount(0.25)}, body, anchor);
-    if (effect == "drag") scene.apply(Drag{.linear = amount(0.125), .quadratic = amount(0.0625)}, body);
-    if (effect == "user force")
-        scene.apply(
-            Force([&](const auto&, const auto& r, const auto& v) {
-                using T = std::decay_t<decltype(r[0])>;
-                const T k = factor;
-                return Vector3Of<T>{-k * (r[0] - 0.5) - 0.125 * k * v[1], 0.125 * k * v[0] - k * r[1], -k * r[2]};
-            }),
-            body);
-    if (effect == "user torque")
-        scene.apply(Torque([&](const auto&, const auto&, const auto& omega) {
-                        using T = std::decay_t<decltype(omega[0])>;
-                        const T k = 0.125 * S(factor);
-                        return Vector3Of<T>{-k * omega[0], -k * omega[1], -k * omega[2]};
-                    }),
-                    body);
-    return scene;
-}
+};
 
-/// The model of a scene as a run has it.
-inline std::shared_ptr<const PointsModel> model_of(const Scene& scene) { return make_plan(scene.frozen()).model; }
+/// A bead on a hoop as a model of one's own: u, w.
+struct OwnHoop {
+    int variables() const { return 2; }
+    int positions() const { return 1; }
+    template <class T>
+    void operator()(const T&, std::span<const T> x, std::span<T> rate) const {
+        rate[0] = x[1];
+        rate[1] = -g * sin(x[0]);
+    }
+};
 
-/// The hand-written model of a kind whose scene is without an effect.
-inline std::unique_ptr<HybridModel> bare_of(const Kind& kind, const std::string& effect) {
-    return kind.bare(model_of(scene_of(kind, effect, Variant::without)), effect != "gravity");
+inline std::vector<OwnLaw> own_laws() {
+    const auto ball = [](const Load& load) {
+        Scene s(weight);
+        s.apply(load, s.add(Particle{mass}, FreeStart{place, thrown}));
+        return s;
+    };
+    const Scene dragged = ball(drag);
+    Scene bead(weight);
+    bead.add(Particle{mass}, Rail(hoop()), {.parameter = 2.0, .speed = 1.0});
+    Motions own = motions_of(bead);
+    own.models = {std::make_shared<FunctorModel<OwnHoop>>(OwnHoop{})};
+    return {{"drag on a particle", 2.0, motions_of(dragged), motions_of(ball(Force(OwnDrag{}))),
+             by_hand<LoadedFlight<Acting::drag, false>>(dragged)},
+            {"equations of a bead on a hoop", 10.0, motions_of(bead), own, by_hand<Hoop<true>>(bead)}};
 }
 
 /// One integration, as every run of simulate() makes; local tolerance 1e-12.
@@ -394,6 +265,13 @@ inline Record integrated(const HybridModel& model, const std::vector<double>& x,
     TaylorEngine engine(tolerance);
     Driver driver(model, engine, 100'000'000, {}, {}, tolerance * until);
     return driver.run(0.0, x, until);
+}
+/// All of them.
+inline std::vector<Record> integrated(const Motions& motions, double until) {
+    std::vector<Record> records;
+    for (std::size_t i = 0; i < motions.models.size(); ++i)
+        records.push_back(integrated(*motions.models[i], motions.starts[i], until));
+    return records;
 }
 
 }  // namespace rbdyn::proof

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/kept_plan.hpp"
 
 namespace rbdyn::test_programs {
 namespace {

@@ -14,27 +14,44 @@
 namespace rbdyn {
 
 /// A matrix of n rows and n columns, zero to begin with.
-class SquareMatrix {
+template <class T>
+class SquareMatrixOf {
 public:
-    explicit SquareMatrix(int size = 0) : n_(at(size)), a_(n_ * n_) {}
+    explicit SquareMatrixOf(int size = 0) : n_(at(size)), a_(n_ * n_) {}
     int size() const { return static_cast<int>(n_); }
-    double& operator()(int i, int j) { return a_[at(i) * n_ + at(j)]; }
-    double operator()(int i, int j) const { return a_[at(i) * n_ + at(j)]; }
+    T& operator()(int i, int j) { return a_[at(i) * n_ + at(j)]; }
+    const T& operator()(int i, int j) const { return a_[at(i) * n_ + at(j)]; }
     /// All entries, row by row.
-    const std::vector<double>& entries() const { return a_; }
+    const std::vector<T>& entries() const { return a_; }
     /// The largest size of an entry.
     double largest() const {
         double size = 0.0;
-        for (const double x : a_) size = std::max(size, std::abs(x));
+        for (const T& x : a_) size = std::max(size, std::abs(static_cast<double>(x)));
         return size;
     }
+    bool operator==(const SquareMatrixOf&) const = default;
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
     std::size_t n_;
-    std::vector<double> a_;
+    std::vector<T> a_;
 };
+using SquareMatrix = SquareMatrixOf<double>;
+
+/// a b, in the number type of both.
+template <class T>
+SquareMatrixOf<T> product(const SquareMatrixOf<T>& a, const SquareMatrixOf<T>& b) {
+    const int n = a.size();
+    SquareMatrixOf<T> result(n);
+    for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k) {
+            const T factor = a(i, k);
+            if (factor == T(0.0)) continue;
+            for (int j = 0; j < n; ++j) result(i, j) += factor * b(k, j);
+        }
+    return result;
+}
 
 /// The solution of linear equations; unknowns that no equation determines are zero.
 struct LinearSolution {

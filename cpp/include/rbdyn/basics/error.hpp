@@ -1,8 +1,8 @@
 // What goes wrong, said once: every message names the object, the number, the rule and the fix.
 #pragma once
 
+#include <charconv>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,13 +22,15 @@ struct InvalidInput : Error {
 /// A double as text that reads back as the same double, short where that is possible.
 [[gnu::noinline]] inline std::string text(double value) {
     if (std::isnan(value)) return "nan";
-    for (int digits = 6; digits <= 17; ++digits) {
-        std::ostringstream out;
-        out.precision(digits);
-        out << value;
-        if (digits == 17 || !std::isfinite(value) || std::stod(out.str()) == value) return out.str();
+    char digits[32];
+    double back = 0.0;
+    char* end = digits;
+    // 17 digits are enough for every double
+    for (int count = 6; count <= 17 && !(back == value && end != digits); ++count) {
+        end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, count).ptr;
+        std::from_chars(digits, end, back);
     }
-    return {};
+    return std::string(digits, end);
 }
 
 /// Throws InvalidInput("<object>: <what> is <value>; <rule>").

@@ -1,7 +1,9 @@
 // Motion known in closed form: the state of a whole scene at any time, at the same cost.
 #pragma once
 
+#include <limits>
 #include <span>
+#include <string>
 
 #include "rbdyn/basics/instant.hpp"
 
@@ -16,6 +18,12 @@ public:
 
     /// Estimate of the error at a time since the start, relative to the motion's scales.
     virtual double error(double since) const = 0;
+
+    /// The shortest time in which the motion changes as a whole [s]; infinite where nobody has to know.
+    virtual double pace() const { return std::numeric_limits<double>::infinity(); }
+
+    /// What it is, in words.
+    virtual std::string name() const = 0;
 };
 
 }  // namespace rbdyn

@@ -4,7 +4,8 @@
 // With S'' + damping S' + stiffness S = 0, S(0) = 0, S'(0) = 1, Q = integral of S and D = 1 - stiffness Q:
 //   x = D x0 + S v0 + Q force,   v = S' v0 + S (force - stiffness x0).
 // S, S', D and Q are continuous through critical damping and through stiffness or damping zero: each is taken from a
-// form without cancellation. Coefficients per unit of inertia; x from where the spring is at rest.
+// form without cancellation. What grows is taken by its exponentials. Coefficients per unit of inertia; x from where
+// the spring is at rest.
 #pragma once
 
 #include <algorithm>
@@ -46,17 +47,45 @@ public:
         lower_ = half_damping_.hi < 0.0 ? near : far;
         gap_ = sqrt(square) * 2.0;
         apart_ = gap_.hi > g;
+        if (!apart_ || !(upper_.hi > 0.0) || lower_.hi == 0.0) return;
+        grown_ = (velocity - lower_ * position + c.force / upper_) / gap_;
+        shrunk_ = (velocity - upper_ * position + c.force / lower_) / gap_;
+        level_ = c.force / c.stiffness;
     }
 
     /// Position and velocity at a time [s] of either sign; at 0 the start itself.
     State at(Instant t) const {
         if (t.hi == 0.0 && t.lo == 0.0) return start_;
+        if (grows(t)) {
+            const double high = exp_in<double>(upper_ * DoubleDouble(t)),
+                         low = exp_in<double>(lower_ * DoubleDouble(t));
+            return {grown_.hi * high - shrunk_.hi * low + level_.hi,
+                    grown_.hi * upper_.hi * high - shrunk_.hi * lower_.hi * low};
+        }
         const Kernels k = oscillates_ ? turning(t) : creeping(t);
         return {k.d * start_.position + k.s * start_.velocity + k.q * force_, k.rise * start_.velocity + k.s * pull_};
     }
 
     /// Estimated error at a time [s], relative to the largest position and velocity.
     double error(double t) const { return rounding + 1e-31 * fastest_ * std::abs(t); }
+
+    /// Estimated errors of position and velocity at a time: what their terms are large, they are rounded by.
+    State errors(double t) const {
+        const Instant time{t, 0.0};
+        if (grows(time)) {
+            const double high = std::abs(exp_in<double>(upper_ * DoubleDouble(t))),
+                         low = std::abs(exp_in<double>(lower_ * DoubleDouble(t)));
+            const double a = std::abs(grown_.hi) * high, b = std::abs(shrunk_.hi) * low;
+            return {error(t) * (a + b + std::abs(level_.hi)),
+                    error(t) * (a * std::abs(upper_.hi) + b * std::abs(lower_.hi))};
+        }
+        const Kernels k = oscillates_ ? turning(time) : creeping(time);
+        return {error(t) * (std::abs(k.d * start_.position) + std::abs(k.s * start_.velocity) + std::abs(k.q * force_)),
+                error(t) * (std::abs(k.rise * start_.velocity) + std::abs(k.s * pull_))};
+    }
+
+    /// Of what changes fastest in it [1/s].
+    double fastest() const { return fastest_; }
 
     /// Of a damped swing to and fro [s]; infinite without one.
     double period() const { return oscillates_ ? 2.0 * double_double::pi.hi / turn_ : INFINITY; }
@@ -93,6 +122,12 @@ private:
         return {s, rise, d, q};
     }
 
+    // Where one of the exponentials has outgrown what it began with, its share of the start is taken with 32 digits:
+    // the start may have almost nothing of it. Not beside a rate near zero, whose share would be large
+    bool grows(Instant t) const {
+        return apart_ && upper_.hi * t.hi > 1.0 && std::abs(lower_.hi * t.hi) > 0.5 && lower_.hi != 0.0;
+    }
+
     /// Of e^{rate t} from 0.
     static double integral(const DoubleDouble& rate, double t) {
         return rate.hi == 0.0 ? t : std::expm1(rate.hi * t) / rate.hi;
@@ -114,6 +149,7 @@ private:
 
     State start_;
     DoubleDouble half_damping_, upper_, lower_, gap_;  // exponents, and their distance
+    DoubleDouble grown_, shrunk_, level_;              // x = grown e^{upper t} - shrunk e^{lower t} + level
     Phase phase_;
     double stiffness_, force_, pull_, fastest_, turn_ = 0.0;
     bool oscillates_, apart_ = false;

@@ -18,7 +18,7 @@ public:
     Condition(bool known) : kind_(known ? Kind::always : Kind::never) {}
     /// margin > 0
     static Condition positive(const Expression& margin) {
-        if (margin.is_constant()) return margin.value() > 0.0;
+        if (margin.is_constant()) return margin.is_positive();
         Condition c(true);
         c.kind_ = Kind::positive;
         c.margin_ = margin;

@@ -9,6 +9,7 @@ namespace recording {
 
 template <class F>
 Expression unary(const Expression& x, Operation operation, F&& f) {
+    if (x.is_number()) return Numbers::active()->record(operation, x);
     return x.is_constant() ? Expression(f(x.value())) : x.recorder()->record(operation, x.node());
 }
 
@@ -42,6 +43,7 @@ inline Expression log(const Expression& x) {
 
 /// x^n for a constant n; small whole powers become products.
 inline Expression pow(const Expression& x, double n) {
+    if (x.is_number()) return Numbers::active()->power(x, n);
     if (x.is_constant()) return std::pow(x.value(), n);
     if (n == 0.0) return 1.0;
     if (n == 0.5) return sqrt(x);
@@ -61,7 +63,7 @@ inline Expression pow(const Expression& x, const Expression& n) {
 
 /// The sign of x, locked during smooth motion; its zeros are switching points of the recorded function.
 inline Expression locked_sign(const Expression& x, const std::string& name = "sign") {
-    return x.is_constant() ? Expression(x.value() < 0.0 ? -1.0 : 1.0) : x.recorder()->sign(x, name);
+    return x.is_constant() ? Expression(x.is_negative() ? -1.0 : 1.0) : x.recorder()->sign(x, name);
 }
 inline double locked_sign(double x, const std::string& = {}) { return x < 0.0 ? -1.0 : 1.0; }
 
@@ -71,7 +73,7 @@ inline Expression abs(const Expression& x) { return locked_sign(x, "abs") * x; }
 inline Expression length(const Vector3Of<Expression>& v, const std::string& name = "norm", int tag = -1) {
     for (int i = 0; i < 3; ++i)
         if (!v[i].is_constant()) return v[i].recorder()->norm(v[0], v[1], v[2], name, tag);
-    return std::sqrt(v[0].value() * v[0].value() + v[1].value() * v[1].value() + v[2].value() * v[2].value());
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
 inline long double length(const Vector3Of<long double>& v, const std::string& = {}, int = -1) {
@@ -90,7 +92,7 @@ Expression blended(const Expression& weight, B&& b, C&& c) {
 /// `b` and `c` are called for what is needed only.
 template <class B, class C>
 Expression select(const Expression& x, B&& b, C&& c, const std::string& name = "where") {
-    if (x.is_constant()) return x.value() > 0.0 ? b() : c();
+    if (x.is_constant()) return x.is_positive() ? b() : c();
     Recorder* r = x.recorder();
     if (r->purpose() == Recorder::Purpose::model) {
         if (const auto weight = r->weight(x, name)) return blended(*weight, b, c);
@@ -126,26 +128,18 @@ inline Expression floor(const Expression& x) {
 
 /// arctan2(y, x), in (-pi, pi]; crossing its cut is a switching point of the recorded function.
 inline Expression atan2(const Expression& y, const Expression& x) {
-    if (x.is_constant() && y.is_constant()) return std::atan2(y.value(), x.value());
-    Recorder* r = recording::common(x, y);
-    const auto angle = [&](const Expression& b, const Expression& a) -> Expression {
-        if (a.is_constant() && b.is_constant()) return std::atan2(b.value(), a.value());
-        return r->record(Operation::angle, r->node_of(b), r->node_of(a));
-    };
+    if (x.is_constant() && y.is_constant()) return recording::angle(y, x);
     // on the left the cut is near: the angle from the upright or downright direction
     return select(
-        x, [&] { return angle(y, x); },
+        x, [&] { return recording::angle(y, x); },
         [&] {
             constexpr double half_pi = 1.5707963267948966;
             const Expression s = locked_sign(y, "arctan2");
-            return s * half_pi + angle(-(s * x), s * y);
+            return s * half_pi + recording::angle(-(s * x), s * y);
         },
         {});
 }
-inline Expression atan(const Expression& x) {
-    return x.is_constant() ? Expression(std::atan(x.value()))
-                           : x.recorder()->record(Operation::angle, x.node(), x.recorder()->node_of(1.0));
-}
+inline Expression atan(const Expression& x) { return recording::angle(x, 1.0); }
 inline Expression asin(const Expression& x) {
     if (x.is_constant()) return std::asin(x.value());
     return x.recorder()->record(Operation::angle, x.node(), x.recorder()->node_of(sqrt((1.0 - x) * (1.0 + x))));

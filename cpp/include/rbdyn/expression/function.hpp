@@ -56,6 +56,18 @@ public:
 
     /// The numbers of the user's that it uses by reference.
     const std::vector<Parameter>& parameters() const { return recorder_->cells(); }
+    /// What they are: now, or when it was frozen().
+    void give(GivenNumbers& numbers) const {
+        if (!recorder_) return;
+        for (std::int32_t i = 0; i < static_cast<std::int32_t>(parameters().size()); ++i)
+            numbers.add(recorder_->cells()[at(i)], cell(i));
+    }
+    /// Makes what is being recorded depend on their values.
+    void settle() const {
+        Numbers* numbers = Numbers::active();
+        for (std::int32_t i = 0; numbers != nullptr && i < static_cast<std::int32_t>(parameters().size()); ++i)
+            (void)numbers->number(recorder_->cells()[at(i)], cell(i)).value();
+    }
     /// The same function with the numbers of the user's as they are now, whatever becomes of them.
     Function frozen() const {
         Function result = *this;
@@ -75,13 +87,18 @@ public:
                 result.push_back(node.value);
         if (result.size() == outputs_.size()) return result;
         if (recorder_->cells().empty()) return std::nullopt;
+        // as where equations are recorded: a number that happens to be one of the constants is none
+        GivenNumbers given;
+        give(given);
+        Numbers own(given);
+        const Numbers::Active active(Numbers::active() != nullptr ? Numbers::active() : &own);
         Recorder scratch(Recorder::Purpose::function);
         std::vector<Expression> x;
         for (int i = 0; i < inputs_; ++i) x.push_back(scratch.input(i));
         result.clear();
         for (const Expression& y : (*this)(std::span<const Expression>(x))) {
             if (!y.is_constant()) return std::nullopt;
-            result.push_back(y.value());
+            result.push_back(y.constant().number.hi);
         }
         return result;
     }
@@ -225,7 +242,7 @@ private:
     template <class S>
     static bool above(const S& x, const std::string& name) {
         if constexpr (std::is_same_v<S, Expression>)
-            return x.is_constant() ? x.value() > 0.0 : x.recorder()->side(x, name) > 0;
+            return x.is_constant() ? x.is_positive() : x.recorder()->side(x, name) > 0;
         else
             return x > S(0.0);
     }
@@ -245,7 +262,11 @@ private:
         switch (node.operation) {
             case Operation::constant: return S(node.value);
             case Operation::input: return x[at(node.a)];
-            case Operation::cell: return S(cell(node.a));
+            case Operation::cell:
+                if constexpr (std::is_same_v<S, Expression>)
+                    if (Numbers* numbers = Numbers::active())
+                        return numbers->number(recorder_->cells()[at(node.a)], cell(node.a));
+                return S(cell(node.a));
             case Operation::add: return a() + b();
             case Operation::multiply: return a() * b();
             case Operation::divide: return a() / b();
@@ -279,11 +300,7 @@ private:
         using std::atan2;
         return atan2(y, x);
     }
-    static Expression angle_of(const Expression& y, const Expression& x) {
-        if (x.is_constant() && y.is_constant()) return std::atan2(y.value(), x.value());
-        Recorder* r = recording::common(x, y);
-        return r->record(Operation::angle, r->node_of(y), r->node_of(x));
-    }
+    static Expression angle_of(const Expression& y, const Expression& x) { return recording::angle(y, x); }
 
     std::vector<Expression> differentiated(const std::vector<Expression>& x, int input) const;
 

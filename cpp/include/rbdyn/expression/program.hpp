@@ -93,6 +93,9 @@ public:
     void set_parameters(std::span<const T> parameters, std::vector<T>& scalars,
                         Rounding rounding = Rounding::nearest) const;
 
+    /// The weights with all their digits; none if they depend on parameters.
+    const std::vector<DoubleDouble>* exact_weights() const { return scalar_steps_.empty() ? &constants_ : nullptr; }
+
     /// The program's instructions, one a line.
     std::string text() const;
 
@@ -315,7 +318,7 @@ private:
     int emit(const Combination& sum) {
         if (sum.products.empty() && sum.constant.is_zero() && sum.terms.size() == 1) {
             const auto& [slot, weight] = *sum.terms.begin();
-            if (weight.is_constant() && weight.exact() == DoubleDouble(1.0)) return slot;
+            if (weight.is_one()) return slot;
         }
         Instruction i{Code::combine};
         i.first_term = static_cast<int>(p_.terms_.size());

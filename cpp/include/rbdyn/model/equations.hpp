@@ -91,6 +91,8 @@ struct Equations {
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
     int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
     int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
+    std::shared_ptr<const Numbers> numbers = nullptr;  // of the user's that they hold for; none if there are none
+    std::vector<std::pair<std::int32_t, int>> number_parameters = {};  // of each its node, and the parameter it is
 
     /// The projection for motion from a state x + low; empty if nothing is held.
     std::function<std::unique_ptr<const Projection>(std::span<const double> x, std::span<const double> low)>

@@ -106,6 +106,7 @@ public:
         e.program = Program(r_, outputs, static_cast<int>(rates_.size()));
         e.guards = std::move(guards_);
         e.branches = r_.branches();
+        e.number_parameters = r_.numbers();
         e.groups = std::move(groups);
         for (std::size_t k = 0; k < e.program.switches().size(); ++k) {
             const Switch& s = e.program.switches()[k];

@@ -47,7 +47,13 @@ struct Size {
 };
 
 inline std::ostream& operator<<(std::ostream& out, const Size& s) {
-    return out << s.variables << " variables, " << s.guards << " guards, " << s.instructions << " instructions";
+    const auto counted = [&](int n, const char* what, const char* end) {
+        out << n << ' ' << what << (n == 1 ? "" : "s") << end;
+    };
+    counted(s.variables, "variable", ", ");
+    counted(s.guards, "guard", ", ");
+    counted(s.instructions, "instruction", "");
+    return out;
 }
 
 /// Something that happened at an event.

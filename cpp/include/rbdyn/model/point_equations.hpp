@@ -36,6 +36,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
     using S = Expression;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = laws.positions(), count = static_cast<int>(laws.bodies().size());
+    if (laws.takes_numbers()) r.parameter(2 * count - 1);
     const S t = r.time();
     const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
     const auto variable = [&](int i) { return map.is_simulated(i) ? r.input(map.place(i)) : S(map.start(i)); };
@@ -187,17 +188,16 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
 }
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
-inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std::vector<Scene::Watch>& watches,
+inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const PointLaws>& of,
+                                                const std::vector<Scene::Watch>& watches,
                                                 const std::vector<signed char>& slip, const RecordedFor& at_state) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     Recorder r;
+    const PointLaws& laws = *of;
     const int count = static_cast<int>(laws.bodies().size());
     const StateMap& map = laws.map();
     std::vector<double> parameters;
-    if (laws.takes_numbers()) {
-        r.parameter(2 * count - 1);
-        parameters.resize(at(2 * count));
-    }
+    if (laws.takes_numbers()) parameters.resize(at(2 * count));
     for (int i = 0; i < count && laws.takes_numbers(); ++i) {
         parameters[at(i)] = slip[at(i)];
         parameters[at(count + i)] = map.value(laws.body(i).fixed_variable(), at_state.x);
@@ -229,21 +229,21 @@ inline std::unique_ptr<Structure> record_points(const PointLaws& laws, const std
     result->equations.drives = drives;
     std::vector<int> held;
     for (int i = 0; i < count; ++i)
-        if (laws.is_conservative(i) && laws.moves(i)) held.push_back(i);
+        if (laws.is_conservative(i) && laws.turns(i)) held.push_back(i);
     if (!held.empty())
-        result->equations.projection = [&laws, held](std::span<const double> state, std::span<const double> rest) {
-            std::vector<double> x(static_cast<std::size_t>(laws.variables())), low(x.size());
-            laws.map().spread(state, x);
-            laws.map().spread_zero(rest, low);
+        result->equations.projection = [of, held](std::span<const double> state, std::span<const double> rest) {
+            std::vector<double> x(static_cast<std::size_t>(of->variables())), low(x.size());
+            of->map().spread(state, x);
+            of->map().spread_zero(rest, low);
             std::vector<std::unique_ptr<const Projection>> parts;
             for (const int i : held) {
-                const PointLaws::Body& b = laws.body(i);
+                const PointLaws::Body& b = of->body(i);
                 if (b.rigid->turns_freely())
                     parts.push_back(std::make_unique<RigidProjection>(*b.rigid, b.first, b.first_rate, x, low));
                 else
                     parts.push_back(std::make_unique<HingeProjection>(*b.rigid, b.first, b.first_rate, x, low));
             }
-            return std::make_unique<const Projections>(laws.map(), std::move(parts));
+            return std::make_unique<const Projections>(of->map(), std::move(parts));
         };
     return result;
 }

@@ -121,8 +121,6 @@ public:
             }
             if (const Rail* rail = b.rail()) {
                 body.curve = rail->curve();
-                body.drive = rail->drive();
-                body.motion = rail->motion();
                 body.side = rail->side();
                 body.ends = rail->ends();
                 body.may_fly = rail->may_release();
@@ -137,7 +135,6 @@ public:
             }
             body.first = position;
             position += body.positions();
-            body.force = seen(scene.gravity()) * body.mass;
             body.start_u = b.parameter;
             body.start_speed = b.speed;
             body.start_position = b.position;
@@ -149,14 +146,37 @@ public:
             b.first_rate = variables_;
             variables_ += b.velocities();
         }
+        take_functions(scene);
+        for (const Scene::Connection& c : scene.connections()) {
+            const Spring& spring = std::get<Spring>(c.coupling);
+            springs_.push_back({spring, end(c.a), end(c.b)});
+        }
+        leave_out(std::vector<bool>(at(variables_), false));
+    }
+
+    /// What may depend on numbers of the user's: all that acts on bodies but couplings, and how their rails move.
+    [[gnu::cold]] void take_functions(const Scene& scene) {
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            Body& body = bodies_[i];
+            body.force = seen(scene.gravity()) * body.mass;
+            body.linear_drag = body.quadratic_drag = 0.0;
+            body.functions.clear();
+            body.loads.clear();
+            if (const Rail* rail = scene.bodies()[i].rail()) {
+                body.drive = rail->drive();
+                body.motion = rail->motion();
+            }
+        }
         for (const Scene::AppliedLoad& load : scene.loads()) {
             Body& body = bodies_[at(load.body)];
             if (body.rigid) {
                 const auto point = load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->exact.center;
                 if (is_present(load.load)) body.loads.push_back({load.load, point});
             } else if (const Force* force = std::get_if<Force>(&load.load)) {
-                if (force->is_constant())
-                    body.force += seen(force->constant());
+                // along a line the view follows the forces
+                const bool is_seen_along = scene.bodies().size() == 1 && body.curve && body.curve->straight();
+                if (force->is_constant() && (is_seen_along || !force->is_of_numbers()))
+                    body.force += seen(force->settled());
                 else
                     body.functions.push_back(load.load);
             } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
@@ -168,11 +188,6 @@ public:
             }
         }
         for (Body& body : bodies_) body.force = snapped(body.force, body.force.norm());
-        for (const Scene::Connection& c : scene.connections()) {
-            const Spring& spring = std::get<Spring>(c.coupling);
-            springs_.push_back({spring, end(c.a), end(c.b)});
-        }
-        leave_out(std::vector<bool>(at(variables_), false));
     }
 
     /// Takes what stays as it starts out of the state.
@@ -343,8 +358,17 @@ public:
     }
     /// Whether equations take numbers of their mode, two a body: the sign of its slip, and what is fixed in the mode.
     bool takes_numbers() const {
-        return std::any_of(bodies_.begin(), bodies_.end(),
-                           [](const Body& b) { return b.rough || (b.rigid && b.rigid->follows_axis); });
+        return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& b) {
+            return b.rough || (b.rigid && b.rigid->follows_axis && map_.is_simulated(b.fixed_variable()));
+        });
+    }
+    /// Whether any variable of a body's rotation is simulated.
+    bool turns(int index) const {
+        const Body& b = bodies_[at(index)];
+        if (!b.rigid || b.rigid->kind == RigidLaw::Kind::prismatic) return false;
+        for (int k = b.rigid->kind == RigidLaw::Kind::free ? 3 : 0; k < b.positions(); ++k)
+            if (map_.is_simulated(b.first + k)) return true;
+        return false;
     }
     /// Whether any variable of a body is simulated.
     bool moves(int index) const {

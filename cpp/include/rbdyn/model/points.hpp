@@ -28,28 +28,37 @@ namespace rbdyn {
 
 class PointsModel : public RecordedModel {
 public:
-    /// `leaves_out`: what stays as it starts is not simulated.
-    PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false)
-        : laws_(scene, view), watches_(scene.watches()) {
+    /// `leaves_out`: what stays as it starts is not simulated. `numbers`: of the user's, as they are in the scene.
+    PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false, const GivenNumbers& numbers = {})
+        : RecordedModel(numbers), watches_(scene.watches()) {
+        const auto laws = std::make_shared<PointLaws>(scene, view);
+        laws_ = laws;
         if (!leaves_out) return;
         for (const Scene::Watch& w : watches_)
             if (w.options.action.kind == WatchAction::Kind::change)
                 why_all_ = "the action of \"" + w.name + "\" may change any of them";
         if (!why_all_.empty()) return;
-        auto [stays, why_none] = what_stays(laws_);
+        auto [stays, why_none] = what_stays(*laws);
         why_all_ = std::move(why_none);
-        laws_.leave_out(stays);
-        if (laws_.map().size() > 0) return;
+        laws->leave_out(stays);
+        if (laws->map().size() > 0) return;
         // where something may happen all the same there have to be time steps, and so a state
         if (record_points(laws_, watches_, undecided().slip, {})->still) return;
         why_all_ = "nothing moves, and what is watched for needs time to pass";
-        laws_.leave_out(std::vector<bool>(stays.size(), false));
+        laws->leave_out(std::vector<bool>(stays.size(), false));
+    }
+    /// The model of the same scene with other numbers of the user's, which leave out the same.
+    PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers)
+        : RecordedModel(planned, numbers), watches_(scene.watches()), why_all_(planned.why_all_) {
+        const auto laws = std::make_shared<PointLaws>(planned.laws());
+        laws->take_functions(scene);
+        laws_ = laws;
     }
 
-    int variables() const override { return laws_.map().size(); }
-    int bodies() const { return static_cast<int>(laws_.bodies().size()); }
-    bool on_rail(int body) const { return laws_.body(body).curve.has_value(); }
-    const PointLaws& laws() const { return laws_; }
+    int variables() const override { return laws_->map().size(); }
+    int bodies() const { return static_cast<int>(laws_->bodies().size()); }
+    bool on_rail(int body) const { return laws_->body(body).curve.has_value(); }
+    const PointLaws& laws() const { return *laws_; }
     /// Why all variables are simulated, also what stays as it starts; empty if that is left out.
     const std::string& why_all() const { return why_all_; }
 
@@ -64,31 +73,31 @@ public:
     /// The state the scene starts in.
     std::vector<double> start(double t = 0.0) const {
         std::vector<double> x(at(variables()));
-        laws_.map().gather(laws_.start(t), x);
+        laws_->map().gather(laws_->start(t), x);
         return x;
     }
     std::vector<double> start_rest() const override {
-        const std::vector<double> rest = laws_.start_rest();
+        const std::vector<double> rest = laws_->start_rest();
         if (rest.empty()) return rest;
         std::vector<double> x(at(variables()));
-        laws_.map().gather(rest, x);
+        laws_->map().gather(rest, x);
         return x;
     }
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {
         const Within state(mode, t, x);
-        return laws_.report(body, mode.slip, state.t, state.x, sliding_force(mode, body, state.t, state.x));
+        return laws_->report(body, mode.slip, state.t, state.x, sliding_force(mode, body, state.t, state.x));
     }
 
     /// Where a particle or a body's centre of mass is in a mode, and where a body's origin is; no force is asked for.
     Vector3 center(const Mode& mode, int body, double t, std::span<const double> x) const {
-        return laws_.view().origin + laws_.view().axes * laws_.states(t, x, mode.slip)[at(body)].r;
+        return laws_->view().origin + laws_->view().axes * laws_->states(t, x, mode.slip)[at(body)].r;
     }
     Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const {
-        const PointLaws::Body& b = laws_.body(body);
+        const PointLaws::Body& b = laws_->body(body);
         if (!b.rigid) return center(mode, body, t, x);
-        const PointLaws::Variables own = laws_.variables_of(b, x);
+        const PointLaws::Variables own = laws_->variables_of(b, x);
         const RigidState<double> s = b.rigid->state(own.q, own.v);
         return s.position(b.rigid->origin_in_frame(s));
     }
@@ -99,13 +108,13 @@ public:
         return [this, &mode, state](const Observable& o) {
             const int body = is_of_coupling(o.quantity) ? -1 : o.subject;
             const auto active = sliding_force(mode, body, state->t, state->x);
-            return rbdyn::observed(laws_, mode.slip, state->t, state->x, o, active);
+            return rbdyn::observed(*laws_, mode.slip, state->t, state->x, o, active);
         };
     }
 
     Mode undecided() const override {
         Mode mode;
-        mode.slip.assign(laws_.bodies().size(), 1);
+        mode.slip.assign(laws_->bodies().size(), 1);
         return mode;
     }
 
@@ -114,7 +123,7 @@ public:
         // what starts on the edge of a case is looked at from the side it leaves to
         choose(mode, t, x, {});
         for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws_.body(i);
+            const PointLaws::Body& b = laws_->body(i);
             if (!b.rough) continue;
             // the slip as the user gave it, so that a bead carried by its rail starts stuck
             mode.slip[at(i)] = slip_of(mode, i, b.start_speed, t, x);
@@ -162,7 +171,7 @@ public:
                 case EventKind::slip: {
                     carry(mode, i, t, x);
                     const Within state(mode, t, x);
-                    const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
+                    const Holding h = laws_->holding(i, state.t, state.x, mode.slip);
                     const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
                     after.slip[at(i)] = s;
                     happenings.push_back({EventKind::slip, i, s > 0 ? Direction::rising : Direction::falling, {}});
@@ -185,7 +194,7 @@ public:
                     if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
                     if (guard.kind == EventKind::switching && guard.name.empty()) break;
                     // where the reaction of a rail that only pushes vanishes the bead detaches, and that is said
-                    if (guard.kind == EventKind::normal_zero && laws_.body(i).side != RailSide::both) break;
+                    if (guard.kind == EventKind::normal_zero && laws_->body(i).side != RailSide::both) break;
                     Happening h{guard.kind, i, guard.step > 0 ? Direction::rising : direction,
                                 guard.kind == EventKind::switching ? guard.name : std::string()};
                     // several distinctions of one function at one place are one event
@@ -211,21 +220,21 @@ public:
 
     int slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
               std::span<double> bend) const override {
-        const StateMap& map = laws_.map();
+        const StateMap& map = laws_->map();
         std::vector<double> all(at(map.variables())), second(all.size(), 0.0);
         for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws_.body(i);
+            const PointLaws::Body& b = laws_->body(i);
             if (b.rigid) return 0;
-            laws_.slope(i, mode.slip, t, x, std::span(all).subspan(at(b.first)),
-                        std::span(all).subspan(at(b.first_rate)));
+            laws_->slope(i, mode.slip, t, x, std::span(all).subspan(at(b.first)),
+                         std::span(all).subspan(at(b.first_rate)));
         }
         for (double s : all)
             if (!std::isfinite(s)) return 0;
-        std::copy(all.begin() + laws_.positions(), all.end(), second.begin());
+        std::copy(all.begin() + laws_->positions(), all.end(), second.begin());
         map.gather(all, slope);
         map.gather(second, bend);
         int positions = 0;
-        for (int i = 0; i < laws_.positions(); ++i) positions += map.is_simulated(i) ? 1 : 0;
+        for (int i = 0; i < laws_->positions(); ++i) positions += map.is_simulated(i) ? 1 : 0;
         return positions;
     }
 
@@ -234,11 +243,11 @@ public:
         out.clear();
         const Within state(mode, t, x);
         for (int i = 0; i < bodies(); ++i) {
-            if (laws_.body(i).rigid) {
+            if (laws_->body(i).rigid) {
                 observe_rigid(i, state, mode, out);
                 continue;
             }
-            const PointReport r = laws_.report(i, mode.slip, state.t, state.x);
+            const PointReport r = laws_->report(i, mode.slip, state.t, state.x);
             out.push_back({r.position, true, 0.0, r.position.norm()});
             out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm()});
             if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort});
@@ -251,16 +260,16 @@ public:
 
     std::string grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode, double t,
                       std::span<const double> x) const override {
-        const auto was = laws_.states(t0, x0, before.slip), is = laws_.states(t, x, mode.slip);
+        const auto was = laws_->states(t0, x0, before.slip), is = laws_->states(t, x, mode.slip);
         const auto size = [&](const Load& load, double time, const PointState<double>& p) {
-            return force_of<double>(load, time, laws_.in_world<double>(p.r), laws_.view().axes * p.v).norm();
+            return force_of<double>(load, time, laws_->in_world<double>(p.r), laws_->view().axes * p.v).norm();
         };
         for (int i = 0; i < bodies(); ++i)
-            for (const Load& load : laws_.body(i).functions) {
+            for (const Load& load : laws_->body(i).functions) {
                 const double first = size(load, t0, was[at(i)]), last = size(load, t, is[at(i)]);
                 // no motion that goes on comes to this
                 if (last > 1e8 * first && first > 0.0)
-                    return title(load) + " on " + laws_.body(i).name + ", which has grown from " + text(first) +
+                    return title(load) + " on " + laws_->body(i).name + ", which has grown from " + text(first) +
                            " to " + text(last) + " N";
             }
         return {};
@@ -269,12 +278,12 @@ public:
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override {
         for (const double value : x)
             if (!std::isfinite(value)) return "the state itself";
-        const auto all = laws_.states(t, x, mode.slip);
+        const auto all = laws_->states(t, x, mode.slip);
         for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws_.body(i);
+            const PointLaws::Body& b = laws_->body(i);
             const PointState<double>& p = all[at(i)];
             if (!is_finite(p.r) || !is_finite(p.v)) return "the curve or the motion of the rail of " + b.name;
-            const Vector3 r = laws_.in_world<double>(p.r), v = laws_.view().axes * p.v;
+            const Vector3 r = laws_->in_world<double>(p.r), v = laws_->view().axes * p.v;
             for (const auto& load : b.functions) {
                 const Vector3 f = force_of<double>(load, t, r, v);
                 if (is_finite(f)) continue;
@@ -292,12 +301,12 @@ public:
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
             if (b.curve && mode.slip[at(i)] != flies) {
                 // a rate of the parameter that is beyond all measure beside a finite speed
-                const double slow = std::sqrt(p.curve.speed_squared), u = laws_.map().value(b.first, x),
+                const double slow = std::sqrt(p.curve.speed_squared), u = laws_->map().value(b.first, x),
                              usual = b.curve->first(u - 0.125).norm();
                 if (slow < 1e-6 * usual)
                     return "the rail of " + b.name + " at u = " + text(u) + ", where it has a cusp";
             }
-            const PointReport report = laws_.report(i, mode.slip, t, x);
+            const PointReport report = laws_->report(i, mode.slip, t, x);
             if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
         }
         return {};
@@ -308,7 +317,7 @@ private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
     /// A variable that is simulated.
-    double& variable(std::span<double> x, int index) const { return x[at(laws_.map().place(index))]; }
+    double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
 
     static std::string title(const Load& load) {
         if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
@@ -318,9 +327,9 @@ private:
 
     /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
     void observe_rigid(int i, const Within& state, const Mode& mode, std::vector<Observed>& out) const {
-        const RigidLaw& law = *laws_.body(i).rigid;
-        const auto all = laws_.states(state.t, state.x, mode.slip);
-        const RigidReport r = laws_.rigid_report(i, state.t, state.x, all);
+        const RigidLaw& law = *laws_->body(i).rigid;
+        const auto all = laws_->states(state.t, state.x, mode.slip);
+        const RigidReport r = laws_->rigid_report(i, state.t, state.x, all);
         const PointState<double>& p = all[at(i)];
         if (law.kind == RigidLaw::Kind::free || law.kind == RigidLaw::Kind::prismatic) {
             out.push_back({p.r, true, 0.0, p.r.norm()});
@@ -356,7 +365,7 @@ private:
 
     /// The speed of a rail's surface in a mode: where it jumps, on the side that the mode is on.
     double drive_of(const Mode& mode, int i, double t, std::span<const double> x) const {
-        if (mode.equations == nullptr || mode.equations->drives < 0) return laws_.body(i).drive(t);
+        if (mode.equations == nullptr || mode.equations->drives < 0) return laws_->body(i).drive(t);
         Evaluator<double> values(mode.equations->program);
         values.set_parameters(mode.parameters);
         values(t, x);
@@ -368,13 +377,13 @@ private:
                        std::vector<Happening>& happenings) const {
         bool has_changed = false;
         for (int i = 0; i < bodies(); ++i) {
-            const PointLaws::Body& b = laws_.body(i);
+            const PointLaws::Body& b = laws_->body(i);
             if (!b.rough || b.drive.is_constant() || before.slip[at(i)] == flies || after.slip[at(i)] == flies)
                 continue;
             const double was = drive_of(before, i, t, x), is = drive_of(after, i, t, x);
             // what differs by the rounding of the time has a corner, no jump
             if (std::abs(is - was) <= 1e-10 * std::max(std::abs(is), std::abs(was))) continue;
-            const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+            const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
             const double speed = std::sqrt(c.speed_squared) * variable(x, b.first_rate);
             const signed char slip = slip_of(after, i, before.slip[at(i)] == sticks ? was : speed, t, x);
             if (slip == after.slip[at(i)]) continue;
@@ -391,17 +400,17 @@ private:
 
     /// Sets w of a bead without slip exactly: the speed of its rail.
     void carry(const Mode& mode, int i, double t, std::span<double> x) const {
-        const PointLaws::Body& b = laws_.body(i);
-        const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+        const PointLaws::Body& b = laws_->body(i);
+        const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
         variable(x, b.first_rate) = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
     }
 
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
     signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
-        const PointLaws::Body& b = laws_.body(i);
+        const PointLaws::Body& b = laws_->body(i);
         carry(mode, i, t, x);
         const Within state(mode, t, x);
-        const Holding h = laws_.holding(i, state.t, state.x, mode.slip);
+        const Holding h = laws_->holding(i, state.t, state.x, mode.slip);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
         const signed char escape = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
         if (needed > limit * (1.0 + 8.0 * epsilon)) return escape;
@@ -418,8 +427,8 @@ private:
 
     /// A bead becomes free, with the place and velocity it has.
     void release(Mode& mode, int i, double t, std::span<double> x) const {
-        const PointLaws::Body& b = laws_.body(i);
-        const PointState<double> p = laws_.states(t, x, mode.slip)[at(i)];
+        const PointLaws::Body& b = laws_->body(i);
+        const PointState<double> p = laws_->states(t, x, mode.slip)[at(i)];
         for (int k = 0; k < 3; ++k) {
             variable(x, b.first_of_space() + k) = p.r[k];
             variable(x, b.first_of_velocity() + k) = p.v[k];
@@ -430,12 +439,12 @@ private:
 
     /// A bead that flies comes to its rail, where it keeps its velocity along it. Returns the impulse on it.
     double land(Mode& mode, int i, double t, std::span<double> x) const {
-        const PointLaws::Body& b = laws_.body(i);
+        const PointLaws::Body& b = laws_->body(i);
         const int space = b.first_of_space(), velocity = b.first_of_velocity();
         const Vector3 r{variable(x, space), variable(x, space + 1), variable(x, space + 2)},
             v{variable(x, velocity), variable(x, velocity + 1), variable(x, velocity + 2)};
-        variable(x, b.first) = laws_.landing(i)->place(r);
-        const CurvePoint<double> c = laws_.curve_point(b, variable(x, b.first));
+        variable(x, b.first) = laws_->landing(i)->place(r);
+        const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
         // along the normal: what rounding leaves along the rail is none
         const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
         const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
@@ -448,7 +457,7 @@ private:
 
     /// Releases a bead whose rail would have to pull it. Returns whether it did.
     bool let_go(Mode& mode, int i, double t, std::span<double> x) const {
-        if (laws_.body(i).side == RailSide::both || mode.slip[at(i)] == flies) return false;
+        if (laws_->body(i).side == RailSide::both || mode.slip[at(i)] == flies) return false;
         for (const Guard& guard : mode.equations->guards) {
             if (guard.kind != EventKind::detach || guard.subject != i) continue;
             Evaluator<double> values(mode.equations->program);
@@ -477,8 +486,8 @@ private:
                 leading_sign(mode, t, x, guard.output) >= 0)
                 continue;
             if (guard.role == GuardRole::stop)
-                throw InvalidInput(laws_.body(i).name + ": parameter is " +
-                                   text(laws_.map().value(laws_.body(i).first, x)) +
+                throw InvalidInput(laws_->body(i).name + ": parameter is " +
+                                   text(laws_->map().value(laws_->body(i).first, x)) +
                                    ", an end of its rail, which it leaves at once; start it within the rail or moving "
                                    "inward, or let it fly on with ends \"release\"");
             release(mode, i, t, x);
@@ -492,9 +501,9 @@ private:
             const int i = c.body.index;
             const std::string user = "watch " + watch.name;
             require(i >= 0 && i < bodies(), user, "body", i, "its action changes bodies of this scene");
-            const PointLaws::Body& b = laws_.body(i);
+            const PointLaws::Body& b = laws_->body(i);
             if (b.rigid) {
-                change_rigid(c, b, laws_.rigid_report(i, t, x), user, x);
+                change_rigid(c, b, laws_->rigid_report(i, t, x), user, x);
                 continue;
             }
             if (c.attitude || c.angular_velocity || c.angular_velocity_world || c.angle || c.displacement || c.rate)
@@ -513,11 +522,11 @@ private:
             for (int k = 0; k < 3 && is_free; ++k) {
                 if (c.position)
                     set(b.first_of_space() + k,
-                        (laws_.view().axes.transpose() * (*c.position - laws_.view().origin))[k]);
-                if (c.velocity) set(b.first_of_velocity() + k, (laws_.view().axes.transpose() * *c.velocity)[k]);
+                        (laws_->view().axes.transpose() * (*c.position - laws_->view().origin))[k]);
+                if (c.velocity) set(b.first_of_velocity() + k, (laws_->view().axes.transpose() * *c.velocity)[k]);
             }
             if (is_free) continue;
-            const double before = std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared) * x[at(b.first_rate)];
+            const double before = std::sqrt(laws_->curve_point(b, x[at(b.first)]).speed_squared) * x[at(b.first_rate)];
             if (c.parameter) {
                 const Domain domain = b.curve->domain();
                 require(b.curve->closed() || (*c.parameter >= domain.begin && *c.parameter <= domain.end) ||
@@ -528,7 +537,7 @@ private:
                 b.curve->require_regular(*c.parameter);
             }
             const double speed = c.speed.value_or(before);
-            set(b.first_rate, speed / std::sqrt(laws_.curve_point(b, x[at(b.first)]).speed_squared));
+            set(b.first_rate, speed / std::sqrt(laws_->curve_point(b, x[at(b.first)]).speed_squared));
             if (b.rough) mode.slip[at(i)] = slip_of(mode, i, speed, t, x);
         }
     }
@@ -539,21 +548,21 @@ private:
     std::vector<signed char> kind_of(const Mode& mode) const override {
         std::vector<signed char> kind = mode.slip;
         for (int i = 0; i < bodies(); ++i)
-            if (kind[at(i)] != flies && !(kind[at(i)] == sticks && laws_.body(i).rough)) kind[at(i)] = 1;
+            if (kind[at(i)] != flies && !(kind[at(i)] == sticks && laws_->body(i).rough)) kind[at(i)] = 1;
         return kind;
     }
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override {
         return record_points(laws_, watches_, mode.slip, state);
     }
     void own_parameters(Mode& mode, std::span<const double> x) const override {
-        if (!laws_.takes_numbers()) return;
+        if (!laws_->takes_numbers()) return;
         for (int i = 0; i < bodies(); ++i) {
             mode.parameters[at(i)] = mode.slip[at(i)];
-            mode.parameters[at(bodies() + i)] = laws_.map().value(laws_.body(i).fixed_variable(), x);
+            mode.parameters[at(bodies() + i)] = laws_->map().value(laws_->body(i).fixed_variable(), x);
         }
     }
 
-    PointLaws laws_;
+    std::shared_ptr<const PointLaws> laws_;
     std::vector<Scene::Watch> watches_;
     std::string why_all_;
 };

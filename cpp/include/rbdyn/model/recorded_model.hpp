@@ -41,7 +41,23 @@ struct RecordedFor {
 };
 
 class RecordedModel : public HybridModel {
+public:
+    /// Whether any equations so far are those of one side of a case distinction.
+    bool distinguishes() const {
+        const std::lock_guard lock(recordings_->mutex);
+        for (const auto& [key, known] : recordings_->structures)
+            for (const auto& one : known)
+                if (!one->equations.branches.empty()) return true;
+        return false;
+    }
+
 protected:
+    RecordedModel() = default;
+    explicit RecordedModel(GivenNumbers given) : given_(std::move(given)) {}
+    /// With what another one has recorded, for other numbers of the user's.
+    RecordedModel(const RecordedModel& other, GivenNumbers given)
+        : given_(std::move(given)), recordings_(other.recordings_) {}
+
     /// What the equations depend on beside the choices: modes of one kind share them.
     virtual std::vector<signed char> kind_of(const Mode& mode) const = 0;
     /// The equations for a mode of a kind, at a state; none if it cannot slide as decided.
@@ -54,15 +70,26 @@ protected:
         return a.equations == b.equations && a.parameters == b.parameters && a.slip == b.slip;
     }
 
-    /// The structure for a state, recorded anew only if no earlier one makes the same choices; none if there is none.
+    /// The structure for a state, recorded anew only if no earlier one makes the same choices, and holds for the same
+    /// numbers of the user's; none if there is none.
     const Structure* structure(const Mode& mode, double t, std::span<const double> x, const Decisions& decided) const {
-        const std::lock_guard lock(mutex_);
-        auto& known = structures_[{kind_of(mode), decided.sliding}];
-        if (!known.empty() && known.front()->equations.branches.empty()) return known.front().get();
+        const std::lock_guard lock(recordings_->mutex);
+        auto& known = recordings_->structures[{kind_of(mode), decided.sliding}];
+        const auto fits = [&](const Structure& s) {
+            return !s.equations.numbers || s.equations.numbers->holds(given_.values);
+        };
+        for (const auto& one : known)
+            if (one->equations.branches.empty() && fits(*one)) return one.get();
+        const auto numbers = given_.cells.empty() ? nullptr : std::make_shared<Numbers>(given_);
+        Numbers* const outer = Numbers::active();
+        const Numbers::Active active(numbers.get());
         auto recorded = record(mode, {t, x, decided});
         if (!recorded) return nullptr;
+        recorded->equations.numbers = numbers;
+        if (numbers && outer != nullptr) outer->keep(numbers);
         const auto& branches = recorded->equations.branches;
         for (const auto& one : known) {
+            if (!fits(*one)) continue;
             const auto& others = one->equations.branches;
             const auto same = [](const Branch& a, const Branch& b) { return a.id == b.id && a.choice == b.choice; };
             if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return one.get();
@@ -228,6 +255,7 @@ private:
         const Program& program = e.program;
         mode.parameters.assign(at(program.parameters()), 0.0);
         own_parameters(mode, x);
+        if (e.numbers) e.numbers->set(e.number_parameters, given_.values, mode.parameters);
         if (program.switches().empty()) return;
         for (const Switch& w : program.switches()) mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : 1.0;
         // what did not switch goes on as it was, but for what an event set anew
@@ -279,8 +307,13 @@ private:
     }
 
     using Key = std::pair<std::vector<signed char>, std::set<std::uint64_t>>;  // kind, and what it slides along
-    mutable std::mutex mutex_;
-    mutable std::map<Key, std::vector<std::unique_ptr<Structure>>> structures_;
+    struct Recordings {
+        std::mutex mutex;
+        std::map<Key, std::vector<std::unique_ptr<Structure>>> structures;
+    };
+
+    GivenNumbers given_;
+    std::shared_ptr<Recordings> recordings_ = std::make_shared<Recordings>();
 };
 
 }  // namespace rbdyn

@@ -194,7 +194,7 @@ public:
         for (const Part& p : parts_) worst = std::max(worst, p.form->error(since));
         return worst;
     }
-    std::string name() const {
+    std::string name() const override {
         std::string names;
         for (const Part& p : parts_)
             if (names.find(p.form->name()) == std::string::npos) names += (names.empty() ? "" : ", ") + p.form->name();

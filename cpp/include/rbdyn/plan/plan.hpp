@@ -5,11 +5,13 @@
 #include <memory>
 #include <ostream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
+#include "rbdyn/plan/linear_motion.hpp"
 #include "rbdyn/plan/simulated.hpp"
 #include "rbdyn/scene/parts.hpp"
 
@@ -26,15 +28,15 @@ struct Plan {
     std::string engine, reason;            // the automatic choice; of several parts each one's, once
     std::string integrator;                // the automatic choice among those that integrate
     std::vector<Omission> omissions;
-    std::vector<std::string> integrals;          // first integrals of the scene
-    Vector3 pole = Vector3::Zero();              // what those of angular momentum are about
-    Vector3 up{0, 0, 1};                         // against gravity
-    Placement view;                              // the axes the equations are written in
-    std::shared_ptr<const PointsModel> model;    // the equations of motion, of one part
-    std::shared_ptr<const ClosedMotion> closed;  // the motion of one part in closed form, if there is one
-    std::vector<Plan> parts;                     // of bodies that nothing joins; none if there is one only
-    std::shared_ptr<const SceneParts> apart;     // the scenes of these parts, and what is where in them
-    bool calls_back = false;                     // a force of it has values only, no series
+    std::vector<std::string> integrals;        // first integrals of the scene
+    Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
+    Vector3 up{0, 0, 1};                       // against gravity
+    Placement view;                            // the axes the equations are written in
+    std::shared_ptr<const PointsModel> model;  // the equations of motion, of one part
+    std::shared_ptr<const ClosedForm> closed;  // the motion of one part in closed form, if there is one
+    std::vector<Plan> parts;                   // of bodies that nothing joins; none if there is one only
+    std::shared_ptr<const SceneParts> apart;   // the scenes of these parts, and what is where in them
+    bool calls_back = false;                   // a force of it has values only, no series
     std::vector<std::shared_ptr<const Callback>> callbacks;
 
     /// Calls of functions in Python so far.
@@ -91,7 +93,7 @@ inline Placement view_of(const Scene& scene) {
     take(scene.gravity());
     for (const auto& load : scene.loads())
         if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->is_constant())
-            take(force->constant());
+            take(force->settled());
     for (const auto& c : scene.connections()) {
         if (!is_present(c.coupling)) continue;
         for (const End* e : {&c.a, &c.b})
@@ -151,14 +153,14 @@ inline std::string names_of(const Scene& part) {
     return first_of(names, 3, " + ");
 }
 
-inline Plan plan_of(const Scene& scene, bool beside_rigid);
+inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers);
 
 /// Plans the parts of a scene, each by itself: guards, engines and the reason for them are theirs together.
-[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, Plan& plan,
-                                     Simulated& simulated) {
+[[gnu::cold]] inline void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid,
+                                     const GivenNumbers& numbers, Plan& plan, Simulated& simulated) {
     std::vector<std::string> names, engines;
     for (const SceneParts::Part& part : apart.parts) {
-        const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid));
+        const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid, numbers));
         plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
         if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
         names.push_back(names_of(part.scene) + " (" + own.engine + ")");
@@ -174,8 +176,22 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     plan.apart = std::make_shared<const SceneParts>(std::move(apart));
 }
 
-/// Plans a scene, or a part of one with rigid bodies.
-[[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid) {
+/// The closed form of a scene, or why there is none: that of its bodies one by one, or that of linear equations.
+[[gnu::cold]] inline FoundForm closed_form(const Scene& scene, const PointsModel& model, bool any_rigid) {
+    FoundForm found;
+    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, model.laws());
+    if (found.form) return found;
+    FoundForm linear = linear_motion(scene, model);
+    if (!linear.form && any_rigid) return found;
+    return linear;
+}
+
+inline std::string reason_of(const ClosedForm& form) {
+    return form.name() + ": exact at every time, whatever the time";
+}
+
+/// Plans a scene, or a part of one with rigid bodies, while numbers of the user's are what they are.
+[[gnu::cold]] inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers) {
     Plan plan;
     plan.effects = effects_of(scene);
     bool any_rail = false, is_rough = false, free = false;
@@ -256,7 +272,7 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     Simulated simulated;
     if (apart.parts.empty()) {
         plan.view = view_of(scene);
-        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true);
+        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
         simulated.take(*plan.model);
         for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
         plan.guards = guards_of(*plan.model);
@@ -266,7 +282,7 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
                 ? "a force that is called back has no Taylor series; events are located but not certain"
                 : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
     } else {
-        plan_parts(scene, std::move(apart), any_rigid, plan, simulated);
+        plan_parts(scene, std::move(apart), any_rigid, numbers, plan, simulated);
     }
     plan.coordinates = std::move(simulated.coordinates);
     if (!plan.has("gravity")) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
@@ -286,12 +302,12 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
     for (const Plan& part : plan.parts)
         for (const Omission& o : part.omissions)
             if (o.what == "closed form") leave_out(o.what, o.why);
-    if (!any_rigid || !plan.model) return plan;
-    const auto [closed, why_not] = closed_motion(scene, plan.model->laws());
+    if (!plan.model) return plan;
+    const auto [closed, why_not] = closed_form(scene, *plan.model, any_rigid);
     if (closed) {
         plan.closed = closed;
         plan.engine = "closed form";
-        plan.reason = closed->name() + ": exact at every time, whatever the time";
+        plan.reason = reason_of(*closed);
     } else {
         leave_out("closed form", why_not);
     }
@@ -299,12 +315,6 @@ inline Plan plan_of(const Scene& scene, bool beside_rigid);
 }
 
 }  // namespace planning
-
-/// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
-inline Plan make_plan(const Scene& scene) {
-    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
-    return planning::plan_of(scene, false);
-}
 
 inline std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     const auto list = [&](const char* head, const std::vector<std::string>& lines, const char* none) {

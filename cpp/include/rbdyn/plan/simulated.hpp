@@ -150,17 +150,6 @@ inline constexpr std::array attitudes{"q0", "q1", "q2", "q3", "spin"};
     }
 }
 
-/// Whether any rigid body turns.
-inline bool any_turns(const PointLaws& laws) {
-    for (const PointLaws::Body& b : laws.bodies()) {
-        if (!b.rigid || b.rigid->kind == RigidLaw::Kind::prismatic) continue;
-        const int skipped = b.rigid->kind == RigidLaw::Kind::free ? 3 : 0;
-        for (int k = skipped; k < b.positions(); ++k)
-            if (laws.map().is_simulated(b.first + k)) return true;
-    }
-    return false;
-}
-
 /// What is said of all models of a scene.
 struct Simulated {
     std::vector<std::string> coordinates;
@@ -168,7 +157,7 @@ struct Simulated {
     bool any_turns = false;
 
     void take(const PointsModel& model) {
-        any_turns = any_turns || planning::any_turns(model.laws());
+        for (int i = 0; i < model.bodies(); ++i) any_turns = any_turns || model.laws().turns(i);
         if (!model.why_all().empty()) omissions.push_back({"no variable", model.why_all()});
     }
     /// The same of one body.

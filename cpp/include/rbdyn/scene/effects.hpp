@@ -92,6 +92,7 @@ inline Load nothing_of(const Load& load) {
     const std::vector<std::string> present = effects_of(*this);
     std::vector<std::string> gone;
     Scene result = *this;
+    result.plan_.forget();
     for (const Removable& part : parts) {
         if (const LoadHandle* load = std::get_if<LoadHandle>(&part)) {
             require(load->index >= 0 && load->index < static_cast<int>(loads_.size()), "without", "load", load->index,

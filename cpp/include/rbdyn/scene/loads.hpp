@@ -24,12 +24,12 @@ public:
     }
     /// From a recorded function of (t, x, y, z, vx, vy, vz) with three results.
     explicit Force(Function function, std::string name = "function", Frame frame = Frame::world)
-        : function_(std::move(function)), name_(std::move(name)), frame_(frame) {
+        : is_constant_(false), function_(std::move(function)), name_(std::move(name)), frame_(frame) {
         require_shape(function_.inputs(), function_.outputs());
     }
     /// From a function that is called back, of (t, x, y, z, vx, vy, vz) with three results.
     explicit Force(std::shared_ptr<const Callback> callback, Frame frame = Frame::world)
-        : callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
+        : is_constant_(false), callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
         require_shape(callback_->inputs, callback_->outputs);
     }
     /// [](const auto& t, const auto& position, const auto& velocity) { return Vector3Of<...>{...}; }
@@ -44,9 +44,16 @@ public:
                                  }),
                 "function", frame) {}
 
-    bool is_constant() const { return !function_ && !callback_; }
+    bool is_constant() const { return is_constant_; }
+    /// Whether numbers of the user's are all that it depends on.
+    bool is_of_numbers() const { return is_constant_ && function_; }
     Frame frame() const { return frame_; }
     const Vector3& constant() const { return constant_; }
+    /// The same; what is made of it while equations are recorded holds for this value only.
+    const Vector3& settled() const {
+        if (function_) function_.settle();
+        return constant_;
+    }
     const Function& function() const { return function_; }
     const std::shared_ptr<const Callback>& callback() const { return callback_; }
     const std::string& name() const { return name_; }
@@ -64,15 +71,17 @@ public:
         if (!function_) return result;
         result.function_ = function_.frozen();
         if (const auto same = result.function_.constants()) {
-            result.function_ = {};
+            result.is_constant_ = true;
             result.constant_ = {(*same)[0], (*same)[1], (*same)[2]};
+            // the formula remains: equations that are recorded hold for other numbers, too
+            if (function_.parameters().empty() || !result.present()) result.function_ = {};
         }
         return result;
     }
 
     template <class S>
     Vector3Of<S> operator()(const S& t, const Vector3Of<S>& r, const Vector3Of<S>& v) const {
-        if (is_constant()) return Vector3Of<S>(constant_);
+        if (is_constant_ && !(function_ && std::is_same_v<S, Expression>)) return Vector3Of<S>(constant_);
         const S x[7] = {t, r[0], r[1], r[2], v[0], v[1], v[2]};
         if (function_) {
             const std::vector<S> f = function_(std::span<const S>(x, 7));
@@ -105,6 +114,7 @@ private:
                                " results; a force has three components, in N");
     }
 
+    bool is_constant_ = true;
     Vector3 constant_ = Vector3::Zero();
     Function function_;
     std::shared_ptr<const Callback> callback_;

@@ -13,6 +13,7 @@
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/plan_slot.hpp"
 #include "rbdyn/scene/watch.hpp"
 
 namespace rbdyn {
@@ -69,6 +70,7 @@ public:
             require(std::isfinite(g[i]), "Scene", "component " + std::to_string(i) + " of gravity", g[i],
                     "the field is finite; give it in m/s^2");
         gravity_ = g;
+        plan_.forget();
     }
     const Vector3& gravity() const { return gravity_; }
 
@@ -167,6 +169,7 @@ public:
         require_body(body, "start_turning");
         bodies_[static_cast<std::size_t>(body.index)].attitude = attitude;
         bodies_[static_cast<std::size_t>(body.index)].angular_velocity = angular_velocity;
+        plan_.forget();
     }
 
     /// A load on a body. `at`: the point of a rigid body where a force acts, body axes [m]; else its centre of mass.
@@ -177,6 +180,7 @@ public:
         if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
         if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) spring->validate();
         loads_.push_back({std::move(load), body.index, at});
+        plan_.forget();
         return {static_cast<int>(loads_.size()) - 1};
     }
 
@@ -201,6 +205,7 @@ public:
         if (a == b) throw InvalidInput("connect: both ends are the same body; a coupling joins two points");
         std::visit([](const auto& c) { c.validate(); }, coupling);
         connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
+        plan_.forget();
         return {static_cast<int>(connections_.size()) - 1};
     }
 
@@ -211,6 +216,7 @@ public:
             if (w.name == name) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
         require_observables(function, "watch " + name);
         watches_.push_back({std::move(name), std::move(function), std::move(options)});
+        plan_.forget();
         return {static_cast<int>(watches_.size()) - 1};
     }
     /// A function of the motion that should stay what it is: its drift is watched like that of the other integrals.
@@ -221,11 +227,13 @@ public:
                 throw InvalidInput("integral: there is one named \"" + name + "\" already; names differ");
         require_observables(function, "integral " + name);
         integrals_.push_back({std::move(name), std::move(function)});
+        plan_.forget();
     }
 
     /// The scene with the numbers of the user's (Parameter) as they are now: what a run is made of.
     [[gnu::cold]] Scene frozen() const {
         Scene result = *this;
+        result.plan_.forget();
         for (Body& b : result.bodies_)
             if (const Rail* rail = b.rail()) b.joint = rail->frozen();
         for (AppliedLoad& l : result.loads_) {
@@ -252,6 +260,8 @@ public:
     const std::vector<Connection>& connections() const { return connections_; }
     const std::vector<Watch>& watches() const { return watches_; }
     const std::vector<Integral>& integrals() const { return integrals_; }
+    /// The plan that was made of it as it is, if any.
+    const PlanSlot& kept_plan() const { return plan_; }
 
     /// Throws InvalidInput unless the scene has what is asked for.
     void require_observable(const Observable& o, const std::string& user) const {
@@ -303,6 +313,7 @@ private:
     void hold_attitudes();
     BodyHandle add(Body body) {
         bodies_.push_back(std::move(body));
+        plan_.forget();
         return {static_cast<int>(bodies_.size()) - 1};
     }
     /// A body turns freely about a point only if no moment there vanishes.
@@ -347,6 +358,7 @@ private:
     std::vector<Connection> connections_;
     std::vector<Watch> watches_;
     std::vector<Integral> integrals_;
+    PlanSlot plan_;
 };
 
 }  // namespace rbdyn

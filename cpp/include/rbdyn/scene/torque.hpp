@@ -33,12 +33,12 @@ public:
     /// From a recorded function of t, the 9 elements of the matrix row by row, and the angular velocity, with three
     /// results.
     explicit Torque(Function function, std::string name = "function", Frame frame = Frame::body)
-        : function_(std::move(function)), name_(std::move(name)), frame_(frame) {
+        : is_constant_(false), function_(std::move(function)), name_(std::move(name)), frame_(frame) {
         require_shape(function_.inputs(), function_.outputs());
     }
     /// From a function that is called back, of the same numbers.
     explicit Torque(std::shared_ptr<const Callback> callback, Frame frame = Frame::body)
-        : callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
+        : is_constant_(false), callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
         require_shape(callback_->inputs, callback_->outputs);
     }
     /// [](const auto& t, const auto& rotation_matrix, const auto& angular_velocity) { return Vector3Of<...>{...}; }
@@ -55,7 +55,9 @@ public:
                      }),
                  "function", frame) {}
 
-    bool is_constant() const { return !function_ && !callback_; }
+    bool is_constant() const { return is_constant_; }
+    /// Whether numbers of the user's are all that it depends on.
+    bool is_of_numbers() const { return is_constant_ && function_; }
     const Vector3& constant() const { return constant_; }
     const Function& function() const { return function_; }
     const std::shared_ptr<const Callback>& callback() const { return callback_; }
@@ -69,15 +71,18 @@ public:
         if (!function_) return result;
         result.function_ = function_.frozen();
         if (const auto same = result.function_.constants()) {
-            result.function_ = {};
+            result.is_constant_ = true;
             result.constant_ = {(*same)[0], (*same)[1], (*same)[2]};
+            // the formula remains: equations that are recorded hold for other numbers, too
+            if (function_.parameters().empty() || !result.present()) result.function_ = {};
         }
         return result;
     }
 
     template <class S>
     Vector3Of<S> operator()(const S& t, const RotationOf<S>& r, const Vector3Of<S>& omega) const {
-        if (is_constant()) return Vector3Of<S>(S(constant_[0]), S(constant_[1]), S(constant_[2]));
+        if (is_constant_ && !(function_ && std::is_same_v<S, Expression>))
+            return Vector3Of<S>(S(constant_[0]), S(constant_[1]), S(constant_[2]));
         const std::array<S, inputs> x{t,       r[0][0], r[0][1], r[0][2],  r[1][0],  r[1][1], r[1][2],
                                       r[2][0], r[2][1], r[2][2], omega[0], omega[1], omega[2]};
         if (function_) {
@@ -113,6 +118,7 @@ private:
                                " results; a torque has three components, in N m");
     }
 
+    bool is_constant_ = true;
     Vector3 constant_ = Vector3::Zero();
     Function function_;
     std::shared_ptr<const Callback> callback_;

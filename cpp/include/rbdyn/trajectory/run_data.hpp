@@ -20,15 +20,17 @@ struct Statistics {
     double integration_seconds = 0.0;  // the returned motion alone
     std::int64_t steps = 0, rejected = 0, right_hand_sides = 0, jacobians = 0, guard_evaluations = 0, events = 0;
     std::int64_t python_calls = 0;
-    int runs = 1;  // integrations, those for the estimate counted
-    Size size;     // of the equations the motion began with; of several parts the sum
+    int runs = 1;         // integrations, those for the estimate counted
+    Size size;            // of the equations the motion began with; of several parts the sum
+    bool planned = true;  // anew, and not as an earlier run was
 };
 
 inline std::ostream& operator<<(std::ostream& out, const Statistics& s) {
     return out << "seconds " << s.seconds << ", integration " << s.integration_seconds << ", steps " << s.steps
                << ", rejected " << s.rejected << ", right-hand sides " << s.right_hand_sides << ", Jacobians "
                << s.jacobians << ", guard evaluations " << s.guard_evaluations << ", events " << s.events
-               << ", Python calls " << s.python_calls << ", runs " << s.runs << ", " << s.size;
+               << ", Python calls " << s.python_calls << ", runs " << s.runs << ", " << s.size
+               << (s.planned ? "" : ", planned before");
 }
 
 /// The events of a run, in order of time.

@@ -213,10 +213,15 @@ private:
                 sum += half * weight[i] * (f(centre - half * place[i]) + f(centre + half * place[i]));
         };
         for (const auto& e : record.entries()) add(e.start.hi, (e.start + e.length * e.unit).hi);
-        // a closed form has no pieces
-        if (record.empty())
-            for (int i = 0; i < closed_times; ++i)
-                add(t0 + (t1 - t0) * i / closed_times, t0 + (t1 - t0) * (i + 1) / closed_times);
+        // a closed form has no pieces; twice its pace is a phase of 4 rad of a power
+        if (record.empty()) {
+            const double pieces = record.closed ? 0.5 * (t1 - t0) / record.closed->pace() : 0.0;
+            const auto count = static_cast<std::int64_t>(std::clamp(std::ceil(pieces), 1.0 * closed_times, 1e9));
+            for (std::int64_t i = 0; i < count; ++i) {
+                const double k = static_cast<double>(i), n = static_cast<double>(count);
+                add(t0 + (t1 - t0) * k / n, t0 + (t1 - t0) * (k + 1.0) / n);
+            }
+        }
         return sum;
     }
     template <class F>

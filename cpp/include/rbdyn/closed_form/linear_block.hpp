@@ -1,0 +1,21 @@
+// Variables of a linear motion that depend on each other, and on no others.
+#pragma once
+
+#include <span>
+
+#include "rbdyn/basics/instant.hpp"
+
+namespace rbdyn {
+
+class LinearBlock {
+public:
+    virtual ~LinearBlock() = default;
+    /// Its variables at a time since the start, at their places in the state.
+    virtual void state(Instant since, std::span<double> x) const = 0;
+    /// Adds estimates of their errors, without the rounding of the state itself.
+    virtual void add_errors(double since, std::span<double> errors) const = 0;
+    /// The rate of what changes fastest in it [1/s].
+    virtual double fastest() const = 0;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,210 @@
+// Scenes whose equations of motion are linear with constant coefficients: found in the recorded equations, whatever the
+// scene is made of, and solved in closed form (closed_form/linear_system.hpp).
+//
+// Linear is a program whose rates are weighted sums of variables and constants, with nothing in its mode that changes
+// the equations: no case distinction, no friction, no way off a rail. Ends of rails and watched functions that note or
+// stop are none of it. What is a polynomial in time stays with Taylor series, one step of which is exact.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/closed_form/linear_system.hpp"
+#include "rbdyn/model/points.hpp"
+
+namespace rbdyn {
+
+/// The motion of a linear scene.
+class LinearMotion : public ClosedForm {
+public:
+    LinearMotion(LinearBlocks solution, std::vector<double> start, std::vector<VariableGroup> groups)
+        : solution_(std::move(solution)), start_(std::move(start)), groups_(std::move(groups)) {}
+
+    void state(Instant since, std::span<double> x) const override {
+        if (since.hi == 0.0 && since.lo == 0.0) {
+            std::copy(start_.begin(), start_.end(), x.begin());
+            return;
+        }
+        for (const auto& block : solution_.blocks) block->state(since, x);
+    }
+
+    /// Of the worst group of variables, relative to its scale until then: the extent of a place, the largest size of
+    /// other things. What moves by rounding alone does not move.
+    double error(double since) const override {
+        constexpr double epsilon = std::numeric_limits<double>::epsilon(), nothing = 1e3 * epsilon;
+        // enough to meet most of the extent of a motion, and what it was before it died away; more would make the error
+        // less
+        constexpr int even = 3, growing = 5;
+        std::vector<double> errors(start_.size()), x(start_), low(x), high(x);
+        for (const auto& block : solution_.blocks) block->add_errors(since, errors);
+        const double ratio = std::pow(std::max(since / pace(), 1.0), 1.0 / growing);
+        double later = since;
+        for (int i = 0; i < even + growing; ++i) {
+            state({i < even ? since * (1.0 - 0.6180339887498949 * i / even) : later /= ratio, 0.0}, x);
+            for (std::size_t k = 0; k < x.size(); ++k) {
+                if (!std::isfinite(x[k])) return std::numeric_limits<double>::infinity();
+                low[k] = std::min(low[k], x[k]);
+                high[k] = std::max(high[k], x[k]);
+            }
+        }
+        double worst = epsilon;
+        for (const VariableGroup& group : groups_) {
+            double off = 0.0, extent = 0.0, size = group.steady * group.steady;
+            for (int i = group.first; i < group.first + group.count; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                const double most = std::max(std::abs(low[k]), std::abs(high[k])),
+                             error = errors[k] + 0.5 * epsilon * most;
+                off += error * error;
+                extent += (high[k] - low[k]) * (high[k] - low[k]);
+                size += most * most;
+            }
+            const double scale = std::sqrt(group.is_position ? extent : size);
+            if (scale > nothing * std::sqrt(size)) worst = std::max(worst, std::sqrt(off) / scale);
+        }
+        return std::isfinite(worst) ? worst : std::numeric_limits<double>::infinity();
+    }
+
+    double pace() const override {
+        double fastest = 0.0;
+        for (const auto& block : solution_.blocks) fastest = std::max(fastest, block->fastest());
+        return 1.0 / fastest;
+    }
+
+    std::string name() const override {
+        return solution_.by_modes ? "modes of a linear scene" : "exponential of a linear scene";
+    }
+
+private:
+    LinearBlocks solution_;
+    std::vector<double> start_;
+    std::vector<VariableGroup> groups_;
+};
+
+namespace planning {
+
+/// A form, or why there is none.
+struct FoundForm {
+    std::shared_ptr<const ClosedForm> form;
+    std::string why_not = {};
+};
+
+/// What a slot of a program depends on.
+enum class Dependence : char { other, linear, constant };
+
+/// Which slots are weighted sums of variables and constants.
+inline std::vector<Dependence> dependences(const Program& program) {
+    std::vector<Dependence> all(static_cast<std::size_t>(program.slots()), Dependence::other);
+    std::fill_n(all.begin(), program.inputs(), Dependence::linear);
+    for (const Instruction& i : program.instructions()) {
+        if (i.code != Code::combine || i.products > 0) continue;
+        Dependence& out = all[static_cast<std::size_t>(i.out)];
+        out = Dependence::constant;
+        for (int k = 0; k < i.terms; ++k) out = std::min(out, all[static_cast<std::size_t>(program.terms(i)[k].slot)]);
+    }
+    return all;
+}
+
+/// The rates of a scene as a program whose constants have 32 digits, numbers of the user's among them.
+[[gnu::cold]] inline Program wide_rates(const PointsModel& model, const std::vector<double>& start,
+                                        const std::vector<signed char>& slip) {
+    const recording::WideFolding all_digits;
+    const Numbers::Active plain(nullptr);
+    const StateMap& map = model.laws().map();
+    Recorder r;
+    r.follow(0.0, start, {});
+    EquationsWriter write(r, map.size());
+    const std::vector<Expression> all = write_points(r, write, model.laws(), map, {}, slip).rates;
+    std::vector<Expression> rates;
+    for (int i = 0; i < map.variables(); ++i)
+        if (map.is_simulated(i)) rates.push_back(all[static_cast<std::size_t>(i)]);
+    return Program(r, rates, map.size());
+}
+
+/// The system that the rates of a linear program are.
+[[gnu::cold]] inline LinearSystem linear_system(const Program& program) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    using Row = std::vector<LinearSystem::Entry>;
+    const std::vector<DoubleDouble>& weights = *program.exact_weights();
+    std::vector<Row> rows(at(program.slots()));
+    std::vector<DoubleDouble> constants(rows.size());
+    for (int i = 0; i < program.inputs(); ++i) rows[at(i)] = {{i, 1.0}};
+    const auto add = [](Row& row, const Row& other, const DoubleDouble& factor) {
+        for (const LinearSystem::Entry& e : other) {
+            const auto known =
+                std::find_if(row.begin(), row.end(), [&](const auto& o) { return o.column == e.column; });
+            if (known == row.end())
+                row.push_back({e.column, e.value * factor});
+            else
+                known->value += e.value * factor;
+        }
+    };
+    for (const Instruction& i : program.instructions()) {
+        if (i.weight >= 0) constants[at(i.out)] = weights[at(i.weight)];
+        for (int k = 0; k < i.terms; ++k) {
+            const Term& term = program.terms(i)[k];
+            add(rows[at(i.out)], rows[at(term.slot)], weights[at(term.weight)]);
+            constants[at(i.out)] += weights[at(term.weight)] * constants[at(term.slot)];
+        }
+    }
+    LinearSystem result;
+    for (int i = 0; i < program.inputs(); ++i) {
+        const int slot = program.output(i);
+        result.rows.push_back(rows[at(slot)]);
+        std::erase_if(result.rows.back(), [](const auto& e) { return e.value.hi == 0.0; });
+        result.constants.push_back(constants[at(slot)]);
+    }
+    return result;
+}
+
+/// The motion of a scene by the modes of its equations.
+[[gnu::cold]] inline FoundForm linear_motion(const Scene& scene, const PointsModel& model) {
+    const PointLaws& laws = model.laws();
+    for (const PointLaws::Body& b : laws.bodies()) {
+        if (b.rough) return {nullptr, "the friction of " + b.name + " is not linear"};
+        if (b.may_fly) return {nullptr, b.name + " may leave its rail"};
+    }
+    for (const Scene::Watch& w : scene.watches())
+        if (w.options.action.kind == WatchAction::Kind::change)
+            return {nullptr, "\"" + w.name + "\" changes the state on the way"};
+    const std::vector<signed char> slip(laws.bodies().size(), 1);
+    const Equations& e = model.equations(slip);
+    constexpr const char* changing = "its equations change from one formula to the next";
+    if (!e.branches.empty()) return {nullptr, changing};
+    const Program& program = e.program;
+    const std::vector<Dependence> known = dependences(program);
+    bool is_even = true;
+    for (const PointLaws::Body& b : laws.bodies())
+        for (int k = 0; k < b.positions() + b.velocities(); ++k) {
+            const int i = laws.map().place(k < b.positions() ? b.first + k : b.first_rate + k - b.positions());
+            if (i < 0) continue;
+            const Dependence rate = known[static_cast<std::size_t>(program.output(i))];
+            if (rate == Dependence::other)
+                return {nullptr, "the equations of " + b.name + " are not linear with constant coefficients"};
+            is_even = is_even && (k < b.positions() || rate == Dependence::constant);
+        }
+    constexpr const char* polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
+    if (is_even) return {nullptr, polynomial};
+    const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
+    if (std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers()) return {nullptr, changing};
+    std::vector<double> start = model.start();
+    LinearSystem system = linear_system(wide_rates(model, start, slip));
+    if (system.is_polynomial()) return {nullptr, polynomial};
+    system.start.assign(start.begin(), start.end());
+    const std::vector<double> rest = model.start_rest();
+    for (std::size_t i = 0; i < rest.size(); ++i) system.start[i] += rest[i];
+    LinearBlocks solution = solve(system);
+    if (solution.too_large > 0)
+        return {nullptr, "linear, but " + std::to_string(solution.too_large) +
+                             " variables depend on each other: their modes cost more than integration"};
+    return {std::make_shared<const LinearMotion>(std::move(solution), std::move(start), e.groups)};
+}
+
+}  // namespace planning
+
+}  // namespace rbdyn
