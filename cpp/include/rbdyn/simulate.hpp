@@ -39,6 +39,8 @@ struct Attempt {
     Trajectory run;
 };
 
+namespace simulating {
+
 #ifdef RBDYN_CHECK_SIZES
 /// Of our own tests: what a plan made anew says of the size of a motion is what its statistics count. What begins later
 /// than the plan speaks of, what broke off and what calls back, which tests count, is left alone.
@@ -54,9 +56,8 @@ inline void check_size(const simulating::Solved& solved, double start) {
 }
 #endif
 
-/// Runs a scene and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
-inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
-    using namespace simulating;
+/// What attempt() does.
+inline Attempt attempted(const Scene& scene, const SimulateOptions& options) {
     const auto began = std::chrono::steady_clock::now();
     validate(options);
     auto [frozen, plan, is_new] = planned(scene);
@@ -72,6 +73,17 @@ inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
 #endif
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }
+
+}  // namespace simulating
+
+/// Runs a scene and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
+#ifdef RBDYN_COMPILED
+Attempt attempt(const Scene& scene, const SimulateOptions& options);
+#else
+inline Attempt attempt(const Scene& scene, const SimulateOptions& options) {
+    return simulating::attempted(scene, options);
+}
+#endif
 
 /// Runs a scene. Throws InvalidInput for options that break a rule, AccuracyError if the error asked for is out of
 /// reach, IntegrationError if the motion cannot be continued; both carry the partial run. What a function of the user's

@@ -6,9 +6,8 @@
 #include <cstdlib>
 #include <limits>
 
+namespace rbdyn::test::test_error {
 namespace {
-
-using rbdyn::text;
 
 TEST(Numbers, in_sentences_read_back_as_they_were) {
     for (const double x : {0.0, -0.0, 0.1, 1e-3, 1.0 / 3.0, 123456.0, 1234567.0, -1e100, 4e-15, 5e-324, 0x1p-1022})
@@ -20,3 +19,4 @@ TEST(Numbers, in_sentences_read_back_as_they_were) {
 }
 
 }  // namespace
+}  // namespace rbdyn::test::test_error

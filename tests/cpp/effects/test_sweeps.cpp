@@ -217,6 +217,21 @@ TEST(Sweeps, take_equations_of_later_modes_only_for_numbers_they_hold_for) {
     }
 }
 
+TEST(Sweeps, know_a_number_from_a_constant_that_it_happens_to_equal) {
+    Parameter k(0.5, "k");
+    Scene scene;
+    const BodyHandle bead =
+        scene.add(Particle{1.0}, Rail(Line{.direction = {1, 0, 0}}), RailStart{.parameter = -0.5, .speed = 1.0});
+    scene.apply(Force([=](const Number&, const Vector& r, const Vector&) {
+                    return Vector(where(r[0] > 0.0, Number(k), 1.5), 0.0, 0.0);
+                }),
+                bead);
+    for (const double value : {0.5, 1.5, 2.0}) {
+        k.set(value);
+        expect_same_as_planned_anew(scene, ran(scene));
+    }
+}
+
 TEST(Sweeps, leave_every_run_its_numbers) {
     Parameter k(1.0, "k");
     const Scene scene = thrown([=](const auto&, const Vector& r, const auto&) { return Vector(r * -Number(k)); });

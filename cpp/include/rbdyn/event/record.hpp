@@ -93,7 +93,7 @@ public:
 private:
     // doubles in a block: never moved, for coefficients are most of what a run writes; small at first, and not so large
     // that memory comes from the system a block at a time
-    static constexpr std::size_t first_block = 512, largest_block = 1 << 21;
+    static constexpr std::size_t first_block = 128, largest_block = 1 << 21;
 
     /// The last block, or a new one if it has no room for `count` more.
     std::vector<double>& block_for(std::size_t count) {

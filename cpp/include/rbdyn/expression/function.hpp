@@ -87,6 +87,11 @@ public:
                 result.push_back(node.value);
         if (result.size() == outputs_.size()) return result;
         if (recorder_->cells().empty()) return std::nullopt;
+        // as where equations are recorded: a number that happens to be one of the constants is none
+        GivenNumbers given;
+        give(given);
+        Numbers own(given);
+        const Numbers::Active active(Numbers::active() != nullptr ? Numbers::active() : &own);
         Recorder scratch(Recorder::Purpose::function);
         std::vector<Expression> x;
         for (int i = 0; i < inputs_; ++i) x.push_back(scratch.input(i));

@@ -176,6 +176,8 @@ inline std::vector<Dependence> dependences(const Program& program) {
             return {nullptr, "\"" + w.name + "\" changes the state on the way"};
     const std::vector<signed char> slip(laws.bodies().size(), 1);
     const Equations& e = model.equations(slip);
+    constexpr const char* changing = "its equations change from one formula to the next";
+    if (!e.branches.empty()) return {nullptr, changing};
     const Program& program = e.program;
     const std::vector<Dependence> known = dependences(program);
     bool is_even = true;
@@ -191,8 +193,7 @@ inline std::vector<Dependence> dependences(const Program& program) {
     constexpr const char* polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
     if (is_even) return {nullptr, polynomial};
     const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
-    if (!e.branches.empty() || std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers())
-        return {nullptr, "its equations change from one formula to the next"};
+    if (std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers()) return {nullptr, changing};
     std::vector<double> start = model.start();
     LinearSystem system = linear_system(wide_rates(model, start, slip));
     if (system.is_polynomial()) return {nullptr, polynomial};
