@@ -78,15 +78,14 @@ inline GivenNumbers numbers_of(const Scene& scene) {
 inline PlannedScene planned(const Scene& scene) {
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
     const GivenNumbers given = planning::numbers_of(scene);
+    auto numbers = given.cells.empty() ? nullptr : std::make_unique<Numbers>(given);
+    const Numbers::Active active(numbers.get());
+    Scene now = scene.frozen();
     if (const auto kept = scene.kept_plan().get()) {
-        Scene now = scene.frozen();
         if (!kept->decided) return {std::move(now), kept->plan, false};
         if (kept->decided->holds(given.values))
             if (auto plan = planning::renewed(kept->plan, now, given)) return {std::move(now), *std::move(plan), false};
     }
-    auto numbers = given.cells.empty() ? nullptr : std::make_unique<Numbers>(given);
-    const Numbers::Active active(numbers.get());
-    Scene now = scene.frozen();
     Plan plan = planning::plan_of(now, false, given);
     scene.kept_plan().set(std::make_shared<const KeptPlan>(KeptPlan{plan, std::move(numbers)}));
     return {std::move(now), std::move(plan)};
