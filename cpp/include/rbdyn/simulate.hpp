@@ -44,10 +44,10 @@ namespace simulating {
 #ifdef RBDYN_CHECK_SIZES
 /// Of our own tests: what a plan made anew says of the size of a motion is what its statistics count. What begins later
 /// than the plan speaks of, what broke off and what calls back, which tests count, is left alone.
-inline void check_size(const simulating::Solved& solved, double start) {
+inline void check_size(const Solved& solved, double start) {
     const RunData& run = solved.data;
-    if (start != 0.0 || solved.outcome != simulating::Solution::Outcome::good ||
-        run.record.status == Status::stopped_by_user || !run.plan.callbacks.empty())
+    if (start != 0.0 || solved.outcome != Solution::Outcome::good || run.record.status == Status::stopped_by_user ||
+        !run.plan.callbacks.empty())
         return;
     std::ostringstream sizes;
     const Size planned = make_plan(run.scene).size();

@@ -56,8 +56,6 @@ public:
                  "function", frame) {}
 
     bool is_constant() const { return is_constant_; }
-    /// Whether numbers of the user's are all that it depends on.
-    bool is_of_numbers() const { return is_constant_ && function_; }
     const Vector3& constant() const { return constant_; }
     const Function& function() const { return function_; }
     const std::shared_ptr<const Callback>& callback() const { return callback_; }
