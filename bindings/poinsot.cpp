@@ -1,7 +1,7 @@
 // What can be said of a motion without torque before it is computed.
 #include <rbdyn/closed_form/poinsot_motion.hpp>
 
-#include "binding.hpp"
+#include "data.hpp"
 
 namespace binding {
 
@@ -24,8 +24,10 @@ world's are those of the body at the start.)")
 Raises InvalidInput for a body without three moments of inertia there.)")
         .def_property_readonly("kind", &PoinsotMotion::kind,
                                "rest, permanent, symmetric (a regular precession), separatrix or generic.")
-        .def_property_readonly("is_permanent", &PoinsotMotion::is_permanent,
-                               "Whether the angular velocity stays as it is (Thm 7.12).")
+        .def_property_readonly(
+            "is_permanent", [](const PoinsotMotion& p) { return p.is_permanent(); },
+            R"(Whether the angular velocity stays as it is (Thm 7.12), within the rounding of axes that were computed:
+|I omega x omega| at most 1e-12 of |I omega| |omega|.)")
         .def_property_readonly("growth_rate", &PoinsotMotion::growth_rate,
                                R"(The rate at which a small disturbance of a permanent rotation grows [1/s].
 
@@ -57,6 +59,15 @@ Zero about a stable axis; nan for a rotation that is not permanent.)")
             },
             py::arg("count") = 200, py::arg("until") = py::none(),
             "The way of omega in the world (count, 3) [rad/s], up to a time [s], by default one period.")
+        .def(py::pickle(
+            [](const PoinsotMotion& p) {
+                const auto point = p.point() ? py::object(tuple_of(*p.point())) : py::none();
+                return py::make_tuple(p.body(), tuple_of(p.angular_velocity()), point);
+            },
+            [](const py::tuple& d) {
+                const auto point = d[2].is_none() ? std::nullopt : std::optional(vector_from(d[2]));
+                return PoinsotMotion(d[0].cast<const RigidBody&>(), vector_from(d[1]), point);
+            }))
         .def("__repr__", [](const PoinsotMotion& p) { return "<PoinsotMotion: " + std::string(p.kind()) + ">"; });
 }
 

@@ -1,5 +1,6 @@
 // Runs: motion, events, price.
 #include <algorithm>
+#include <rbdyn/trajectory/run_bytes.hpp>
 #include <set>
 
 #include "run.hpp"
@@ -12,10 +13,15 @@ using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::Spring
 namespace {
 
 struct BoundEvents {
-    Trajectory run;
+    std::shared_ptr<const Events> events;  // of a run, which they keep
     std::shared_ptr<const Handles> handles;
 
-    const Events& list() const { return run.events(); }
+    BoundEvents(const BoundTrajectory& r) : events(r.run.data(), &r.run.events()), handles(r.handles) {}
+    BoundEvents(Events all, Handles known)
+        : events(std::make_shared<const Events>(std::move(all))),
+          handles(std::make_shared<Handles>(std::move(known))) {}
+
+    const Events& list() const { return *events; }
     BoundEvent at(std::size_t i) const {
         const Event& e = list()[i];
         if (e.subject < 0) return {e, std::nullopt};
@@ -119,6 +125,55 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
     return self.list().times(kind_or_name, self.handles->body(*subject, "Events"));
 }
 
+// --- as data ---
+
+py::tuple data_of(const Event& e) {
+    return py::make_tuple(e.time, static_cast<int>(e.kind), e.subject, e.name, static_cast<int>(e.direction), e.impulse,
+                          e.instant.hi, e.instant.lo);
+}
+Event event_from(const py::handle& data) {
+    const auto d = py::reinterpret_borrow<py::tuple>(data);
+    Event e;
+    e.time = d[0].cast<double>();
+    e.kind = static_cast<rbdyn::EventKind>(d[1].cast<int>());
+    e.subject = d[2].cast<int>();
+    e.name = d[3].cast<std::string>();
+    e.direction = static_cast<rbdyn::Direction>(d[4].cast<int>());
+    e.impulse = d[5].cast<double>();
+    e.instant = {d[6].cast<double>(), d[7].cast<double>()};
+    return e;
+}
+bool same(const BoundEvent& a, const BoundEvent& b) {
+    return a.subject == b.subject && data_of(a.event).equal(data_of(b.event));
+}
+
+py::tuple data_of(const Statistics& s) {
+    return py::make_tuple(s.seconds, s.integration_seconds, s.steps, s.rejected, s.right_hand_sides, s.jacobians,
+                          s.guard_evaluations, s.events, s.python_calls, s.runs, s.size, s.planned);
+}
+Statistics statistics_from(const py::tuple& d) {
+    Statistics s;
+    s.seconds = d[0].cast<double>();
+    s.integration_seconds = d[1].cast<double>();
+    std::int64_t* counts[] = {&s.steps,  &s.rejected,    &s.right_hand_sides, &s.jacobians, &s.guard_evaluations,
+                              &s.events, &s.python_calls};
+    for (std::size_t i = 0; i < std::size(counts); ++i) *counts[i] = d[i + 2].cast<std::int64_t>();
+    s.runs = d[9].cast<int>();
+    s.size = d[10].cast<rbdyn::Size>();
+    s.planned = d[11].cast<bool>();
+    return s;
+}
+
+/// A run is its scene, with the numbers it ran with, and what was computed.
+py::tuple data_of(const BoundTrajectory& r) {
+    return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(rbdyn::bytes_of(*r.run.data())));
+}
+BoundTrajectory trajectory_from(const py::tuple& d) {
+    const auto& scene = d[0].cast<const BoundScene&>();
+    return {Trajectory(rbdyn::run_from(scene.scene, d[1].cast<std::string>())),
+            std::make_shared<const Handles>(scene.handles)};
+}
+
 void bind_events(py::module_& m) {
     py::class_<BoundEvent>(m, "Event",
                            "Something that happened at a time, located to rounding error. print() shows it.")
@@ -136,6 +191,15 @@ void bind_events(py::module_& m) {
             "In which the watched quantity passed zero: rising, falling or either.")
         .def_property_readonly(
             "impulse", [](const BoundEvent& e) { return e.event.impulse; }, "Of an impact [N s].")
+        .def("__eq__",
+             [](const BoundEvent& a, const py::object& b) {
+                 return py::isinstance<BoundEvent>(b) && same(a, b.cast<const BoundEvent&>());
+             })
+        .def("__hash__", [](const BoundEvent& e) { return py::hash(data_of(e.event)); })
+        .def(py::pickle([](const BoundEvent& e) { return py::make_tuple(data_of(e.event), e.subject); },
+                        [](const py::tuple& d) {
+                            return BoundEvent{event_from(d[0]), d[1].cast<std::optional<BodyHandle>>()};
+                        }))
         .def("__str__", [](const BoundEvent& e) { return printed(e.event); })
         .def("__repr__", [](const BoundEvent& e) { return "<Event: " + printed(e.event) + ">"; });
 
@@ -182,21 +246,49 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
                  for (const Event& event : e.list()) text += (text.empty() ? "" : "\n") + printed(event);
                  return text;
              })
+        .def("__eq__",
+             [](const BoundEvents& a, const py::object& other) {
+                 if (!py::isinstance<BoundEvents>(other)) return false;
+                 const auto& b = other.cast<const BoundEvents&>();
+                 bool all = a.list().size() == b.list().size();
+                 for (std::size_t i = 0; all && i < a.list().size(); ++i) all = same(a.at(i), b.at(i));
+                 return all;
+             })
+        .def(py::pickle(
+            [](const BoundEvents& e) {
+                py::list all;
+                for (const Event& event : e.list()) all.append(data_of(event));
+                return py::make_tuple(all, e.handles->bodies, e.handles->watches);
+            },
+            [](const py::tuple& d) {
+                Events all;
+                for (const py::handle event : d[0]) all.push_back(event_from(event));
+                Handles known;
+                known.bodies = d[1].cast<std::vector<BodyHandle>>();
+                known.watches = d[2].cast<std::vector<WatchHandle>>();
+                return BoundEvents(std::move(all), std::move(known));
+            }))
         .def("__repr__", [](const BoundEvents& e) { return "<Events: " + std::to_string(e.list().size()) + ">"; });
 
     py::class_<Statistics>(m, "Statistics", "The price of a run. print() shows it.")
         .def_readonly("seconds", &Statistics::seconds, "The whole call, estimate of the error included [s].")
         .def_readonly("integration_seconds", &Statistics::integration_seconds, "The returned motion alone [s].")
-        .def_readonly("steps", &Statistics::steps)
+        .def_readonly("steps", &Statistics::steps, "Of the returned motion.")
         .def_readonly("rejected", &Statistics::rejected, "Steps tried in vain.")
         .def_readonly("right_hand_sides", &Statistics::right_hand_sides, "For Taylor series: orders computed.")
-        .def_readonly("jacobians", &Statistics::jacobians)
-        .def_readonly("guard_evaluations", &Statistics::guard_evaluations)
-        .def_readonly("events", &Statistics::events)
+        .def_readonly("jacobians", &Statistics::jacobians, "Of the right-hand side, computed for stiff engines.")
+        .def_readonly("guard_evaluations", &Statistics::guard_evaluations,
+                      "Of functions whose zeros are looked for, where they were called for numbers.")
+        .def_readonly("events", &Statistics::events, "How many there are.")
         .def_readonly("python_calls", &Statistics::python_calls, "Calls of functions that could not be recorded.")
         .def_readonly("runs", &Statistics::runs, "Integrations, those for the estimate counted.")
         .def_readonly("planned", &Statistics::planned, "Whether it was planned anew, and not as an earlier run was.")
         .def_readonly("size", &Statistics::size, "Of the equations the motion began with; of several parts the sum.")
+        .def("__eq__",
+             [](const Statistics& a, const py::object& b) {
+                 return py::isinstance<Statistics>(b) && data_of(a).equal(data_of(b.cast<const Statistics&>()));
+             })
+        .def(py::pickle([](const Statistics& s) { return data_of(s); }, &statistics_from))
         .def("__str__", &printed<Statistics>)
         .def("__repr__", [](const Statistics& s) { return "<Statistics: " + printed(s) + ">"; });
 }
@@ -405,7 +497,9 @@ bodies by default; side: at a jump the value "after" it, or "before". A run owns
         .def_property_readonly(
             "certain_until", [](const BoundTrajectory& r) { return r.run.certain_until(); },
             "The time up to which the motion is as accurate as asked for [s].")
-        .def_property_readonly("engine", [](const BoundTrajectory& r) { return r.run.engine(); })
+        .def_property_readonly(
+            "engine", [](const BoundTrajectory& r) { return r.run.engine(); },
+            "What computed it; of several parts those of all.")
         .def_property_readonly(
             "error", [](const BoundTrajectory& r) { return r.run.error(); },
             "Estimated global error, each quantity relative to its own scale in this motion; None with rtol.")
@@ -417,12 +511,12 @@ bodies by default; side: at a jump the value "after" it, or "before". A run owns
             },
             R"(For each first integral of the scene its largest departure from the value at the start, relative to the largest
 size of its terms.)")
-        .def_property_readonly("statistics", [](const BoundTrajectory& r) { return r.run.statistics(); })
-        .def_property_readonly("events",
-                               [](const BoundTrajectory& r) {
-                                   return BoundEvents{r.run, r.handles};
-                               })
-        .def_property_readonly("plan", [](const BoundTrajectory& r) { return r.run.plan(); })
+        .def_property_readonly(
+            "statistics", [](const BoundTrajectory& r) { return r.run.statistics(); }, "What it cost.")
+        .def_property_readonly(
+            "events", [](const BoundTrajectory& r) { return BoundEvents(r); }, "What happened, in order of time.")
+        .def_property_readonly(
+            "plan", [](const BoundTrajectory& r) { return r.run.plan(); }, "What was simulated and what was left out.")
         .def_property_readonly(
             "bodies", [](const BoundTrajectory& r) { return r.handles->bodies; }, "Handles of the bodies.")
         .def_property_readonly(
@@ -505,6 +599,7 @@ of: bodies, or loads and springs for theirs alone; a spring's is that on both it
             R"(A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
 
 Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
+        .def(py::pickle([](const BoundTrajectory& r) { return data_of(r); }, &trajectory_from))
         .def("__str__", [](const BoundTrajectory& r) { return printed(r.run); })
         .def("__repr__", [](const BoundTrajectory& r) {
             return "<Trajectory: " + std::string(name_of(r.run.status())) + " at t = " + rbdyn::text(r.run.end()) +

@@ -18,7 +18,9 @@ class PoinsotMotion {
 public:
     PoinsotMotion(const RigidBody& body, const Vector3& angular_velocity,
                   const std::optional<Vector3>& point = std::nullopt)
-        : inertia_(point ? body.inertia(*point) : body.inertia()),
+        : body_(body),
+          point_(point),
+          inertia_(point ? body.inertia(*point) : body.inertia()),
           principal_(point ? body.principal(*point) : body.principal()),
           omega_(angular_velocity),
           rotation_(point ? body.principal_exact(*point) : body.principal_exact(), {}, angular_velocity) {
@@ -30,8 +32,14 @@ public:
                 principal_.moments.minCoeff(), "a body that turns freely has three moments of inertia");
     }
 
+    /// What it was made from.
+    const RigidBody& body() const { return body_; }
+    const Vector3& angular_velocity() const { return omega_; }
+    const std::optional<Vector3>& point() const { return point_; }
+
     /// rest, permanent, symmetric (a regular precession), separatrix, generic.
     std::string_view kind() const {
+        if (is_permanent() && rotation_.regime() != FreeRotation::Regime::rest) return "permanent";
         switch (rotation_.regime()) {
             case FreeRotation::Regime::rest: return "rest";
             case FreeRotation::Regime::permanent: return "permanent";
@@ -40,11 +48,9 @@ public:
             default: return "generic";
         }
     }
-    /// Whether omega stays as it is (Thm 7.12).
-    bool is_permanent() const {
-        return rotation_.regime() == FreeRotation::Regime::permanent ||
-               rotation_.regime() == FreeRotation::Regime::rest;
-    }
+    /// Whether omega stays as it is (Thm 7.12), within the rounding of axes that were computed: by
+    /// is_permanent_rotation(). For longer than about 1/(rtol |omega|) such a rotation need not stay the same.
+    bool is_permanent(double rtol = 1e-12) const { return is_permanent_rotation(inertia_, omega_, rtol); }
     /// The rate at which a small disturbance of a permanent rotation grows [1/s]; zero about a stable axis. Not a
     /// number for a rotation that is not permanent.
     double growth_rate() const {
@@ -90,6 +96,8 @@ private:
         return points;
     }
 
+    RigidBody body_;
+    std::optional<Vector3> point_;
     Matrix3 inertia_;
     PrincipalAxes principal_;
     Vector3 omega_;

@@ -51,6 +51,15 @@ public:
         return false;
     }
 
+    /// Finds the equations of a mode whose kind, choices and parameters are known, at a state. Returns whether there
+    /// are such.
+    [[gnu::cold]] bool restore(Mode& mode, double t, std::span<const double> x, const Decisions& decided) const {
+        const Structure* const s = structure(mode, t, x, decided);
+        if (s == nullptr || at(s->equations.program.parameters()) != mode.parameters.size()) return false;
+        mode.equations = &s->equations;
+        return true;
+    }
+
 protected:
     RecordedModel() = default;
     explicit RecordedModel(GivenNumbers given) : given_(std::move(given)) {}

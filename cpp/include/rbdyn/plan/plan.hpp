@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <tuple>
@@ -39,6 +40,13 @@ struct Plan {
     bool calls_back = false;                   // a force of it has values only, no series
     std::vector<std::shared_ptr<const Callback>> callbacks;
 
+    /// What equations are asked for, of a plan that has none: one that came as data.
+    struct Told {
+        Size size;
+        std::pair<int, int> variables;
+    };
+    std::optional<Told> told = std::nullopt;
+
     /// Calls of functions in Python so far.
     std::int64_t python_calls() const {
         std::int64_t sum = 0;
@@ -53,6 +61,7 @@ struct Plan {
     }
     /// How many variables are simulated, and how many there are.
     std::pair<int, int> variables() const {
+        if (told) return told->variables;
         std::pair<int, int> sum{0, 0};
         for (const Plan& part : parts) {
             const auto [simulated, all] = part.variables();
@@ -63,6 +72,7 @@ struct Plan {
     }
     /// Of the equations that a motion from the scene's state at time 0 begins with; of several parts the sum.
     Size size() const {
+        if (told) return told->size;
         Size sum;
         for (const Plan& part : parts) sum += part.size();
         if (!model) return sum;
@@ -277,10 +287,9 @@ inline std::string reason_of(const ClosedForm& form) {
         for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
         plan.guards = guards_of(*plan.model);
         if (const auto& rigid = plan.model->laws().body(0).rigid; rigid && scene.bodies().size() == 1) only = &*rigid;
-        plan.reason =
-            plan.calls_back
-                ? "a force that is called back has no Taylor series; events are located but not certain"
-                : "the equations are known, so their Taylor series are; the cheapest engine at every accuracy here";
+        plan.reason = plan.calls_back
+                          ? "a force that is called back has no Taylor series; events are located but not certain"
+                          : "the equations are known, so their Taylor series are";
     } else {
         plan_parts(scene, std::move(apart), any_rigid, numbers, plan, simulated);
     }
