@@ -15,6 +15,10 @@ std::string shown(py::handle value) {
 std::string shape_of(const py::array& array) { return py::str(array.attr("shape")); }
 
 Array doubles(py::handle value, const std::string& object, const std::string& what) {
+    if (has_parameters(value))
+        throw InvalidInput(object + ": " + what + " is " + shown(value) +
+                           ", and would stay at what the parameter is now; give its .value, and make anew what it is "
+                           "in for each value");
     const auto refuse = [&] {
         throw InvalidInput(object + ": " + what + " is " + shown(value) + "; give numbers, or an array of numbers");
     };

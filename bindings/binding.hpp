@@ -13,6 +13,7 @@
 #include <rbdyn/basics/error.hpp>
 #include <rbdyn/basics/vector.hpp>
 #include <rbdyn/expression/callback.hpp>
+#include <rbdyn/expression/given.hpp>
 #include <rbdyn/expression/time_function.hpp>
 #include <rbdyn/rotation/euler_angles.hpp>
 #include <sstream>
@@ -35,6 +36,13 @@ using rbdyn::Vector3;
 
 inline bool any_object(PyObject*) { return true; }
 
+/// A number of the user's, as Python has it (parameters.cpp).
+py::object parameter_object(const rbdyn::Parameter& p);
+/// The same if that is its value, else another one of its name.
+py::object parameter_object(const rbdyn::Parameter& p, double value);
+/// Throws InvalidInput: a number of the user's is given where a plain number is taken, in the user's line of source.
+[[noreturn]] void refuse_parameter(py::handle value);
+
 /// Anything NumPy makes an array of numbers from.
 class ArrayLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(ArrayLike, py::object, any_object)
@@ -54,6 +62,10 @@ class VectorOrFunction : public py::object {
 /// A number, or a function that gives one.
 class NumberOrFunction : public py::object {
     PYBIND11_OBJECT_DEFAULT(NumberOrFunction, py::object, any_object)
+};
+/// A number, or one of the user's.
+class NumberOrParameter : public py::object {
+    PYBIND11_OBJECT_DEFAULT(NumberOrParameter, py::object, any_object)
 };
 /// A function that gives a rigid motion, or none.
 class MotionOrNone : public py::object {
@@ -115,6 +127,16 @@ std::string shape_of(const py::array& array);
 Array doubles(py::handle value, const std::string& object, const std::string& what);
 /// One number.
 double number(py::handle value, const std::string& object, const std::string& what);
+/// One number, or one of the user's by reference.
+rbdyn::Given given(py::handle value, const std::string& object, const std::string& what);
+/// What it was given as.
+NumberOrParameter to_python(const rbdyn::Given& number);
+std::string text(const rbdyn::Given& number);
+/// Whether numbers of the user's are among those of a list or an array.
+bool has_parameters(py::handle value);
+/// The function of so many inputs that has numbers of the user's and others for its results, whatever the inputs.
+rbdyn::Function function_of_numbers(py::handle value, int inputs, int results, const std::string& object,
+                                    const std::string& what);
 /// Three numbers.
 Vector3 vector3(py::handle value, const std::string& object, const std::string& what);
 /// A list of vectors, one a row; `rule` says of what.
@@ -275,6 +297,25 @@ void bind_watch(py::module_& m);
 }  // namespace binding
 
 namespace pybind11::detail {
+/// As pybind11's own, but for numbers of the user's: their value would be taken once, for good.
+template <>
+struct type_caster<double> {
+    bool load(handle source, bool convert) {
+        if (!source) return false;
+        if (PyFloat_CheckExact(source.ptr())) {
+            value = PyFloat_AS_DOUBLE(source.ptr());
+            return true;
+        }
+        if (isinstance<rbdyn::Parameter>(source)) binding::refuse_parameter(source);
+        if (!convert && !PyFloat_Check(source.ptr()) && !PyLong_Check(source.ptr())) return false;
+        value = PyFloat_AsDouble(source.ptr());
+        if (value != -1.0 || PyErr_Occurred() == nullptr) return true;
+        PyErr_Clear();
+        return false;
+    }
+    static handle cast(double number, return_value_policy, handle) { return PyFloat_FromDouble(number); }
+    PYBIND11_TYPE_CASTER(double, io_name("typing.SupportsFloat | typing.SupportsIndex", "float"));
+};
 template <>
 struct handle_type_name<binding::ArrayLike> {
     static constexpr auto name = const_name("numpy.typing.ArrayLike");
@@ -294,6 +335,10 @@ struct handle_type_name<binding::VectorOrFunction> {
 template <>
 struct handle_type_name<binding::NumberOrFunction> {
     static constexpr auto name = const_name("float | collections.abc.Callable");
+};
+template <>
+struct handle_type_name<binding::NumberOrParameter> {
+    static constexpr auto name = const_name("float | rbdyn._core.Parameter");
 };
 template <>
 struct handle_type_name<binding::MotionOrNone> {

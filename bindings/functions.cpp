@@ -8,7 +8,7 @@
 
 namespace binding {
 
-using rbdyn::Function;
+using rbdyn::GivenNumbers, rbdyn::Function;
 using rbdyn::Node;
 using rbdyn::Operation;
 using rbdyn::Parameter;
@@ -82,7 +82,11 @@ py::tuple data(const Function& f) {
         const Node& n = f.node(i);
         nodes.append(py::make_tuple(operation_names[static_cast<int>(n.operation)], n.a, n.b, n.c, n.d, n.value));
     }
-    for (const Parameter& p : f.parameters()) parameters.append(parameter_object(p));
+    // of a run each number is what it was when that started
+    rbdyn::GivenNumbers given;
+    f.give(given);
+    for (std::size_t i = 0; i < given.cells.size(); ++i)
+        parameters.append(parameter_object(given.cells[i], given.values[i]));
     return py::make_tuple(f.inputs(), nodes, f.output_nodes(), f.names(), parameters);
 }
 
@@ -341,7 +345,7 @@ Inside a function that is being recorded it becomes part of that one.)")
 
     py::class_<UserFunction>(m, "UserFunction",
                              "How a function of the user's is run: recorded, or called back, and why.")
-        .def_readonly("name", &UserFunction::name)
+        .def_readonly("name", &UserFunction::name, "Of the function.")
         .def_property_readonly(
             "recorded", [](const UserFunction& f) { return f.callback ? std::nullopt : std::optional(f.function); },
             "The recorded function; None if it is called back.")

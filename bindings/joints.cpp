@@ -8,7 +8,7 @@ namespace binding {
 
 namespace {
 
-using rbdyn::Free, rbdyn::Particle, rbdyn::Prismatic, rbdyn::Revolute, rbdyn::Spherical, rbdyn::text;
+using rbdyn::Free, rbdyn::Particle, rbdyn::Prismatic, rbdyn::Revolute, rbdyn::Spherical;
 
 const std::vector<double> origin = {0.0, 0.0, 0.0};
 
@@ -47,17 +47,18 @@ void bind_axis_joint(py::module_& m, const char* name, const char* doc, const ch
 void bind_joints(py::module_& m) {
     py::class_<Particle> particle(m, "Particle", "A material point.");
     particle
-        .def(py::init([](double mass) {
-                 const Particle p{mass};
+        .def(py::init([](const NumberOrParameter& mass) {
+                 const Particle p{given(mass, "Particle", "mass")};
                  p.validate();
                  return p;
              }),
-             py::arg("mass"), "mass [kg], positive and finite.")
-        .def_readonly("mass", &Particle::mass, "[kg]")
+             py::arg("mass"), "mass [kg], positive and finite; a number, or rb.parameter.")
+        .def_property_readonly(
+            "mass", [](const Particle& p) { return to_python(p.mass); }, "[kg]")
         .def("__repr__", [](const Particle& p) { return "Particle(mass=" + text(p.mass) + ")"; });
     as_data(
-        particle, [](const Particle& p) { return py::make_tuple(p.mass); },
-        [](const py::tuple& d) { return Particle{d[0].cast<double>()}; });
+        particle, [](const Particle& p) { return py::make_tuple(to_python(p.mass)); },
+        [](const py::tuple& d) { return Particle{given_from(d[0])}; });
 
     py::class_<Free> free(m, "Free", R"(No constraint.
 

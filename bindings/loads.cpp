@@ -10,7 +10,9 @@ namespace binding {
 namespace {
 
 using rbdyn::Drag, rbdyn::Force, rbdyn::Frame, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Spring,
-    rbdyn::text, rbdyn::Torque, rbdyn::TorsionSpring;
+    rbdyn::Torque, rbdyn::TorsionSpring;
+
+using Number = NumberOrParameter;
 
 /// A function, in Python or by its address; else a vector.
 bool is_function(const py::object& f) {
@@ -22,12 +24,14 @@ const Words<Frame> frames = {{"world", Frame::world}, {"body", Frame::body}};
 
 Force force_of(const VectorOrFunction& f, const std::string& frame, std::optional<bool> trace) {
     const Frame axes = one_of(frame, frames, "Force", "frame");
+    if (has_parameters(f)) return Force(function_of_numbers(f, 7, 3, "Force", "f"), shown(f), axes);
     if (!is_function(f)) return Force(vector3(f, "Force", "f"), axes);
     const UserFunction user = user_force(f, trace, "Force");
     return user.callback ? Force(user.callback, axes) : Force(user.function, user.name, axes);
 }
 Torque torque_of(const VectorOrFunction& f, const std::string& frame, std::optional<bool> trace) {
     const Frame axes = one_of(frame, frames, "Torque", "frame");
+    if (has_parameters(f)) return Torque(function_of_numbers(f, 13, 3, "Torque", "f"), shown(f), axes);
     if (!is_function(f)) return Torque(vector3(f, "Torque", "f"), axes);
     const UserFunction user = user_torque(f, trace, "Torque");
     return user.callback ? Torque(user.callback, axes) : Torque(user.function, user.name, axes);
@@ -75,10 +79,10 @@ void bind_vector_load(py::class_<Load>& load, const std::string& kind, Frame usu
 
 void bind_loads(py::module_& m) {
     py::class_<Force> force(m, "Force", "A force on a body, constant or a function of time, position and velocity.");
-    force.def(py::init(&force_of), py::arg("f"), py::kw_only(), py::arg("frame") = "world",
-              py::arg("trace") = py::none(),
-              R"(f: a vector [N], or f(t, position, velocity) that returns one; with seven parameters
-f(t, x, y, z, vx, vy, vz). Position and velocity are those of the point it acts at, world axes. A C function,
+    force.def(
+        py::init(&force_of), py::arg("f"), py::kw_only(), py::arg("frame") = "world", py::arg("trace") = py::none(),
+        R"(f: a vector [N], numbers of which may be rb.parameter, or f(t, position, velocity) that returns one; with
+seven parameters f(t, x, y, z, vx, vy, vz). Position and velocity are those of the point it acts at, world axes. A C function,
 void (double t, double *position, double *velocity, double *force), is given as a numba cfunc, a SciPy LowLevelCallable
 or a ctypes function pointer.
 
@@ -106,24 +110,32 @@ frame: the axes the torque is in, "body" or "world". trace: as for Force.)");
 
 Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)");
     torsion
-        .def(py::init([](double stiffness, double rest_angle, double damping) {
-                 const TorsionSpring s{stiffness, rest_angle, damping};
+        .def(py::init([](const Number& stiffness, const Number& rest_angle, const Number& damping) {
+                 const TorsionSpring s{given(stiffness, "TorsionSpring", "stiffness"),
+                                       given(rest_angle, "TorsionSpring", "rest_angle"),
+                                       given(damping, "TorsionSpring", "damping")};
                  s.validate();
                  return s;
              }),
              py::arg("stiffness"), py::arg("rest_angle") = 0.0, py::arg("damping") = 0.0,
              "stiffness [N m/rad] and damping [N m s], zero or positive; rest_angle [rad].")
-        .def_readonly("stiffness", &TorsionSpring::stiffness, "[N m/rad]")
-        .def_readonly("rest_angle", &TorsionSpring::rest_angle, "[rad]")
-        .def_readonly("damping", &TorsionSpring::damping, "[N m s]")
+        .def_property_readonly(
+            "stiffness", [](const TorsionSpring& x) { return to_python(x.stiffness); }, "[N m/rad]")
+        .def_property_readonly(
+            "rest_angle", [](const TorsionSpring& x) { return to_python(x.rest_angle); }, "[rad]")
+        .def_property_readonly(
+            "damping", [](const TorsionSpring& x) { return to_python(x.damping); }, "[N m s]")
         .def("__repr__", [](const TorsionSpring& s) {
             return "TorsionSpring(stiffness=" + text(s.stiffness) + ", rest_angle=" + text(s.rest_angle) +
                    ", damping=" + text(s.damping) + ")";
         });
     as_data(
-        torsion, [](const TorsionSpring& s) { return py::make_tuple(s.stiffness, s.rest_angle, s.damping); },
+        torsion,
+        [](const TorsionSpring& s) {
+            return py::make_tuple(to_python(s.stiffness), to_python(s.rest_angle), to_python(s.damping));
+        },
         [](const py::tuple& d) {
-            return TorsionSpring{d[0].cast<double>(), d[1].cast<double>(), d[2].cast<double>()};
+            return TorsionSpring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
 
     py::class_<Potential> potential(m, "Potential", R"(A force by its potential: F = +grad U (the chapter's sign).
@@ -147,63 +159,76 @@ of three expressions. Raises InvalidInput if it cannot be; then a Force may take
     py::class_<Lorentz> lorentz(m, "Lorentz",
                                 "A force across the velocity, strength v x field: that of a uniform magnetic field.");
     lorentz
-        .def(py::init([](double strength, const ArrayLike& field) {
-                 const Lorentz l{strength, vector3(field, "Lorentz", "field")};
+        .def(py::init([](const Number& strength, const ArrayLike& field) {
+                 const Lorentz l{given(strength, "Lorentz", "strength"), vector3(field, "Lorentz", "field")};
                  l.validate();
                  return l;
              }),
              py::arg("strength"), py::arg("field"),
              "strength: a charge [C], say; field (3,): the field [T], world axes. Their product is in kg/s.")
-        .def_readonly("strength", &Lorentz::strength)
-        .def_property_readonly("field", [](const Lorentz& l) { return to_python(l.field); })
+        .def_property_readonly(
+            "strength", [](const Lorentz& x) { return to_python(x.strength); },
+            "A charge [C], say; strength times field is in kg/s.")
+        .def_property_readonly(
+            "field", [](const Lorentz& l) { return to_python(l.field); }, "World axes (3,) [T], say.")
         .def("__repr__", [](const Lorentz& l) {
             return "Lorentz(strength=" + text(l.strength) + ", field=" + list_text(l.field) + ")";
         });
     as_data(
-        lorentz, [](const Lorentz& l) { return py::make_tuple(l.strength, l.field[0], l.field[1], l.field[2]); },
+        lorentz,
+        [](const Lorentz& l) { return py::make_tuple(to_python(l.strength), l.field[0], l.field[1], l.field[2]); },
         [](const py::tuple& d) {
-            return Lorentz{d[0].cast<double>(), Vector3(d[1].cast<double>(), d[2].cast<double>(), d[3].cast<double>())};
+            return Lorentz{given_from(d[0]), Vector3(d[1].cast<double>(), d[2].cast<double>(), d[3].cast<double>())};
         });
 
     py::class_<Drag> drag(m, "Drag", "Resistance of a medium at rest: -(linear + quadratic |v|) v.");
-    drag.def(py::init([](double linear, double quadratic) {
-                 const Drag d{linear, quadratic};
+    drag.def(py::init([](const Number& linear, const Number& quadratic) {
+                 const Drag d{given(linear, "Drag", "linear"), given(quadratic, "Drag", "quadratic")};
                  d.validate();
                  return d;
              }),
              py::arg("linear") = 0.0, py::arg("quadratic") = 0.0, "linear [kg/s], quadratic [kg/m]; zero or positive.")
-        .def_readonly("linear", &Drag::linear, "[kg/s]")
-        .def_readonly("quadratic", &Drag::quadratic, "[kg/m]")
+        .def_property_readonly(
+            "linear", [](const Drag& x) { return to_python(x.linear); }, "[kg/s]")
+        .def_property_readonly(
+            "quadratic", [](const Drag& x) { return to_python(x.quadratic); }, "[kg/m]")
         .def("__repr__",
              [](const Drag& d) { return "Drag(linear=" + text(d.linear) + ", quadratic=" + text(d.quadratic) + ")"; });
     as_data(
-        drag, [](const Drag& d) { return py::make_tuple(d.linear, d.quadratic); },
+        drag, [](const Drag& d) { return py::make_tuple(to_python(d.linear), to_python(d.quadratic)); },
         [](const py::tuple& d) {
-            return Drag{d[0].cast<double>(), d[1].cast<double>()};
+            return Drag{given_from(d[0]), given_from(d[1])};
         });
 
     py::class_<Spring> spring(m, "Spring", R"(A spring with a damper along it.
 
 -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its ends.)");
     spring
-        .def(py::init([](double stiffness, double rest_length, double damping) {
-                 const Spring s{stiffness, rest_length, damping};
+        .def(py::init([](const Number& stiffness, const Number& rest_length, const Number& damping) {
+                 const Spring s{given(stiffness, "Spring", "stiffness"), given(rest_length, "Spring", "rest_length"),
+                                given(damping, "Spring", "damping")};
                  s.validate();
                  return s;
              }),
              py::arg("stiffness"), py::arg("rest_length") = 0.0, py::arg("damping") = 0.0,
              "stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.")
-        .def_readonly("stiffness", &Spring::stiffness, "[N/m]")
-        .def_readonly("rest_length", &Spring::rest_length, "[m]")
-        .def_readonly("damping", &Spring::damping, "[kg/s]")
+        .def_property_readonly(
+            "stiffness", [](const Spring& x) { return to_python(x.stiffness); }, "[N/m]")
+        .def_property_readonly(
+            "rest_length", [](const Spring& x) { return to_python(x.rest_length); }, "[m]")
+        .def_property_readonly(
+            "damping", [](const Spring& x) { return to_python(x.damping); }, "[kg/s]")
         .def("__repr__", [](const Spring& s) {
             return "Spring(stiffness=" + text(s.stiffness) + ", rest_length=" + text(s.rest_length) +
                    ", damping=" + text(s.damping) + ")";
         });
     as_data(
-        spring, [](const Spring& s) { return py::make_tuple(s.stiffness, s.rest_length, s.damping); },
+        spring,
+        [](const Spring& s) {
+            return py::make_tuple(to_python(s.stiffness), to_python(s.rest_length), to_python(s.damping));
+        },
         [](const py::tuple& d) {
-            return Spring{d[0].cast<double>(), d[1].cast<double>(), d[2].cast<double>()};
+            return Spring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
 }
 

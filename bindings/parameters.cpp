@@ -38,11 +38,78 @@ Objects& objects() {
     return *all;
 }
 
+// numbers of the user's in lists of at most so many levels are seen
+constexpr int deepest = 4;
+
+bool holds_parameter(py::handle value, int depth) {
+    if (py::isinstance<Parameter>(value)) return true;
+    if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
+        for (const py::handle item : value)
+            if (depth < deepest && holds_parameter(item, depth + 1)) return true;
+        return false;
+    }
+    if (!py::isinstance<py::array>(value)) return false;
+    const auto array = py::reinterpret_borrow<py::array>(value);
+    if (array.dtype().kind() != 'O') return false;
+    for (const py::handle item : array.attr("flat"))
+        if (py::isinstance<Parameter>(item)) return true;
+    return false;
+}
+
 py::object made(const py::object& value, const std::optional<std::string>& name) {
     return objects().add(Parameter(number(value, "parameter", "value"), name.value_or("")));
 }
 
 }  // namespace
+
+bool has_parameters(py::handle value) { return holds_parameter(value, 0); }
+
+void refuse_parameter(py::handle value) {
+    throw InvalidInput(py::module_::import("rbdyn.reasons").attr("plain")(shown(value)).cast<std::string>());
+}
+
+rbdyn::Given given(py::handle value, const std::string& object, const std::string& what) {
+    if (py::isinstance<Parameter>(value)) return rbdyn::Given(value.cast<const Parameter&>());
+    return number(value, object, what);
+}
+
+NumberOrParameter to_python(const rbdyn::Given& number) {
+    const py::object value =
+        number.varies() ? parameter_object(number.parameter(), number.now()) : py::float_(number.now());
+    return py::reinterpret_borrow<NumberOrParameter>(value);
+}
+
+std::string text(const rbdyn::Given& number) {
+    return number.varies() ? std::string(py::repr(parameter_object(number.parameter()))) : rbdyn::text(number.now());
+}
+
+rbdyn::Function function_of_numbers(py::handle value, int inputs, int results, const std::string& object,
+                                    const std::string& what) {
+    py::list numbers;
+    if (py::isinstance<Parameter>(value))
+        numbers.append(value);
+    else
+        for (const py::handle item : py::iter(value)) numbers.append(item);
+    if (static_cast<int>(numbers.size()) != results)
+        throw InvalidInput(object + ": " + what + " has " + std::to_string(numbers.size()) + " numbers; it has " +
+                           std::to_string(results));
+    std::vector<rbdyn::Given> given_numbers;
+    for (const py::handle item : numbers) given_numbers.push_back(given(item, object, what));
+    const auto f = rbdyn::Function::record(inputs, [&](const std::vector<Expression>&) {
+        std::vector<Expression> y;
+        for (const rbdyn::Given& g : given_numbers)
+            y.push_back(g.varies() ? static_cast<Expression>(g.parameter()) : Expression(g.now()));
+        return y;
+    });
+    // as from data, so that it is equal to what it is unpickled from
+    std::vector<rbdyn::Node> nodes;
+    for (std::int32_t i = 0; i < f.size(); ++i) nodes.push_back(f.node(i));
+    return rbdyn::Function::from_data(inputs, nodes, f.output_nodes(), f.names(), f.parameters());
+}
+
+py::object parameter_object(const Parameter& p, double value) {
+    return p.value() == value ? parameter_object(p) : objects().add(Parameter(value, p.name()));
+}
 
 py::object parameter_object(const Parameter& p) {
     for (const auto& [other, weak] : objects().known) {
@@ -72,7 +139,7 @@ again when it changes. Elsewhere ask for .value.)");
             },
             [](Parameter& p, const py::object& value) { p.set(number(value, "parameter", "value")); },
             "Its number; finite. Inside a function that is being recorded, the parameter itself.")
-        .def_property_readonly("name", &Parameter::name)
+        .def_property_readonly("name", &Parameter::name, "As it was given; empty if it was not.")
         .def("__float__",
              [](const Parameter& p) {
                  Recording* r = Recording::current();
@@ -112,6 +179,38 @@ again when it changes. Elsewhere ask for .value.)");
         parameter.def(("__" + std::string(name) + "__").c_str(),
                       [f](const Parameter& p) -> py::object { return f(meaning(p)); });
     }
+    const py::module_ math = py::module_::import("math"), builtins = py::module_::import("builtins");
+    for (const char* name : {"floor", "ceil", "trunc"}) {
+        const py::object f = math.attr(name);
+        parameter.def(("__" + std::string(name) + "__").c_str(),
+                      [f](const Parameter& p) -> py::object { return f(meaning(p)); });
+    }
+    parameter
+        .def(
+            "__round__",
+            [f = py::object(builtins.attr("round"))](const Parameter& p, const py::object& digits) -> py::object {
+                return f(meaning(p), digits);
+            },
+            py::arg("ndigits") = py::none())
+        .def("__divmod__",
+             [f = py::object(builtins.attr("divmod"))](const Parameter& p, const py::object& y) -> py::object {
+                 return f(meaning(p), y);
+             })
+        .def("__rdivmod__",
+             [f = py::object(builtins.attr("divmod"))](const Parameter& p, const py::object& y) -> py::object {
+                 return f(y, meaning(p));
+             })
+        .def("__bool__", [](const Parameter& p) { return py::bool_(meaning(p)); })
+        // in functions numbers are compared; elsewhere a parameter is equal to itself
+        .def("__eq__",
+             [](const py::object& self, const py::object& y) -> py::object {
+                 if (Recording::current() == nullptr && CallingBack::depth() == 0)
+                     return self.is(y) ? py::object(py::bool_(true))
+                                       : py::reinterpret_borrow<py::object>(Py_NotImplemented);
+                 if (self.is(y)) return py::bool_(true);
+                 return meaning(self.cast<const Parameter&>()).attr("__eq__")(y);
+             })
+        .def("__hash__", [](const py::object& self) { return reinterpret_cast<std::uintptr_t>(self.ptr()) >> 4; });
     m.def("_meaning", &meaning, py::arg("parameter"));
     const auto hook = [&](const char* method, const char* name) {
         parameter.attr(method) = py::cpp_function(

@@ -2,7 +2,7 @@
 #include <optional>
 #include <rbdyn/scene/joints.hpp>
 
-#include "binding.hpp"
+#include "data.hpp"
 
 namespace binding {
 
@@ -14,9 +14,16 @@ const Words<rbdyn::RailSide> sides = {
     {"both", rbdyn::RailSide::both}, {"+", rbdyn::RailSide::plus}, {"-", rbdyn::RailSide::minus}};
 const Words<rbdyn::RailEnds> endings = {{"stop", rbdyn::RailEnds::stop}, {"release", rbdyn::RailEnds::release}};
 
+rbdyn::Given dynamic(const rbdyn::Coulomb& c) { return c.mu_dynamic.value_or(c.mu_static); }
+/// What stays the same of a number, whatever becomes of it.
+std::string fixed_text(const rbdyn::Given& number) {
+    return number.varies() ? number.parameter().name() : rbdyn::text(number.now());
+}
+
 rbdyn::Function recorded(const UserFunction& f) { return f.function; }
 
 TimeFunction speed_of(const py::object& drive) {
+    if (has_parameters(drive)) return TimeFunction(function_of_numbers(drive, 1, 1, "Rail", "drive"));
     const bool is_function = PyCallable_Check(drive.ptr()) != 0;
     return is_function ? TimeFunction(recorded(user_time_function(drive, true, "Rail: drive")))
                        : TimeFunction(number(drive, "Rail", "drive"));
@@ -29,34 +36,37 @@ py::typing::Union<rbdyn::Curve> curve_of(const rbdyn::Rail& rail) {
 }  // namespace
 
 void bind_rails(py::module_& m) {
-    using rbdyn::Coulomb, rbdyn::Curve, rbdyn::Rail, rbdyn::RailOptions, rbdyn::RigidMotion, rbdyn::text;
+    using rbdyn::Coulomb, rbdyn::Curve, rbdyn::Rail, rbdyn::RailOptions, rbdyn::RigidMotion;
 
     py::class_<Coulomb>(m, "Coulomb", R"(Coulomb-Morin friction (eq. 7.23).
 
 Sliding, the tangential reaction is mu_dynamic times the perpendicular one, against the slip; at rest it is whatever
 rest needs, up to mu_static times the perpendicular one.)")
-        .def(py::init([](double mu_static, std::optional<double> mu_dynamic) {
-                 const Coulomb friction{mu_static, mu_dynamic};
+        .def(py::init([](const NumberOrParameter& mu_static, const std::optional<NumberOrParameter>& mu_dynamic) {
+                 Coulomb friction{given(mu_static, "Coulomb", "mu_static")};
+                 if (mu_dynamic) friction.mu_dynamic = given(*mu_dynamic, "Coulomb", "mu_dynamic");
                  friction.validate();
                  return friction;
              }),
              py::arg("mu_static"), py::arg("mu_dynamic") = py::none(),
              "mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.")
-        .def_readonly("mu_static", &Coulomb::mu_static)
-        .def_property_readonly("mu_dynamic", &Coulomb::dynamic)
+        .def_property_readonly(
+            "mu_static", [](const Coulomb& c) { return to_python(c.mu_static); }, "At rest.")
+        .def_property_readonly(
+            "mu_dynamic", [](const Coulomb& c) { return to_python(dynamic(c)); }, "Sliding.")
         .def("__eq__",
              [](const Coulomb& a, const py::object& b) {
                  if (!py::isinstance<Coulomb>(b)) return false;
-                 const auto& c = b.cast<const Coulomb&>();
-                 return a.mu_static == c.mu_static && a.dynamic() == c.dynamic();
+                 return a == b.cast<const Coulomb&>();
              })
-        .def(py::pickle([](const Coulomb& c) { return py::make_tuple(c.mu_static, c.dynamic()); },
+        .def(py::pickle([](const Coulomb& c) { return py::make_tuple(to_python(c.mu_static), to_python(dynamic(c))); },
                         [](const py::tuple& d) {
-                            return Coulomb{d[0].cast<double>(), d[1].cast<double>()};
+                            return Coulomb{given_from(d[0]), given_from(d[1])};
                         }))
-        .def("__hash__", [](const Coulomb& c) { return py::hash(py::make_tuple(c.mu_static, c.dynamic())); })
+        .def("__hash__",
+             [](const Coulomb& c) { return py::hash(py::make_tuple(fixed_text(c.mu_static), fixed_text(dynamic(c)))); })
         .def("__repr__", [](const Coulomb& c) {
-            return "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(c.dynamic()) + ")";
+            return "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(dynamic(c)) + ")";
         });
 
     py::class_<Rail>(m, "Rail", R"(A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
@@ -91,7 +101,8 @@ curve again from that side it lands ("land") and keeps its velocity along the cu
 ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
 
 Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.)")
-        .def_property_readonly("curve", [](const Rail& rail) { return curve_of(rail); })
+        .def_property_readonly(
+            "curve", [](const Rail& rail) { return curve_of(rail); }, "What it follows.")
         .def_property_readonly("friction", &Rail::friction, "Friction, if any of its coefficients is not zero.")
         .def(
             "drive",
@@ -130,8 +141,8 @@ Functions are recorded: called before anything runs, with expressions. Raises In
             if (const auto friction = rail.friction())
                 result += ", friction=" + std::string(py::repr(py::cast(*friction)));
             if (!rail.drive().is_zero())
-                result +=
-                    ", drive=" + (rail.drive().is_constant() ? text(rail.drive().constant()) : "function of time");
+                result += ", drive=" +
+                          (rail.drive().is_constant() ? rbdyn::text(rail.drive().constant()) : "function of time");
             if (rail.motion().present()) result += ", motion=function of time";
             if (rail.side() != rbdyn::RailSide::both) result += ", side=\"" + word_for(rail.side(), sides) + "\"";
             if (rail.ends() != rbdyn::RailEnds::stop) result += ", ends=\"" + word_for(rail.ends(), endings) + "\"";

@@ -107,9 +107,6 @@ std::optional<Expression> operand(py::handle x, const std::shared_ptr<Recording>
 /// For Python.
 py::object recorded_number(const Expression& x, const std::shared_ptr<Recording>& recording);
 
-/// The Python object of a parameter: one for all that are the same.
-py::object parameter_object(const rbdyn::Parameter& p);
-
 /// While this lives, parameters are numbers: a function of the user's is being called back.
 class CallingBack {
 public:

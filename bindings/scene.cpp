@@ -91,10 +91,17 @@ rbdyn::PrismaticStart start_of(const RigidBody&, const Prismatic&, const Initial
 
 using AnyBody = std::variant<Particle, RigidBody>;
 
+bool has_coupling_named(const BoundScene& scene, const std::string& name) {
+    const auto& couplings = scene.handles.couplings;
+    return std::any_of(couplings.begin(), couplings.end(), [&](const auto& c) { return c.name == name; });
+}
+
 BodyHandle add(BoundScene& self, const AnyBody& body, const Joint& joint, const std::optional<std::string>& name,
                const py::kwargs& given) {
     if (name && name->empty()) throw InvalidInput("Scene.add: name is empty; give a name, or none");
     const std::string called = name.value_or("");
+    if (has_coupling_named(self, called))
+        throw InvalidInput("Scene.add: there is a coupling named \"" + called + "\" already; names differ");
     const Initial initial(given, called.empty() ? "Scene.add" : called);
     const auto added = std::visit(
         [&](const auto& b, const auto& j) -> rbdyn::BodyHandle {
@@ -125,7 +132,12 @@ rbdyn::End end_of(const BoundScene& self, const py::object& end, const char* whi
 
 CouplingHandle connect(BoundScene& self, const rbdyn::Spring& coupling, const ArrayLike& a, const ArrayLike& b) {
     const auto added = self.scene.connect(coupling, end_of(self, a, "a"), end_of(self, b, "b"));
-    const std::string name = "spring " + std::to_string(added.index + 1);
+    const auto& bodies = self.handles.bodies;
+    int number = added.index;
+    std::string name;
+    do name = "spring " + std::to_string(++number);
+    while (has_coupling_named(self, name) ||
+           std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) { return body.name == name; }));
     return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, added.index, name)});
 }
 
@@ -328,7 +340,7 @@ void bind_scene(py::module_& m) {
     py::class_<Handle>(m, "Handle", R"(What a scene returns for a body, a load or a coupling it has taken.
 
 Good for its scene, for copies of that scene and for their runs; equal only to itself.)")
-        .def_readonly("name", &Handle::name)
+        .def_readonly("name", &Handle::name, "Of what it stands for.")
         .def("__eq__", [](const Handle& a,
                           const py::object& b) { return py::isinstance<Handle>(b) && a == b.cast<const Handle&>(); })
         .def("__hash__", [](const Handle& h) { return h.id; })

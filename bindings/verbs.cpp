@@ -131,13 +131,16 @@ template <class Run>
     }
 }
 
-rbdyn::SimulateOptions options_of(double until, double start, double error, std::optional<double> rtol,
+rbdyn::SimulateOptions options_of(double until, double start, std::optional<double> error, std::optional<double> rtol,
                                   const std::string& engine, const KeepLike& keep, std::int64_t max_steps,
                                   Watch& watch) {
+    if (error && rtol)
+        throw InvalidInput("simulate: both error " + rbdyn::text(*error) + " and rtol " + rbdyn::text(*rtol) +
+                           " are given; error is global and estimated, rtol local and without an estimate: give one");
     rbdyn::SimulateOptions options;
     options.until = until;
     options.start = start;
-    options.error = error;
+    options.error = error.value_or(options.error);
     options.rtol = rtol;
     options.engine = engine;
     options.keep = keep_of(keep);
@@ -146,9 +149,9 @@ rbdyn::SimulateOptions options_of(double until, double start, double error, std:
     return options;
 }
 
-BoundTrajectory simulate(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
-                         const std::string& engine, const KeepLike& keep, std::int64_t max_steps,
-                         const py::object& progress) {
+BoundTrajectory simulate(const BoundScene& scene, double until, double start, std::optional<double> error,
+                         std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
+                         std::int64_t max_steps, const py::object& progress) {
     // copies, since other threads may change the scene while this one runs without the lock
     const rbdyn::Scene copy = scene.scene;
     const auto handles = std::make_shared<const Handles>(scene.handles);
@@ -178,8 +181,8 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, do
 }
 
 rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& state, double until, double start,
-                             double error, std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
-                             std::int64_t max_steps, const py::object& progress) {
+                             std::optional<double> error, std::optional<double> rtol, const std::string& engine,
+                             const KeepLike& keep, std::int64_t max_steps, const py::object& progress) {
     const std::vector<double> x = list_of_doubles(state, "simulate", "state");
     Watch watch(progress, start, until);
     const rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps, watch);
@@ -221,8 +224,8 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
     return *price;
 }
 
-EffectTable effects(const BoundScene& scene, double until, double start, double error, std::optional<double> rtol,
-                    const std::string& engine, std::int64_t max_steps) {
+EffectTable effects(const BoundScene& scene, double until, double start, std::optional<double> error,
+                    std::optional<double> rtol, const std::string& engine, std::int64_t max_steps) {
     const rbdyn::Scene copy = scene.scene;
     Watch watch(py::bool_(false), start, until);
     const rbdyn::SimulateOptions options =
@@ -246,7 +249,7 @@ EffectTable effects(const BoundScene& scene, double until, double start, double 
 /// A table of rows as a sequence.
 template <class Table, class Row>
 void as_sequence(py::class_<Table>& type, const char* name) {
-    type.def_readonly("rows", &Table::rows)
+    type.def_readonly("rows", &Table::rows, "All of them, in order.")
         .def("__len__", [](const Table& t) { return t.rows.size(); })
         .def(
             "__getitem__",
@@ -265,7 +268,7 @@ void as_sequence(py::class_<Table>& type, const char* name) {
 
 void bind_effects(py::module_& m) {
     py::class_<EffectRow>(m, "EffectRow", "What one effect does: a row of effects().")
-        .def_readonly("effect", &EffectRow::effect)
+        .def_readonly("effect", &EffectRow::effect, "Its name.")
         .def_readonly("difference", &EffectRow::difference,
                       "Of the states with and without it at the end, in the motion's scales; nan if there is none.")
         .def_readonly("time", &EffectRow::time, "Where they are compared: the earlier end of the two [s].")
@@ -274,6 +277,15 @@ void bind_effects(py::module_& m) {
         .def_readonly("seconds", &EffectRow::seconds, "Of simulate() without it, least of the repeats [s].")
         .def_readonly("steps", &EffectRow::steps, "Without it.")
         .def_readonly("note", &EffectRow::note, "Why there are no numbers, or not all; else empty.")
+        .def(py::pickle(
+            [](const EffectRow& r) {
+                return py::make_tuple(r.effect, r.difference, r.time, r.gained, r.lost, r.seconds, r.steps, r.note);
+            },
+            [](const py::tuple& d) {
+                return EffectRow{d[0].cast<std::string>(),  d[1].cast<double>(),     d[2].cast<double>(),
+                                 d[3].cast<int>(),          d[4].cast<int>(),        d[5].cast<double>(),
+                                 d[6].cast<std::int64_t>(), d[7].cast<std::string>()};
+            }))
         .def("__repr__", [](const EffectRow& r) {
             return "<EffectRow: " + r.effect + ", difference " + rbdyn::text(r.difference) +
                    (r.note.empty() ? "" : ", " + r.note) + ">";
@@ -289,6 +301,11 @@ void bind_effects(py::module_& m) {
         .def_readonly("seconds", &EffectTable::seconds, "Of simulate() with all of them, least of the repeats [s].")
         .def_readonly("steps", &EffectTable::steps, "With all of them.")
         .def_readonly("events", &EffectTable::events, "With all of them.")
+        .def(py::pickle([](const EffectTable& t) { return py::make_tuple(t.rows, t.seconds, t.steps, t.events); },
+                        [](const py::tuple& d) {
+                            return EffectTable{d[0].cast<std::vector<EffectRow>>(), d[1].cast<double>(),
+                                               d[2].cast<std::int64_t>(), d[3].cast<int>()};
+                        }))
         .def("__str__", &printed<EffectTable>)
         .def("__repr__",
              [](const EffectTable& t) { return "<EffectTable: " + std::to_string(t.rows.size()) + " rows>"; });
@@ -296,12 +313,20 @@ void bind_effects(py::module_& m) {
 
 void bind_price(py::module_& m) {
     py::class_<CostRow>(m, "CostRow", "One run of the table of cost().")
-        .def_readonly("engine", &CostRow::engine)
+        .def_readonly("engine", &CostRow::engine, "What computed it.")
         .def_readonly("tolerance", &CostRow::tolerance, "Local, as given to the engine.")
         .def_readonly("error", &CostRow::error, "Global, measured against the most accurate run.")
         .def_readonly("seconds", &CostRow::seconds, "Of the integration alone, median of the repeats [s].")
-        .def_readonly("steps", &CostRow::steps)
-        .def_readonly("right_hand_sides", &CostRow::right_hand_sides)
+        .def_readonly("steps", &CostRow::steps, "Of the integration.")
+        .def_readonly("right_hand_sides", &CostRow::right_hand_sides, "For Taylor series: orders computed.")
+        .def(py::pickle(
+            [](const CostRow& r) {
+                return py::make_tuple(r.engine, r.tolerance, r.error, r.seconds, r.steps, r.right_hand_sides);
+            },
+            [](const py::tuple& d) {
+                return CostRow{d[0].cast<std::string>(), d[1].cast<double>(),       d[2].cast<double>(),
+                               d[3].cast<double>(),      d[4].cast<std::int64_t>(), d[5].cast<std::int64_t>()};
+            }))
         .def("__repr__", [](const CostRow& r) {
             return "<CostRow: " + r.engine + ", tolerance " + rbdyn::text(r.tolerance) + ", error " +
                    rbdyn::text(r.error) + ", " + rbdyn::text(r.seconds) + " s>";
@@ -323,6 +348,8 @@ void bind_price(py::module_& m) {
             R"(The work-precision diagram: time over achieved error, a line an engine, written to `path` if given.
 
 Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
+        .def(py::pickle([](const Price& t) { return py::make_tuple(t.rows); },
+                        [](const py::tuple& d) { return Price{d[0].cast<std::vector<CostRow>>()}; }))
         .def("__str__", &printed<Price>)
         .def("__repr__", [](const Price& p) { return "<Price: " + std::to_string(p.rows.size()) + " rows>"; });
 }
@@ -335,12 +362,13 @@ void bind_verbs(py::module_& m) {
     bind_effects(m);
     const rbdyn::SimulateOptions defaults;
     m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
-          py::arg("error") = defaults.error, py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
+          py::arg("error") = py::none(), py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
           py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps, py::arg("progress") = false,
           R"(Runs a scene, as accurately as asked for.
 
-until, start: times [s]. error: global, of each quantity relative to its own scale in the motion; the scene is run again
-more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "closed form",
+until, start: times [s]. error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the
+scene is run again more accurately until the two agree. rtol, instead of it: local tolerance only, no estimate: the cheap
+way. engine: "auto", "closed form",
 "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
 integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
 Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
@@ -349,7 +377,7 @@ Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of
 cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
 Other threads run meanwhile.)");
     m.def("simulate", &simulate_top, py::arg("model"), py::arg("state"), py::arg("until"), py::kw_only(),
-          py::arg("start") = defaults.start, py::arg("error") = defaults.error, py::arg("rtol") = py::none(),
+          py::arg("start") = defaults.start, py::arg("error") = py::none(), py::arg("rtol") = py::none(),
           py::arg("engine") = defaults.engine, py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps,
           py::arg("progress") = false,
           R"(Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
@@ -363,7 +391,7 @@ until, start: times [s]. errors: global, each engine is tightened until it reach
 budget: time to spend, about [s]. Raises what simulate() raises.)");
     m.def(
         "effects", &effects, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
-        py::arg("error") = defaults.error, py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
+        py::arg("error") = py::none(), py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
         py::arg("max_steps") = defaults.max_steps,
         R"(What each effect of a scene does to its motion and its price: the scene is run as it is, and without each of them.
 

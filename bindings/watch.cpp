@@ -37,6 +37,35 @@ struct PresentThing {
 struct PresentBody : PresentThing {};
 struct PresentCoupling : PresentThing {};
 
+/// What it is asked for and does not have; Python's own error, so that hasattr() is answered.
+[[noreturn]] void lacks(const py::object& self, const std::string& name) {
+    std::string list;
+    for (const py::handle known : py::module_::import("builtins").attr("dir")(py::type::of(self))) {
+        const auto word = known.cast<std::string>();
+        if (word.front() != '_') list += (list.empty() ? "" : ", ") + word;
+    }
+    const py::object type = py::reinterpret_borrow<py::object>(PyExc_AttributeError);
+    const py::object error =
+        type(py::type::of(self).attr("__name__").cast<std::string>() + " has no " + name + "; it has " + list);
+    error.attr("name") = name;
+    error.attr("obj") = self;
+    PyErr_SetObject(PyExc_AttributeError, error.ptr());
+    throw py::error_already_set();
+}
+/// Whether an error says that a present moment lacks what it was asked for.
+bool is_lack(const py::object& error) {
+    if (!error || !py::isinstance(error, py::reinterpret_borrow<py::object>(PyExc_AttributeError))) return false;
+    const py::object asked = py::getattr(error, "obj", py::none());
+    return py::isinstance<PresentBody>(asked) || py::isinstance<PresentCoupling>(asked) ||
+           py::isinstance<Present>(asked);
+}
+/// Throws InvalidInput unless a function can be called with the present moment.
+void require_of_now(const py::object& f, const std::string& user) {
+    const auto why = py::module_::import("rbdyn.reasons").attr("why_not_called_with")(f, 1).cast<std::string>();
+    if (!why.empty())
+        throw InvalidInput(user + ": function " + name_of(f) + " " + why + "; it is called with one, now");
+}
+
 py::object ask(const Present& now, Quantity quantity, int subject, const Shape& shape) {
     if (!now.ask)
         throw InvalidInput("Now: the function it was made for has returned; ask for quantities while it runs");
@@ -134,12 +163,35 @@ auto call_with_numbers(const Called& c, const Observe& observe, Read&& read) {
         c.scene.handles, [&](const py::object& now) { return read(c.f(now)); });
 }
 
+/// Asks a function that is to be called back for its value at a made-up moment. Throws InvalidInput if it asks for what
+/// the moment does not have; whatever else goes wrong there need not in a motion.
+void try_out(const Called& c) {
+    double next = 0.5;
+    const auto asked = [&](Quantity quantity, int, const Shape& shape) -> py::object {
+        // numbers that differ, none of them zero; attitudes are attitudes
+        if (shape.empty()) return py::float_(next += 0.0625);
+        py::array_t<double> result(shape);
+        for (int i = 0; i < count_of(shape); ++i) result.mutable_data()[i] = next += 0.0625;
+        if (quantity == Quantity::quaternion || quantity == Quantity::rotation_matrix)
+            for (int i = 0; i < count_of(shape); ++i) result.mutable_data()[i] = i % 4 == 0 ? 1.0 : 0.0;
+        return result;
+    };
+    const CallingBack here;
+    try {
+        with_present(asked, c.scene.handles, [&](const py::object& now) { return c.f(now); });
+    } catch (py::error_already_set& error) {
+        if (!error.matches(PyExc_Exception)) throw;
+        if (is_lack(error.value())) throw InvalidInput(c.user + ": " + std::string(py::str(error.value())));
+    }
+}
+
 }  // namespace
 
 WatchFunction watched_function(const py::object& f, const BoundScene& scene, std::optional<bool> trace,
                                const std::string& user) {
     if (PyCallable_Check(f.ptr()) == 0)
         throw InvalidInput(user + ": " + shown(f) + " is no function; give function(now)");
+    require_of_now(f, user);
     std::string reason = "trace=False";
     if (trace.value_or(true)) {
         std::vector<Observable> asked;
@@ -179,11 +231,14 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
         now->ask = nullptr;
         if (a.function) return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
         if (refused) std::rethrow_exception(refused);
+        if (is_lack(a.cause)) throw InvalidInput(user + ": " + std::string(py::str(a.cause)));
         if (trace.value_or(false)) throw InvalidInput(user + ": its function cannot be recorded: " + a.reason);
         reason = a.reason;
     }
+    const auto back = called(f, scene, user);
+    try_out(*back);
     return WatchFunction::called_back(
-        [c = called(f, scene, user)](const Observe& observe) {
+        [c = back](const Observe& observe) {
             return call_with_numbers(*c, observe, [&](const py::object& y) { return one_number(y, c->user); });
         },
         reason, true);
@@ -199,6 +254,7 @@ rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, 
     if (PyCallable_Check(action.ptr()) == 0)
         throw InvalidInput(user + ": action is " + shown(action) +
                            "; it is \"record\", \"stop\", or a function of now");
+    require_of_now(action, user + ": action");
     return {Kind::change, [c = called(action, scene, user)](const Observe& observe) {
                 return call_with_numbers(*c, observe,
                                          [&](const py::object& y) { return changes(y, c->scene.handles, c->user); });
@@ -270,8 +326,16 @@ World axes, but where body axes are named.)");
     define(coupling, "length", Quantity::length, number, "[m]");
     define(coupling, "force", Quantity::coupling_force, vector, "On its first end (3,) [N].");
 
-    py::class_<Present, std::shared_ptr<Present>>(
-        m, "Now", "The present moment of a motion: what watched functions are called with.")
+    py::class_<Present, std::shared_ptr<Present>> present(
+        m, "Now", "The present moment of a motion: what watched functions are called with.");
+    const auto say_what_lacks = [](auto& type) {
+        // no part of its signature: type checkers know what there is
+        type.attr("__getattr__") = py::cpp_function(&lacks, py::is_method(type), py::name("__getattr__"));
+    };
+    say_what_lacks(body);
+    say_what_lacks(coupling);
+    say_what_lacks(present);
+    present
         .def_property_readonly(
             "time", [](const Present& now) { return ask(now, Quantity::time, -1, {}); }, "[s]")
         .def(

@@ -159,6 +159,31 @@ def positional(f: Any) -> tuple[int, int] | tuple[()]:
     return least, 2**31 - 1 if takes_more else len(named)
 
 
+def plain(parameter: str) -> str:
+    """Why a parameter is refused where a plain number is taken, and in which line of the user's code."""
+    why = f"{parameter} is given where a plain number is taken, and would stay at what it is now"
+    fix = "give its .value, and make anew what it is in for each value"
+    frame = _frame(None)
+    if frame is None:
+        return f"{why}; {fix}"
+    text = _source(frame.f_code, frame.f_lineno, frame.f_lasti)
+    return f"{_at(frame.f_code, frame.f_lineno)}: {f'{text}: ' if text else ''}{why}; {fix}"
+
+
+def why_not_called_with(f: Any, count: int) -> str:
+    """Why f cannot be called with so many arguments, in words after its name; empty if it can, or nobody knows."""
+    try:
+        signature = inspect.signature(f)
+    except (TypeError, ValueError):
+        return ""
+    try:
+        signature.bind(*range(count))
+    except TypeError:
+        needed = [name for name, p in signature.parameters.items() if p.default is inspect.Parameter.empty]
+        return f"takes {len(needed)} arguments ({', '.join(needed)})" if needed else "takes no argument"
+    return ""
+
+
 def parameters(f: Any) -> int:
     """How many arguments f needs; one if that is not known."""
     known = positional(f)

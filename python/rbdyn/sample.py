@@ -29,16 +29,23 @@ class Sample:
     """
 
     def __init__(self, run: Trajectory, times: npt.ArrayLike) -> None:
-        self.t: npt.NDArray[np.float64] = np.atleast_1d(np.array(times, dtype=float))
+        given = np.array(times)
+        if given.dtype == object:
+            from rbdyn.errors import InvalidInput
+
+            raise InvalidInput(f"Sample: times is {times!r}; give numbers, of a parameter its .value")
+        self.t: npt.NDArray[np.float64] = np.atleast_1d(given.astype(float))
         self._values: dict[Handle, dict[str, npt.NDArray[np.float64]]] = {}
         motions: dict[Handle, Any] = {body: run[body] for body in run.bodies}
         motions |= {coupling: run[coupling] for coupling in run.couplings}
         for handle, motion in motions.items():
-            self._values[handle] = values = {}
+            values: dict[str, npt.NDArray[np.float64]] = {}
+            self._values[handle] = values
             for name in motion.quantities:
-                value = getattr(motion, name)(self.t)
+                value: Any = getattr(motion, name)(self.t)
                 if isinstance(value, tuple):
-                    values |= {f"{name}.{field}": part for field, part in zip(value._fields, value, strict=True)}
+                    fields: Any = type(value)._fields  # type: ignore[attr-defined]
+                    values |= {f"{name}.{field}": part for field, part in zip(fields, value, strict=True)}
                 else:
                     values[name] = value
 
@@ -58,7 +65,7 @@ class Sample:
 
     def to_pandas(self) -> Any:
         """A pandas.DataFrame over t; columns (name, quantity, component), component "" for scalars."""
-        import pandas as pd
+        import pandas as pd  # type: ignore[import-untyped,unused-ignore]
 
         columns: dict[tuple[str, str, str], npt.NDArray[np.float64]] = {}
         for handle, values in self._values.items():
@@ -73,7 +80,7 @@ class Sample:
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset over t; variables "name.quantity", along the dimensions of AXES."""
-        import xarray as xr
+        import xarray as xr  # type: ignore[import-not-found,unused-ignore]
 
         variables = {
             f"{handle.name}.{quantity}": (("t", *_axes(quantity, array)), array)

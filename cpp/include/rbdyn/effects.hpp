@@ -4,7 +4,8 @@
 // that of their states at the end, measured by the scales of the motion as errors are: of each body the place of its
 // centre of mass to the extent of the motion, velocity and angular velocity to their largest size, the attitude as an
 // angle in radians; the largest of these. Extents and sizes are those of whichever of the two runs has more, so that a
-// motion that an effect prevents has a scale too.
+// motion that an effect prevents has a scale too. Without rotation a body keeps the attitude it starts with, and does
+// not turn.
 #pragma once
 
 #include <algorithm>
@@ -58,11 +59,12 @@ struct Kinematics {
     Vector3 place, velocity, turning = Vector3::Zero();
     Quaternion attitude = {};
 
-    Kinematics(const BodyMotion& motion, bool is_rigid, double t) {
+    Kinematics(const Trajectory& run, int body, const Attitude& held, double t) : attitude(held.quaternion()) {
+        const BodyMotion motion = run[BodyHandle{body}];
         const PointReport r = motion.report(t);
         place = r.position;
         velocity = r.velocity;
-        if (!is_rigid) return;
+        if (run.scene().bodies()[static_cast<std::size_t>(body)].rigid() == nullptr) return;
         turning = motion.angular_velocity_world(t);
         attitude = motion.quaternion(t);
     }
@@ -73,10 +75,10 @@ struct KinematicScales {
     Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     double size = 0.0, speed = 0.0, turning = 0.0;
 
-    void take(const BodyMotion& motion, bool is_rigid, double start, double end) {
+    void take(const Trajectory& run, int body, double end) {
         constexpr int times = 256;
         for (int i = 0; i <= times; ++i) {
-            const Kinematics k(motion, is_rigid, i == times ? end : start + (end - start) * i / times);
+            const Kinematics k(run, body, {}, i == times ? end : run.start() + (end - run.start()) * i / times);
             low = lesser(low, k.place);
             high = greater(high, k.place);
             size = std::max(size, k.place.norm());
@@ -93,17 +95,17 @@ inline double angle_between(const Quaternion& p, const Quaternion& q) {
     return 2.0 * std::atan2(axis.norm(), std::abs(p.w * q.w + a.dot(b)));
 }
 
-/// The largest difference of the states of two runs at a time, in the scales of their motions until then. `rigid`: of
-/// which bodies the attitudes are compared.
-inline double difference(const Trajectory& a, const Trajectory& b, const std::vector<bool>& rigid, double time) {
+/// The largest difference of the states of two runs at a time, in the scales of their motions until then. `whole`: the
+/// scene of which they are runs, with all of it or less.
+inline double difference(const Trajectory& a, const Trajectory& b, const Scene& whole, double time) {
     // what moves by rounding alone does not move
     constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
     double result = 0.0;
-    for (std::size_t i = 0; i < rigid.size(); ++i) {
-        const BodyHandle body{static_cast<int>(i)};
+    for (int i = 0; i < static_cast<int>(whole.bodies().size()); ++i) {
+        const Attitude& held = whole.bodies()[static_cast<std::size_t>(i)].attitude;
         KinematicScales scales;
-        for (const Trajectory* run : {&a, &b}) scales.take((*run)[body], rigid[i], run->start(), time);
-        const Kinematics x(a[body], rigid[i], time), y(b[body], rigid[i], time);
+        for (const Trajectory* run : {&a, &b}) scales.take(*run, i, time);
+        const Kinematics x(a, i, held, time), y(b, i, held, time);
         const double extent = (scales.high - scales.low).norm();
         if (extent > nothing * scales.size) result = std::max(result, (x.place - y.place).norm() / extent);
         if (scales.speed > 0.0) result = std::max(result, (x.velocity - y.velocity).norm() / scales.speed);
@@ -152,9 +154,7 @@ inline EffectTable effects(const Scene& scene, const SimulateOptions& options) {
             row.steps = less.run.statistics().steps;
             row.time = std::min({whole.end(), less.run.end(), less.run.certain_until()});
             if (row.time > whole.start()) {
-                std::vector<bool> rigid;
-                for (const Scene::Body& b : rest.bodies()) rigid.push_back(b.rigid() != nullptr);
-                row.difference = comparing::difference(whole, less.run, rigid, row.time);
+                row.difference = comparing::difference(whole, less.run, scene, row.time);
                 const auto with = comparing::counted(whole, row.time), bare = comparing::counted(less.run, row.time);
                 const auto more = [](const auto& a, const auto& b) {
                     int count = 0;

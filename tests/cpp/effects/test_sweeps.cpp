@@ -128,6 +128,39 @@ std::vector<Sweep> sweeps() {
              scene.watch("x", WatchFunction([=](const Now& now) { return now[ball].position()[0] - 0.1 * Number(k); }));
              return scene;
          }},
+        {"the stiffness of a spring",
+         [](const P& k) {
+             Scene scene(down);
+             const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{1, 0.5, 0}, {0, 1, 0}});
+             scene.connect(Spring{.stiffness = k, .rest_length = 0.5}, ball, Vector3(0, 0, 0.25));
+             return scene;
+         }},
+        {"a drag",
+         [](const P& k) {
+             Scene scene(down);
+             scene.apply(Drag{.linear = k, .quadratic = k}, scene.add(Particle{1.0}, FreeStart{{}, {1, 0, 2}}));
+             return scene;
+         }},
+        {"the drag of a bead",
+         [](const P& k) {
+             Scene scene = on_rough_hoop({});
+             scene.apply(Drag{.quadratic = k}, BodyHandle{0});
+             return scene;
+         }},
+        {"a charge",
+         [](const P& k) {
+             Scene scene;
+             scene.apply(Lorentz{k, {0, 1, 0.5}}, scene.add(Particle{1.0}, FreeStart{{}, {1, 0, 2}}));
+             return scene;
+         }},
+        {"a spring about a hinge",
+         [](const P& k) {
+             Scene scene(down);
+             const RigidBody bar(1.0, Inertia{0.5, 0.5, 0.25}, {.com = {0, 0, -0.5}});
+             const BodyHandle body = scene.add(bar, Revolute{{0, 1, 0}}, RevoluteStart{0.75, 0.0});
+             scene.apply(TorsionSpring{.stiffness = k, .rest_angle = 0.25}, body);
+             return scene;
+         }},
         {"parts",
          [](const P& k) {
              Scene scene = on_rough_hoop({});
@@ -230,6 +263,25 @@ TEST(Sweeps, know_a_number_from_a_constant_that_it_happens_to_equal) {
         k.set(value);
         expect_same_as_planned_anew(scene, ran(scene));
     }
+}
+
+TEST(Sweeps, take_masses_and_coefficients_of_friction_as_they_are_when_a_run_starts) {
+    Parameter m(0.5, "m"), mu(0.5, "mu");
+    Scene scene(down);
+    const Line incline{.direction = {1, 0, -0.3}};
+    const BodyHandle bead = scene.add(Particle{m}, Rail(incline, Coulomb{mu, 0.125}), RailStart{.speed = 1.0});
+    scene.apply(Drag{.quadratic = 0.25}, bead);
+    for (const auto& [mass, friction] : {std::pair{0.5, 0.5}, {0.5, 0.75}, {2.0, 0.75}, {0.25, 0.125}}) {
+        m.set(mass);
+        mu.set(friction);
+        expect_same_as_planned_anew(scene, ran(scene, 4.0));
+        Scene plain(down);
+        plain.add(Particle{mass}, Rail(incline, Coulomb{friction, 0.125}), RailStart{.speed = 1.0});
+        plain.apply(Drag{.quadratic = 0.25}, bead);
+        EXPECT_EQ(ran(scene, 4.0).run[bead].position(2.0), ran(plain, 4.0).run[bead].position(2.0));
+    }
+    m.set(-1.0);
+    EXPECT_THROW((void)ran(scene), InvalidInput);
 }
 
 TEST(Sweeps, leave_every_run_its_numbers) {

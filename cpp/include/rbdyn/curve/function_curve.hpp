@@ -58,6 +58,10 @@ struct FunctionCurve {
                 function ? function.inputs() : 0, "the function takes the parameter alone");
         require(function.outputs() == 3, name(), "number of components", function.outputs(),
                 "the function gives the three components of a position, in m");
+        if (!function.parameters().empty())
+            throw InvalidInput(name() + ": its function uses " + function.parameters().front().description() +
+                               ", and a curve is measured once, when it is made; use a plain number in it, and make a "
+                               "curve for each value");
         curves::require_domain(name(), domain);
         if (closed)
             for (const double end : {domain.begin, domain.end})

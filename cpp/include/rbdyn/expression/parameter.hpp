@@ -25,6 +25,8 @@ public:
         require(std::isfinite(value), "parameter", name().empty() ? "its value" : name(), value, "it is finite");
         cell_->value = value;
     }
+    /// "parameter k", for messages.
+    std::string description() const { return name().empty() ? "a parameter" : "parameter " + name(); }
     /// In the function that is being recorded. Throws Error if none is.
     operator Expression() const;
 

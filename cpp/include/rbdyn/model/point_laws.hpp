@@ -75,7 +75,7 @@ public:
         TimeFunction drive;
         int first = 0, first_rate = 0;    // its first position variable, its first velocity variable
         Vector3 force = Vector3::Zero();  // constant forces together
-        double linear_drag = 0.0, quadratic_drag = 0.0;
+        std::vector<Drag> drags;
         std::vector<Load> functions;
         RigidMotion motion;
         RailSide side = RailSide::both;
@@ -154,12 +154,12 @@ public:
         leave_out(std::vector<bool>(at(variables_), false));
     }
 
-    /// What may depend on numbers of the user's: all that acts on bodies but couplings, and how their rails move.
+    /// What may depend on numbers of the user's: all that acts on bodies, and how their rails move.
     [[gnu::cold]] void take_functions(const Scene& scene) {
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             Body& body = bodies_[i];
             body.force = seen(scene.gravity()) * body.mass;
-            body.linear_drag = body.quadratic_drag = 0.0;
+            body.drags.clear();
             body.functions.clear();
             body.loads.clear();
             if (const Rail* rail = scene.bodies()[i].rail()) {
@@ -180,14 +180,15 @@ public:
                 else
                     body.functions.push_back(load.load);
             } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
-                body.linear_drag += drag->linear;
-                body.quadratic_drag += drag->quadratic;
+                if (drag->present()) body.drags.push_back(*drag);
             } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load);
                        lorentz == nullptr || lorentz->present()) {
                 body.functions.push_back(load.load);
             }
         }
         for (Body& body : bodies_) body.force = snapped(body.force, body.force.norm());
+        for (std::size_t i = 0; i < springs_.size(); ++i)
+            springs_[i].spring = std::get<Spring>(scene.connections()[i].coupling);
     }
 
     /// Takes what stays as it starts out of the state.
@@ -446,14 +447,19 @@ public:
             const Vector3Of<S> r = in_world<S>(p.r), v = turned<S>(view_.axes, p.v);
             f.force += turned<S>(view_.axes.transpose(), force_of<S>(function, t, r, v));
         }
-        if (b.linear_drag != 0.0 || b.quadratic_drag != 0.0) {
-            S factor = S(b.linear_drag);
+        if (!b.drags.empty()) {
+            S factor(0.0), quadratic(0.0);
+            bool is_quadratic = false;
+            for (const Drag& drag : b.drags) {
+                factor += drag.linear.in<S>();
+                quadratic += drag.quadratic.in<S>();
+                is_quadratic = is_quadratic || !drag.quadratic.is_zero();
+            }
             if (b.curve && !is_flying && !p.frame) {
-                if (b.quadratic_drag != 0.0)
-                    factor += S(b.quadratic_drag) * sqrt_of(p.curve.speed_squared) * length_of_w(p.w);
+                if (is_quadratic) factor += quadratic * sqrt_of(p.curve.speed_squared) * length_of_w(p.w);
                 f.along -= factor * p.w * p.curve.speed_squared;
             } else {
-                if (b.quadratic_drag != 0.0) factor += S(b.quadratic_drag) * length(p.v, "speed of " + b.name);
+                if (is_quadratic) factor += quadratic * length(p.v, "speed of " + b.name);
                 f.force -= p.v * factor;
             }
         }

@@ -25,7 +25,8 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
     const Matrix3Of<DoubleDouble>& frame = law.exact.frame;
     const auto turned = [](const auto& m, const Vector3Of<S>& v) { return RigidLaw::turned<S>(m, v); };
     if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
-        w.moment[2] -= S(spring->stiffness) * (s.coordinate - S(spring->rest_angle)) + S(spring->damping) * s.rate;
+        w.moment[2] -=
+            spring->stiffness.in<S>() * (s.coordinate - spring->rest_angle.in<S>()) + spring->damping.in<S>() * s.rate;
         return;
     }
     if (const Torque* torque = std::get_if<Torque>(&load.load)) {
@@ -47,8 +48,8 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
     }
     const Vector3Of<S> place = s.position(point), velocity = s.velocity(point);
     if (const Drag* drag = std::get_if<Drag>(&load.load)) {
-        S factor = drag->linear;
-        if (drag->quadratic != 0.0) factor += S(drag->quadratic) * length(velocity, "speed of " + name);
+        S factor = drag->linear.in<S>();
+        if (!drag->quadratic.is_zero()) factor += drag->quadratic.in<S>() * length(velocity, "speed of " + name);
         w.add(s, Vector3Of<S>(-(velocity * factor)), point);
         return;
     }

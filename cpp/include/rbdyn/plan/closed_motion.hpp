@@ -249,9 +249,9 @@ inline std::optional<Vector3> only_constant_force(const Scene& scene, int index)
         if (load.body != index || spring == nullptr || !spring->present()) continue;
         // the rest of one with no stiffness is anywhere
         if (++springs > 1) return nullptr;
-        rest = spring->stiffness > 0.0 ? spring->rest_angle : 0.0;
-        c.stiffness = spring->stiffness;
-        c.damping = spring->damping;
+        rest = spring->stiffness.is_zero() ? 0.0 : spring->rest_angle.now();
+        c.stiffness = spring->stiffness.now();
+        c.damping = spring->damping.now();
     }
     const Revolute& hinge = std::get<Revolute>(b.joint);
     const Vector3Of<DoubleDouble> d = b.rigid()->exact().com - widened(hinge.point), e = widened(hinge.axis);

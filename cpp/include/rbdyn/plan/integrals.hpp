@@ -68,7 +68,7 @@ inline Remaining remaining_of(const Scene& scene) {
         if (force != nullptr)
             left.energy = left.energy && force->frame() == Frame::world && has_potential_along_rail(scene, load);
         else if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load))
-            left.energy = left.energy && spring->damping == 0.0;
+            left.energy = left.energy && spring->damping.is_zero();
         else if (!std::holds_alternative<Potential>(load.load) && !std::holds_alternative<Lorentz>(load.load))
             left.energy = false;
     }
@@ -80,7 +80,7 @@ inline Remaining remaining_of(const Scene& scene) {
     }
     for (const auto& c : scene.connections()) {
         if (!is_present(c.coupling)) continue;
-        left.energy = left.energy && std::get<Spring>(c.coupling).damping == 0.0;
+        left.energy = left.energy && std::get<Spring>(c.coupling).damping.is_zero();
         left.known = left.known && body_of(c.a) >= 0 && body_of(c.b) >= 0;
     }
     return left;

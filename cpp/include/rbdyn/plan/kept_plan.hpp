@@ -5,6 +5,7 @@
 // numbers is its own.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -32,18 +33,24 @@ namespace planning {
 /// The numbers of the user's in a scene, as they are now.
 inline GivenNumbers numbers_of(const Scene& scene) {
     GivenNumbers numbers;
-    for (const Scene::Body& b : scene.bodies())
-        if (const Rail* rail = b.rail()) {
-            rail->drive().function().give(numbers);
-            rail->motion().function().give(numbers);
-        }
-    for (const Scene::AppliedLoad& load : scene.loads()) {
-        if (const Force* force = std::get_if<Force>(&load.load)) force->function().give(numbers);
-        if (const Torque* torque = std::get_if<Torque>(&load.load)) torque->function().give(numbers);
-        if (const Potential* potential = std::get_if<Potential>(&load.load)) potential->function().give(numbers);
+    for (const Scene::Body& b : scene.bodies()) {
+        if (const Particle* particle = std::get_if<Particle>(&b.body)) particle->mass.give(numbers);
+        if (const Rail* rail = b.rail()) rail->give(numbers);
     }
+    for (const Scene::AppliedLoad& load : scene.loads()) give(load.load, numbers);
+    for (const Scene::Connection& c : scene.connections())
+        std::visit([&](const auto& coupling) { coupling.give(numbers); }, c.coupling);
     for (const Scene::Watch& w : scene.watches()) w.function.function().give(numbers);
     return numbers;
+}
+
+/// Throws InvalidInput if a first integral of the user's has the name of one that the scene has by itself.
+inline void require_own_names(const Scene& scene, const Plan& plan) {
+    for (const Scene::Integral& i : scene.integrals())
+        if (std::count(plan.integrals.begin(), plan.integrals.end(), i.name) > 1)
+            throw InvalidInput(
+                "integral: \"" + i.name +
+                "\" is one that this scene has by itself, and drifts are found by name; give it another");
 }
 
 /// A plan for the same scene with other numbers; none if a closed form it had is none for these.
@@ -87,6 +94,7 @@ inline PlannedScene planned(const Scene& scene) {
             if (auto plan = planning::renewed(kept->plan, now, given)) return {std::move(now), *std::move(plan), false};
     }
     Plan plan = planning::plan_of(now, false, given);
+    planning::require_own_names(now, plan);
     scene.kept_plan().set(std::make_shared<const KeptPlan>(KeptPlan{plan, std::move(numbers)}));
     return {std::move(now), std::move(plan)};
 }

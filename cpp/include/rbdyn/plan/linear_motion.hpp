@@ -112,6 +112,55 @@ inline std::vector<Dependence> dependences(const Program& program) {
     return all;
 }
 
+/// How a slot depends on variables and on time: as a sum of variables with factors, and of a part without any.
+struct Degree {
+    int variables = 0;         // 0: not at all, 1: linearly, 2: otherwise
+    bool part_varies = false;  // in time, the part without variables
+    bool factors_vary = false;
+
+    static Degree sum(const Degree& a, const Degree& b) {
+        return {std::max(a.variables, b.variables), a.part_varies || b.part_varies, a.factors_vary || b.factors_vary};
+    }
+    static Degree product(const Degree& a, const Degree& b) {
+        const bool varies = (a.variables == 0 && a.part_varies) || (b.variables == 0 && b.part_varies);
+        const int variables = std::min(a.variables + b.variables, 2);
+        return {variables, a.part_varies || b.part_varies,
+                a.factors_vary || b.factors_vary || (variables > 0 && varies)};
+    }
+    static Degree of_any(const Degree& a) { return {a.variables > 0 ? 2 : 0, a.part_varies, false}; }
+};
+
+/// Why the rate in a slot is not linear with constant coefficients, in words that follow "the equations of ...".
+[[gnu::cold]] inline std::string why_not_linear(const Program& program, int slot) {
+    std::vector<Degree> all(static_cast<std::size_t>(program.slots()));
+    const auto at = [&](int i) -> Degree& { return all[static_cast<std::size_t>(i)]; };
+    for (int i = 0; i < program.inputs(); ++i) at(i) = {.variables = 1};
+    at(program.time_slot()) = {.part_varies = true};
+    for (const Instruction& i : program.instructions()) {
+        Degree out;
+        if (i.code == Code::combine) {
+            for (int k = 0; k < i.terms; ++k) out = Degree::sum(out, at(program.terms(i)[k].slot));
+            for (int k = 0; k < i.products; ++k)
+                out = Degree::sum(out, Degree::product(at(program.products(i)[k].a), at(program.products(i)[k].b)));
+        } else if (i.code == Code::divide) {
+            out = Degree::product(at(i.a), Degree::of_any(at(i.b)));
+        } else if (i.code == Code::call) {
+            for (const int result : program.calls()[static_cast<std::size_t>(i.extra)].results)
+                at(result) = {.variables = 2};
+            continue;
+        } else {
+            for (const int operand : {i.a, i.b, i.c})
+                if (operand >= 0) out = Degree::sum(out, Degree::of_any(at(operand)));
+        }
+        at(i.out) = out;
+        if (i.out2 >= 0) at(i.out2) = out;
+    }
+    const Degree& rate = at(slot);
+    if (rate.variables > 1) return "are not linear";
+    if (rate.factors_vary) return "are linear, but their coefficients vary in time";
+    return "are linear, but what forces them varies in time";
+}
+
 /// The rates of a scene as a program whose constants have 32 digits, numbers of the user's among them.
 [[gnu::cold]] inline Program wide_rates(const PointsModel& model, const std::vector<double>& start,
                                         const std::vector<signed char>& slip) {
@@ -187,7 +236,7 @@ inline std::vector<Dependence> dependences(const Program& program) {
             if (i < 0) continue;
             const Dependence rate = known[static_cast<std::size_t>(program.output(i))];
             if (rate == Dependence::other)
-                return {nullptr, "the equations of " + b.name + " are not linear with constant coefficients"};
+                return {nullptr, "the equations of " + b.name + " " + why_not_linear(program, program.output(i))};
             is_even = is_even && (k < b.positions() || rate == Dependence::constant);
         }
     constexpr const char* polynomial = "a polynomial in time, of which one step of a Taylor series is exact";

@@ -8,21 +8,31 @@
 #include <variant>
 
 #include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/given.hpp"
 
 namespace rbdyn {
 
 /// A spring with a damper along it: -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its
 /// ends. stiffness [N/m], rest_length [m], damping [kg/s].
 struct Spring {
-    double stiffness = 0.0;
-    double rest_length = 0.0;
-    double damping = 0.0;
+    Given stiffness = 0.0;
+    Given rest_length = 0.0;
+    Given damping = 0.0;
 
-    bool present() const { return stiffness != 0.0 || damping != 0.0; }
+    bool present() const { return !stiffness.is_zero() || !damping.is_zero(); }
     bool operator==(const Spring&) const = default;
+    /// With the numbers of the user's as they are now.
+    Spring frozen() const {
+        const Spring result{stiffness.frozen(), rest_length.frozen(), damping.frozen()};
+        result.validate();
+        return result;
+    }
+    void give(GivenNumbers& numbers) const {
+        for (const Given* number : {&stiffness, &rest_length, &damping}) number->give(numbers);
+    }
     void validate() const {
-        for (auto [name, value] :
-             {std::pair{"stiffness", stiffness}, std::pair{"rest_length", rest_length}, std::pair{"damping", damping}})
+        for (auto [name, value] : {std::pair{"stiffness", stiffness.now()}, std::pair{"rest_length", rest_length.now()},
+                                   std::pair{"damping", damping.now()}})
             require(std::isfinite(value) && value >= 0.0, "Spring", name, value, "it is zero or positive and finite");
     }
 
@@ -31,17 +41,17 @@ struct Spring {
     /// ends may not meet.
     Vector3Of<Expression> operator()(const Vector3Of<Expression>& d, const Vector3Of<Expression>& v) const {
         using S = Expression;
-        const double tension = stiffness * rest_length;
-        Vector3Of<S> force = d * S(-stiffness);
-        if (tension == 0.0 && damping == 0.0) return force;
+        const S k = stiffness.in<S>(), c = damping.in<S>(), tension = k * rest_length.in<S>();
+        Vector3Of<S> force = d * -k;
+        if (tension.is_zero() && c.is_zero()) return force;
         if (const int only = only_component(d); only >= 0) {
-            if (tension != 0.0) force[only] += S(tension) * locked_sign(d[only], "length of a spring");
-            force[only] -= S(damping) * v[only];
+            if (!tension.is_zero()) force[only] += tension * locked_sign(d[only], "length of a spring");
+            force[only] -= c * v[only];
             return force;
         }
         const S l = length(d, "length of a spring");
-        if (tension != 0.0) force += d * (S(tension) / l);
-        if (damping != 0.0) force -= d * (S(damping) * dot<S>(d, v) / (l * l));
+        if (!tension.is_zero()) force += d * (tension / l);
+        if (!c.is_zero()) force -= d * (c * dot<S>(d, v) / (l * l));
         return force;
     }
     /// In numbers: where the ends meet, |d| within rounding of numbers of the given size, the direction is that of what

@@ -60,8 +60,8 @@ inline Load nothing_of(const Load& load) {
         if (is_there) found.push_back(name);
     };
     const auto note_spring = [&](const auto& s) {
-        note(s.stiffness > 0.0, "spring");
-        note(s.damping > 0.0, "damper");
+        note(!s.stiffness.is_zero(), "spring");
+        note(!s.damping.is_zero(), "damper");
     };
     note(!scene.gravity().isZero(0.0), "gravity");
     for (const Scene::Body& b : scene.bodies()) {
@@ -149,7 +149,8 @@ inline Rail Scene::without(const Rail& rail, const std::string& name, const std:
     };
     std::optional<Coulomb> friction = rail.friction();
     if (friction) {
-        const double dynamic = is_gone("dynamic friction") ? 0.0 : friction->dynamic();
+        const Given dynamic =
+            is_gone("dynamic friction") ? Given(0.0) : friction->mu_dynamic.value_or(friction->mu_static);
         if (is_gone("static friction") && dynamic > 0.0)
             require(friction->mu_static > dynamic, name, "mu_static", friction->mu_static,
                     "beside dynamic friction there is as much static friction, and here there is no more; take "

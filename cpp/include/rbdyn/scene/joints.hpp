@@ -68,11 +68,25 @@ struct BodyStart {
 /// Coulomb-Morin friction (eq. 7.23): sliding, the tangential reaction is mu_dynamic times the perpendicular one,
 /// against the slip; at rest it is whatever rest needs, up to mu_static times the perpendicular one.
 struct Coulomb {
-    double mu_static = 0.0;
-    std::optional<double> mu_dynamic = std::nullopt;  // default: mu_static
+    Given mu_static = 0.0;
+    std::optional<Given> mu_dynamic = std::nullopt;  // default: mu_static
 
     double dynamic() const { return mu_dynamic.value_or(mu_static); }
-    bool operator==(const Coulomb& other) const { return mu_static == other.mu_static && dynamic() == other.dynamic(); }
+    bool operator==(const Coulomb& other) const {
+        return mu_static == other.mu_static &&
+               mu_dynamic.value_or(mu_static) == other.mu_dynamic.value_or(other.mu_static);
+    }
+    /// With the numbers of the user's as they are now.
+    Coulomb frozen() const {
+        Coulomb result{mu_static.frozen(), mu_dynamic};
+        if (mu_dynamic) result.mu_dynamic = mu_dynamic->frozen();
+        result.validate();
+        return result;
+    }
+    void give(GivenNumbers& numbers) const {
+        mu_static.give(numbers);
+        if (mu_dynamic) mu_dynamic->give(numbers);
+    }
     bool present() const { return mu_static > 0.0 || dynamic() > 0.0; }
     void validate() const {
         require(std::isfinite(mu_static) && mu_static >= 0.0, "Coulomb", "mu_static", mu_static,
@@ -80,7 +94,7 @@ struct Coulomb {
         require(std::isfinite(dynamic()) && dynamic() >= 0.0, "Coulomb", "mu_dynamic", dynamic(),
                 "a friction coefficient is zero or positive and finite");
         require(dynamic() <= mu_static, "Coulomb", "mu_dynamic", dynamic(),
-                "the dynamic coefficient is at most the static one, which is " + text(mu_static) +
+                "the dynamic coefficient is at most the static one, which is " + text(mu_static.now()) +
                     "; exchange them, or make them equal");
     }
 };
@@ -134,9 +148,17 @@ public:
     /// With the numbers of the user's as they are now.
     Rail frozen() const {
         Rail result = *this;
+        if (friction_) result.friction_ = friction_->frozen();
         result.options_.drive = options_.drive.frozen();
         result.options_.motion = options_.motion.frozen();
         return result;
+    }
+
+    /// The numbers of the user's that it depends on.
+    void give(GivenNumbers& numbers) const {
+        if (friction_) friction_->give(numbers);
+        options_.drive.function().give(numbers);
+        options_.motion.function().give(numbers);
     }
 
     bool operator==(const Rail& other) const {

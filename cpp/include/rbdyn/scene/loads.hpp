@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cmath>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
-#include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/given.hpp"
 #include "rbdyn/scene/torque.hpp"
 
 namespace rbdyn {
@@ -179,31 +180,39 @@ private:
 
 /// A force across the velocity: strength v x field, that of a uniform field on a charge. It does no work.
 struct Lorentz {
-    double strength = 0.0;
+    Given strength = 0.0;
     Vector3 field = Vector3::Zero();  // world axes; strength times field is in kg/s
 
     void validate() const {
-        require(std::isfinite(strength), "Lorentz", "strength", strength, "it is finite");
+        require(std::isfinite(strength.now()), "Lorentz", "strength", strength.now(), "it is finite");
         for (int i = 0; i < 3; ++i)
             require(std::isfinite(field[i]), "Lorentz", "component " + std::to_string(i) + " of field", field[i],
                     "it is finite");
     }
-    bool present() const { return strength != 0.0 && !field.isZero(0.0); }
+    bool present() const { return !strength.is_zero() && !field.isZero(0.0); }
+    Lorentz frozen() const { return {strength.frozen(), field}; }
     template <class S>
     Vector3Of<S> operator()(const S& /*t*/, const Vector3Of<S>& /*r*/, const Vector3Of<S>& v) const {
-        return cross<S>(v, Vector3(strength * field));
+        if (!strength.varies()) return cross<S>(v, Vector3(strength.now() * field));
+        const S q = strength.in<S>();
+        return cross<S>(v, Vector3Of<S>(q * S(field[0]), q * S(field[1]), q * S(field[2])));
     }
     bool operator==(const Lorentz&) const = default;
 };
 
 /// Resistance of a medium at rest: -(linear + quadratic |v|) v. linear [kg/s], quadratic [kg/m].
 struct Drag {
-    double linear = 0.0;
-    double quadratic = 0.0;
+    Given linear = 0.0;
+    Given quadratic = 0.0;
 
-    bool present() const { return linear != 0.0 || quadratic != 0.0; }
+    bool present() const { return !linear.is_zero() || !quadratic.is_zero(); }
+    Drag frozen() const {
+        const Drag result{linear.frozen(), quadratic.frozen()};
+        result.validate();
+        return result;
+    }
     void validate() const {
-        for (auto [name, value] : {std::pair{"linear", linear}, std::pair{"quadratic", quadratic}})
+        for (auto [name, value] : {std::pair{"linear", linear.now()}, std::pair{"quadratic", quadratic.now()}})
             require(std::isfinite(value) && value >= 0.0, "Drag", name, value,
                     "a resistance is zero or positive and finite; a driving force is a Force");
     }
@@ -213,16 +222,22 @@ struct Drag {
 /// A spring about a hinge: its torque about the axis is -(stiffness (angle - rest_angle) + damping rate). stiffness
 /// [N m/rad], rest_angle [rad], damping [N m s].
 struct TorsionSpring {
-    double stiffness = 0.0;
-    double rest_angle = 0.0;
-    double damping = 0.0;
+    Given stiffness = 0.0;
+    Given rest_angle = 0.0;
+    Given damping = 0.0;
 
-    bool present() const { return stiffness != 0.0 || damping != 0.0; }
+    bool present() const { return !stiffness.is_zero() || !damping.is_zero(); }
+    TorsionSpring frozen() const {
+        const TorsionSpring result{stiffness.frozen(), rest_angle.frozen(), damping.frozen()};
+        result.validate();
+        return result;
+    }
     void validate() const {
-        for (auto [name, value] : {std::pair{"stiffness", stiffness}, std::pair{"damping", damping}})
+        for (auto [name, value] : {std::pair{"stiffness", stiffness.now()}, std::pair{"damping", damping.now()}})
             require(std::isfinite(value) && value >= 0.0, "TorsionSpring", name, value,
                     "it is zero or positive and finite");
-        require(std::isfinite(rest_angle), "TorsionSpring", "rest_angle", rest_angle, "an angle is finite, in rad");
+        require(std::isfinite(rest_angle.now()), "TorsionSpring", "rest_angle", rest_angle.now(),
+                "an angle is finite, in rad");
     }
     bool operator==(const TorsionSpring&) const = default;
 };
@@ -232,6 +247,24 @@ using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring
 /// Whether a load does anything.
 inline bool is_present(const Load& load) {
     return std::visit([](const auto& l) { return l.present(); }, load);
+}
+
+/// A load with the numbers of the user's as they are now.
+inline Load frozen(const Load& load) {
+    return std::visit([](const auto& l) -> Load { return l.frozen(); }, load);
+}
+/// The numbers of the user's that a load depends on.
+inline void give(const Load& load, GivenNumbers& numbers) {
+    const auto give_all = [&](std::initializer_list<const Given*> all) {
+        for (const Given* number : all) number->give(numbers);
+    };
+    if (const auto* force = std::get_if<Force>(&load)) force->function().give(numbers);
+    if (const auto* torque = std::get_if<Torque>(&load)) torque->function().give(numbers);
+    if (const auto* potential = std::get_if<Potential>(&load)) potential->function().give(numbers);
+    if (const auto* lorentz = std::get_if<Lorentz>(&load)) give_all({&lorentz->strength});
+    if (const auto* drag = std::get_if<Drag>(&load)) give_all({&drag->linear, &drag->quadratic});
+    if (const auto* spring = std::get_if<TorsionSpring>(&load))
+        give_all({&spring->stiffness, &spring->rest_angle, &spring->damping});
 }
 
 /// The force of a load on a particle at r that moves with v; zero for a drag, whose law depends on how the particle

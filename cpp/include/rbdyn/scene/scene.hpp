@@ -1,6 +1,7 @@
 // A scene: what there is, as plain data. No numerics here; everything is checked on entry.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,7 +32,7 @@ public:
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
         const RigidBody* rigid() const { return std::get_if<RigidBody>(&body); }
-        double mass() const { return rigid() != nullptr ? rigid()->mass() : std::get<Particle>(body).mass; }
+        double mass() const { return rigid() != nullptr ? rigid()->mass() : double{std::get<Particle>(body).mass}; }
         bool operator==(const Body&) const = default;
     };
     struct AppliedLoad {
@@ -212,8 +213,10 @@ public:
     /// A function of the motion whose zeros are events: noted, or acted upon. Its name must be its own.
     WatchHandle watch(std::string name, WatchFunction function, WatchOptions options = {}) {
         if (name.empty()) throw InvalidInput("watch: name is empty; events are found by the name of their watch");
-        for (const Watch& w : watches_)
-            if (w.name == name) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
+        if (has(watches_, name)) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
+        if (has(bodies_, name))
+            throw InvalidInput("watch: there is a body named \"" + name +
+                               "\", and events are found by either name; names differ");
         require_observables(function, "watch " + name);
         watches_.push_back({std::move(name), std::move(function), std::move(options)});
         plan_.forget();
@@ -222,9 +225,8 @@ public:
     /// A function of the motion that should stay what it is: its drift is watched like that of the other integrals.
     void integral(std::string name, WatchFunction function) {
         if (name.empty()) throw InvalidInput("integral: name is empty; its drift is found by its name");
-        for (const Integral& i : integrals_)
-            if (i.name == name)
-                throw InvalidInput("integral: there is one named \"" + name + "\" already; names differ");
+        if (has(integrals_, name))
+            throw InvalidInput("integral: there is one named \"" + name + "\" already; names differ");
         require_observables(function, "integral " + name);
         integrals_.push_back({std::move(name), std::move(function)});
         plan_.forget();
@@ -234,13 +236,13 @@ public:
     [[gnu::cold]] Scene frozen() const {
         Scene result = *this;
         result.plan_.forget();
-        for (Body& b : result.bodies_)
+        for (Body& b : result.bodies_) {
+            if (const Particle* particle = std::get_if<Particle>(&b.body)) b.body = particle->frozen();
             if (const Rail* rail = b.rail()) b.joint = rail->frozen();
-        for (AppliedLoad& l : result.loads_) {
-            if (const Force* force = std::get_if<Force>(&l.load)) l.load = force->frozen();
-            if (const Potential* potential = std::get_if<Potential>(&l.load)) l.load = potential->frozen();
-            if (const Torque* torque = std::get_if<Torque>(&l.load)) l.load = torque->frozen();
         }
+        for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
+        for (Connection& c : result.connections_)
+            c.coupling = std::visit([](const auto& coupling) -> Coupling { return coupling.frozen(); }, c.coupling);
         for (Watch& w : result.watches_) w.function = w.function.frozen();
         for (Integral& i : result.integrals_) i.function = i.function.frozen();
         return result;
@@ -348,8 +350,22 @@ private:
         require(body.index >= 0 && body.index < static_cast<int>(bodies_.size()), verb, "body", body.index,
                 "a handle comes from add() of the same scene, which has " + std::to_string(bodies_.size()) + " bodies");
     }
+    template <class Things>
+    static bool has(const Things& things, const std::string& name) {
+        return std::any_of(things.begin(), things.end(), [&](const auto& thing) { return thing.name == name; });
+    }
+    /// The name of a new body: its own, for results are found by it.
     std::string named(std::string name, const std::string& kind) const {
-        return name.empty() ? kind + " " + std::to_string(bodies_.size() + 1) : name;
+        const auto taken = [&] { return has(bodies_, name) || has(watches_, name); };
+        if (!name.empty()) {
+            if (taken())
+                throw InvalidInput("add: there is a body or a watch named \"" + name + "\" already; names differ");
+            return name;
+        }
+        std::size_t number = bodies_.size();
+        do name = kind + " " + std::to_string(++number);
+        while (taken());
+        return name;
     }
 
     Vector3 gravity_ = Vector3::Zero();

@@ -179,9 +179,9 @@ public:
         TorsionSpring sum;
         for (const RigidLoad& load : body().loads)
             if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load); spring && spring->stiffness > 0) {
-                sum.rest_angle +=
-                    (spring->rest_angle - sum.rest_angle) * spring->stiffness / (sum.stiffness + spring->stiffness);
-                sum.stiffness += spring->stiffness;
+                const double k = sum.stiffness + spring->stiffness;
+                sum.rest_angle = sum.rest_angle + (spring->rest_angle - sum.rest_angle) * spring->stiffness / k;
+                sum.stiffness = k;
             }
         return sum;
     }
