@@ -164,8 +164,11 @@ void bind_curves(py::module_& m) {
              }),
              py::arg("direction"), py::arg("point") = origin,
              "direction: of any length but zero. point: where u = 0 [m]. World axes; u in m.")
-        .def_property_readonly("direction", [](const CurveOf<Line>& c) { return to_python(c.kind.direction); })
-        .def_property_readonly("point", [](const CurveOf<Line>& c) { return to_python(c.kind.point); })
+        .def_property_readonly(
+            "direction", [](const CurveOf<Line>& c) { return to_python(c.kind.direction); },
+            "Of its tangent (3,), as given.")
+        .def_property_readonly(
+            "point", [](const CurveOf<Line>& c) { return to_python(c.kind.point); }, "Where u = 0 (3,) [m].")
         .def("__repr__", [](const CurveOf<Line>& c) {
             return "Line(direction=" + list_text(c.kind.direction) + ", point=" + list_text(c.kind.point) + ")";
         });
@@ -180,10 +183,16 @@ void bind_curves(py::module_& m) {
             py::arg("radius"), py::arg("start"), py::arg("toward"), py::arg("center") = origin,
             R"(radius [m], positive. start, toward: directions from the center to u = 0 and to the side on which u grows, made
 orthonormal. center [m]. World axes; u in rad.)")
-        .def_property_readonly("radius", [](const CurveOf<Circle>& c) { return c.kind.radius; })
-        .def_property_readonly("start", [](const CurveOf<Circle>& c) { return to_python(c.kind.start); })
-        .def_property_readonly("toward", [](const CurveOf<Circle>& c) { return to_python(c.kind.toward); })
-        .def_property_readonly("center", [](const CurveOf<Circle>& c) { return to_python(c.kind.center); })
+        .def_property_readonly(
+            "radius", [](const CurveOf<Circle>& c) { return c.kind.radius; }, "[m]")
+        .def_property_readonly(
+            "start", [](const CurveOf<Circle>& c) { return to_python(c.kind.start); },
+            "Direction from the center to u = 0 (3,), as given.")
+        .def_property_readonly(
+            "toward", [](const CurveOf<Circle>& c) { return to_python(c.kind.toward); },
+            "Direction to the side on which u grows (3,), as given.")
+        .def_property_readonly(
+            "center", [](const CurveOf<Circle>& c) { return to_python(c.kind.center); }, "(3,) [m].")
         .def("__repr__", [](const CurveOf<Circle>& c) {
             return "Circle(radius=" + text(c.kind.radius) + ", start=" + list_text(c.kind.start) +
                    ", toward=" + list_text(c.kind.toward) + ", center=" + list_text(c.kind.center) + ")";
@@ -202,11 +211,18 @@ orthonormal. center [m]. World axes; u in rad.)")
             R"(radius [m], positive. pitch [m] a turn, along start x toward; negative for a left-handed helix, not zero.
 start, toward: directions from the axis to u = 0 and to the side on which u grows, made orthonormal. center: point of
 the axis beside u = 0 [m]. World axes; u in rad.)")
-        .def_property_readonly("radius", [](const CurveOf<Helix>& c) { return c.kind.radius; })
-        .def_property_readonly("pitch", [](const CurveOf<Helix>& c) { return c.kind.pitch; })
-        .def_property_readonly("start", [](const CurveOf<Helix>& c) { return to_python(c.kind.start); })
-        .def_property_readonly("toward", [](const CurveOf<Helix>& c) { return to_python(c.kind.toward); })
-        .def_property_readonly("center", [](const CurveOf<Helix>& c) { return to_python(c.kind.center); })
+        .def_property_readonly(
+            "radius", [](const CurveOf<Helix>& c) { return c.kind.radius; }, "[m]")
+        .def_property_readonly(
+            "pitch", [](const CurveOf<Helix>& c) { return c.kind.pitch; }, "[m] a turn.")
+        .def_property_readonly(
+            "start", [](const CurveOf<Helix>& c) { return to_python(c.kind.start); },
+            "Direction from the center to u = 0 (3,), as given.")
+        .def_property_readonly(
+            "toward", [](const CurveOf<Helix>& c) { return to_python(c.kind.toward); },
+            "Direction to the side on which u grows (3,), as given.")
+        .def_property_readonly(
+            "center", [](const CurveOf<Helix>& c) { return to_python(c.kind.center); }, "(3,) [m].")
         .def("__repr__", [](const CurveOf<Helix>& c) {
             return "Helix(radius=" + text(c.kind.radius) + ", pitch=" + text(c.kind.pitch) +
                    ", start=" + list_text(c.kind.start) + ", toward=" + list_text(c.kind.toward) +
@@ -223,8 +239,9 @@ the axis beside u = 0 [m]. World axes; u in rad.)")
             py::arg("coefficients"), py::kw_only(), py::arg("domain") = py::none(),
             R"(coefficients: (n, 3), vectors in the world in increasing powers of u [m]. domain: first and last parameter; without
 it the curve has no ends.)")
-        .def_property_readonly("coefficients",
-                               [](const CurveOf<Polynomial>& c) { return rows_to_python(c.kind.coefficients); })
+        .def_property_readonly(
+            "coefficients", [](const CurveOf<Polynomial>& c) { return rows_to_python(c.kind.coefficients); },
+            "In increasing powers of u (n, 3) [m].")
         .def("__repr__",
              [](const CurveOf<Polynomial>& c) { return "Polynomial(" + rows_text(c.kind.coefficients) + ")"; });
 
@@ -238,10 +255,15 @@ it the curve has no ends.)")
             py::arg("a"), py::arg("x"), py::arg("y"), py::arg("vertex") = origin,
             R"(a [1/m], not zero. x: direction of the tangent at the vertex; y: side to which the parabola opens, if a is
 positive; made orthonormal. vertex [m]. World axes; u in m.)")
-        .def_property_readonly("a", [](const CurveOf<Parabola>& c) { return c.kind.a; })
-        .def_property_readonly("x", [](const CurveOf<Parabola>& c) { return to_python(c.kind.x); })
-        .def_property_readonly("y", [](const CurveOf<Parabola>& c) { return to_python(c.kind.y); })
-        .def_property_readonly("vertex", [](const CurveOf<Parabola>& c) { return to_python(c.kind.vertex); })
+        .def_property_readonly(
+            "a", [](const CurveOf<Parabola>& c) { return c.kind.a; }, "[1/m].")
+        .def_property_readonly(
+            "x", [](const CurveOf<Parabola>& c) { return to_python(c.kind.x); },
+            "Direction of the tangent at the vertex (3,), as given.")
+        .def_property_readonly(
+            "y", [](const CurveOf<Parabola>& c) { return to_python(c.kind.y); }, "Direction across it (3,), as given.")
+        .def_property_readonly(
+            "vertex", [](const CurveOf<Parabola>& c) { return to_python(c.kind.vertex); }, "Where u = 0 (3,) [m].")
         .def("__repr__", [](const CurveOf<Parabola>& c) {
             return "Parabola(a=" + text(c.kind.a) + ", x=" + list_text(c.kind.x) + ", y=" + list_text(c.kind.y) +
                    ", vertex=" + list_text(c.kind.vertex) + ")";
@@ -260,10 +282,15 @@ The tautochrone, if y is up. At its cusps, u = pi, 3 pi, ... and their opposites
             py::arg("radius"), py::arg("x"), py::arg("y"), py::arg("vertex") = origin,
             R"(radius of the rolling circle [m], positive. x: direction of the tangent at the vertex; y: side of the cusps;
 made orthonormal. vertex: where u = 0 [m]. World axes; u in rad.)")
-        .def_property_readonly("radius", [](const CurveOf<Cycloid>& c) { return c.kind.radius; })
-        .def_property_readonly("x", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.x); })
-        .def_property_readonly("y", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.y); })
-        .def_property_readonly("vertex", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.vertex); })
+        .def_property_readonly(
+            "radius", [](const CurveOf<Cycloid>& c) { return c.kind.radius; }, "[m]")
+        .def_property_readonly(
+            "x", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.x); },
+            "Direction of the tangent at the vertex (3,), as given.")
+        .def_property_readonly(
+            "y", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.y); }, "Direction across it (3,), as given.")
+        .def_property_readonly(
+            "vertex", [](const CurveOf<Cycloid>& c) { return to_python(c.kind.vertex); }, "Where u = 0 (3,) [m].")
         .def("__repr__", [](const CurveOf<Cycloid>& c) {
             return "Cycloid(radius=" + text(c.kind.radius) + ", x=" + list_text(c.kind.x) +
                    ", y=" + list_text(c.kind.y) + ", vertex=" + list_text(c.kind.vertex) + ")";
@@ -284,13 +311,17 @@ at an end, or where the curvature of a rail changes at once.)")
             py::arg("points"), py::arg("closed") = false, py::kw_only(), py::arg("slopes") = py::dict(),
             R"(points: (n, 3), at u = 0 .. n-1 [m]; neighbours differ. closed: from the last point on to the first, which is
 not repeated; the parameter counts on, n a round. slopes: {index of a point: r' there} [m]. World axes.)")
-        .def_property_readonly("points", [](const CurveOf<Spline>& c) { return rows_to_python(c.kind.points); })
-        .def_property_readonly("slopes",
-                               [](const CurveOf<Spline>& c) {
-                                   py::typing::Dict<py::int_, py::array_t<double>> result;
-                                   for (const auto& [k, slope] : c.kind.slopes) result[py::int_(k)] = to_python(slope);
-                                   return result;
-                               })
+        .def_property_readonly(
+            "points", [](const CurveOf<Spline>& c) { return rows_to_python(c.kind.points); },
+            "At u = 0 .. n-1 (n, 3) [m].")
+        .def_property_readonly(
+            "slopes",
+            [](const CurveOf<Spline>& c) {
+                py::typing::Dict<py::int_, py::array_t<double>> result;
+                for (const auto& [k, slope] : c.kind.slopes) result[py::int_(k)] = to_python(slope);
+                return result;
+            },
+            "{index of a point: r' there} [m].")
         .def("__repr__", [](const CurveOf<Spline>& c) {
             std::string more = c.kind.closed ? ", closed=True" : "", list;
             for (const auto& [k, slope] : c.kind.slopes)

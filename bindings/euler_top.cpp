@@ -75,7 +75,7 @@ The body's axes are principal at that point. Raises InvalidInput for others.)")
         .def_property_readonly("end", &StateRun::end, "[s]")
         .def_property_readonly("certain_until", &StateRun::certain_until,
                                "The time up to which the motion is as accurate as asked for [s].")
-        .def_property_readonly("engine", &StateRun::engine)
+        .def_property_readonly("engine", &StateRun::engine, "What computed it.")
         .def_property_readonly("error", &StateRun::error,
                                "Estimated global error, each variable relative to its own scale; None with rtol.")
         .def_property_readonly(

@@ -335,10 +335,15 @@ math raise InvalidInput.)");
         });
 
     for (const auto& [name, f] : unary_functions)
-        expression.def(name, [f = f](const Recorded& x) { return Recorded{f(live(x)), x.recording}; });
+        expression.def(
+            name,
+            [f = f](const Recorded& x) {
+                return Recorded{f(live(x)), x.recording};
+            },
+            ("numpy." + std::string(name) + " of it.").c_str());
     for (const auto& [name, f] : binary_functions)
         if (std::string(name) == "arctan2" || std::string(name) == "hypot" || std::string(name) == "fmod")
-            expression.def(name, operation(f));
+            expression.def(name, operation(f), ("numpy." + std::string(name) + " of it and another.").c_str());
     const std::pair<const char*, const char*> operators[] = {{"__neg__", "negative"}, {"__pos__", "positive"},
                                                              {"__abs__", "absolute"}, {"__floor__", "floor"},
                                                              {"__ceil__", "ceil"},    {"__trunc__", "trunc"}};
@@ -396,7 +401,9 @@ math raise InvalidInput.)");
     joined("__or__", "__ror__", [](const Condition& a, const Condition& b) { return a | b; });
     joined("__xor__", "__rxor__", [](const Condition& a, const Condition& b) { return (a & (!b)) | ((!a) & b); });
     conditions.def("__invert__", [](const RecordedCondition& c) { return condition(!c.value, c.recording); })
-        .def("logical_not", [](const RecordedCondition& c) { return condition(!c.value, c.recording); })
+        .def(
+            "logical_not", [](const RecordedCondition& c) { return condition(!c.value, c.recording); },
+            "Whether it does not hold.")
         .def("__bool__",
              [](const RecordedCondition& c) {
                  live({0.0, c.recording});

@@ -1,7 +1,28 @@
 // The Python module rbdyn._core.
 #include <pybind11/pybind11.h>
 
+#include <cstdlib>
+#include <cstring>
+
 #include "binding.hpp"
+
+namespace {
+
+/// Puts the signature that inspect.signature() reads before the docstring of a function or method.
+void describe(const pybind11::object& function, const std::string& signature) {
+    PyObject* f = function.ptr();
+    if (PyInstanceMethod_Check(f)) f = PyInstanceMethod_GET_FUNCTION(f);
+    if (!PyCFunction_Check(f)) return;
+    PyMethodDef* method = reinterpret_cast<PyCFunctionObject*>(f)->m_ml;
+    const std::string doc = signature + "\n--\n\n" + (method->ml_doc != nullptr ? method->ml_doc : "");
+    // pybind11 frees it when the function goes
+    char* const kept = strdup(doc.c_str());
+    if (kept == nullptr) return;
+    std::free(const_cast<char*>(method->ml_doc));
+    method->ml_doc = kept;
+}
+
+}  // namespace
 
 PYBIND11_MODULE(_core, m) {
     namespace py = pybind11;
@@ -36,4 +57,5 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_trajectory(m);
     binding::bind_euler_top(m);
     binding::bind_verbs(m);
+    m.def("_describe", &describe, py::arg("function"), py::arg("signature"));
 }

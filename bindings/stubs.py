@@ -7,6 +7,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from stub_types import typed  # noqa: E402
+
 STUBS = Path(__file__).resolve().parents[1] / "python" / "rbdyn" / "_core.pyi"
 
 
@@ -21,7 +24,8 @@ def generated() -> str:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "pybind11_stubgen", *options, "--output-dir", folder, "rbdyn._core"]
         # a hash seed, so that nothing can depend on the order of a set
-        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": "0"})
+        environment = {**os.environ, "PYTHONHASHSEED": "0", "RBDYN_TYPES_IN_DOCSTRINGS": "1"}
+        done = subprocess.run(command, capture_output=True, text=True, env=environment)
         if done.returncode:
             raise RuntimeError(
                 "pybind11-stubgen cannot describe rbdyn._core; bind a type before what uses it, "
@@ -37,7 +41,7 @@ def generated() -> str:
         (r"[ \t]+$", ""),
     ):
         text = re.sub(pattern, one, text, flags=re.MULTILINE)
-    return text.strip() + "\n"
+    return typed(text).strip() + "\n"
 
 
 if __name__ == "__main__":

@@ -4,16 +4,19 @@ Prints the plan, the events beside their closed form, the estimate of the error 
 same answer costs; saves a figure.
 """
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rbdyn as rb
 
 RADIUS, GRAVITY, MU_STATIC, MU_DYNAMIC, MASS, SPEED = 0.5, 9.8125, 0.375, 0.125, 0.5, 7.0
 Real = np.longdouble
+Function = Callable[[Any], Any]  # of extended precision
 
 
-def closed_form():
+def closed_form() -> list[tuple[Any, str, Any, Any]]:
     """Times, kinds, angles and v^2 of the events, in extended precision.
 
     Eq. 7.25 on a circle, theta from the lowest point, is linear in v^2(theta) while c = f_d sign(theta') sign(N) lasts:
@@ -21,18 +24,20 @@ def closed_form():
         P   = 2 g R ((1 - 2 c^2) cos(theta) - 3 c sin(theta)) / (1 + 4 c^2)
     """
     r, g = Real(RADIUS), Real(GRAVITY)
-    time, angle, v2, way, side = Real(0), Real(0), Real(SPEED) ** 2, 1, 1
-    events = []
+    v2: Any = Real(SPEED) ** 2
+    time, angle, way, side = Real(0), Real(0), 1, 1
+    events: list[tuple[Any, str, Any, Any]] = []
     while True:
-        c, start, v2_start = Real(MU_DYNAMIC) * way * side, angle, v2
+        c, start = Real(MU_DYNAMIC) * way * side, angle
+        v2_start: Any = v2
 
-        def particular(x, c=c):
+        def particular(x: Any, c: Any = c) -> Any:
             return 2 * g * r * ((1 - 2 * c**2) * np.cos(x) - 3 * c * np.sin(x)) / (1 + 4 * c**2)
 
-        def square(x, c=c, start=start, v2_start=v2_start):
+        def square(x: Any, c: Any = c, start: Any = start, v2_start: Any = v2_start) -> Any:
             return particular(x) + (v2_start - particular(start)) * np.exp(-2 * c * (x - start))
 
-        def pressure(x, side=side, square=square):
+        def pressure(x: Any, side: int = side, square: Function = square) -> Any:
             return side * (square(x) / r + g * np.cos(x))
 
         # the first angle ahead where the speed or the normal reaction vanishes
@@ -44,7 +49,7 @@ def closed_form():
         angle = turn if way * (turn - zero) < 0 else zero
         v2 = square(angle) if angle == zero else Real(0)
 
-        def departing(end, v2_end, d, c=c, particular=particular):
+        def departing(end: Any, v2_end: Any, d: Any, c: Any = c, particular: Function = particular) -> Any:
             """v^2 at a distance d from an end, without cancellation where it vanishes."""
             half = np.sin(d / 2)
             change = -2 * (1 - 2 * c**2) * np.sin(end + d / 2) * half - 6 * c * np.cos(end + d / 2) * half
@@ -62,7 +67,7 @@ def closed_form():
             return events
 
 
-def first_zero(f, lo, hi):
+def first_zero(f: Function, lo: Any, hi: Any) -> Any:
     """Bisection from a positive value; past the far end if there is no zero."""
     if f(hi) > 0:
         return hi + (hi - lo)
@@ -72,7 +77,7 @@ def first_zero(f, lo, hi):
     return (lo + hi) / 2
 
 
-def duration(departing, lo, v2_lo, hi, v2_hi):
+def duration(departing: Callable[[Any, Any, Any], Any], lo: Any, v2_lo: Any, hi: Any, v2_hi: Any) -> Any:
     """Integral of |d theta| / v, whose ends may be inverse square roots.
 
     Double exponential rule: Takahasi and Mori, Publ. RIMS Kyoto 9 (1974) 721-741.
@@ -87,12 +92,12 @@ def duration(departing, lo, v2_lo, hi, v2_hi):
     return abs(half * h * total)
 
 
-def digits(value, exact, scale=1.0):
+def digits(value: float, exact: Any, scale: float = 1.0) -> float:
     difference = abs(float(Real(value) - exact)) / scale
-    return 16.0 if difference == 0 else min(16.0, -np.log10(difference))
+    return 16.0 if difference == 0 else min(16.0, -float(np.log10(difference)))
 
 
-def main():
+def main() -> None:
     scene = rb.Scene(gravity=[0, 0, -GRAVITY])
     hoop = rb.Rail(
         rb.Circle(radius=RADIUS, start=[0, 0, -1], toward=[1, 0, 0]),

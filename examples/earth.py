@@ -7,6 +7,7 @@ that, 12,900 years, the axis leans the other way.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import rbdyn as rb
@@ -18,7 +19,7 @@ OBLIQUITY = math.radians(23.4393)
 OFF = 1e-6  # of the pole of rotation from the pole of figure [rad]: 6 m on the ground
 
 
-def free_motion(ratio):
+def free_motion(ratio: float) -> tuple[float, float]:
     """Periods of the pole in the Earth and of the axis about K, in sidereal days, with I1 = ratio I3."""
     alpha = (1 - ratio) / ratio
     scene = rb.Scene()
@@ -27,17 +28,17 @@ def free_motion(ratio):
     scene.watch("round", lambda now: now[earth].angular_velocity[1], direction="falling")
     run = rb.simulate(scene, until=3.2 / alpha * DAY, error=1e-12)
     rounds = run.events.times("round")
-    in_body = np.diff(rounds).mean() / DAY
+    in_body = float(np.diff(rounds).mean()) / DAY
     assert math.isclose(in_body, 1 / alpha, rel_tol=1e-9)
     # e3 about K, by the angle it has gone round in an hour
     momentum = run.angular_momentum(0.0, of=earth)
     axis = run[earth].rotation_matrix(np.array([0.0, 3600.0]))[:, :, 2]
     side = np.cross(momentum / np.linalg.norm(momentum), axis)
-    angle = math.atan2(np.linalg.norm(np.cross(*side)), side[0] @ side[1])
+    angle = math.atan2(np.linalg.norm(np.cross(side[0], side[1])), side[0] @ side[1])
     return in_body, 2 * math.pi * 3600.0 / angle / DAY
 
 
-def forced_motion(bulge, years=20.0):
+def forced_motion(bulge: float, years: float = 20.0) -> tuple[float, rb.Trajectory]:
     """Period of the precession [years] of an Earth with H = (C - A)/C = bulge, from the turn of its axis in `years`.
 
     The torque is averaged over the orbits of Moon and Sun, taken as rings in the ecliptic: 3/2 S (C - A) (e3.n) e3 x n
@@ -47,7 +48,7 @@ def forced_motion(bulge, years=20.0):
     moon = (2 * math.pi / (27.321661 * 86400.0)) ** 2 / 82.3 * (1 - 1.5 * math.sin(math.radians(5.145)) ** 2)
     strength = 1.5 * (sun + moon) * bulge * C
 
-    def pull(t, rotation_matrix, angular_velocity):
+    def pull(t: Any, rotation_matrix: Any, angular_velocity: Any) -> list[Any]:
         x, y, z = rotation_matrix[2]  # the ecliptic's pole n, in body axes
         return [-strength * z * y, strength * z * x, 0.0]  # e3 x n = (-y, x, 0)
 

@@ -6,6 +6,7 @@ and flies; where it meets the curve again from that side it lands ("land").
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import rbdyn as rb
@@ -13,7 +14,7 @@ import rbdyn as rb
 RADIUS, GRAVITY = 1.0, 9.81
 
 
-def sphere():
+def sphere() -> tuple[rb.Trajectory, rb.BodyHandle]:
     """Off the sphere and down to the ground, with the closed form beside it."""
     scene = rb.Scene(gravity=[0, 0, -GRAVITY])
     circle = rb.Circle(radius=RADIUS, start=[0, 0, 1], toward=[1, 0, 0])
@@ -38,7 +39,7 @@ def sphere():
     return run, bead
 
 
-def loop():
+def loop() -> tuple[rb.Trajectory, rb.BodyHandle]:
     """Round the inside of a loop, too slow for its top: the bead leaves, flies across, and lands on the loop again."""
     scene = rb.Scene(gravity=[0, 0, -GRAVITY])
     circle = rb.Circle(radius=RADIUS, start=[0, 0, -1], toward=[1, 0, 0])
@@ -58,15 +59,15 @@ def loop():
     return run, bead
 
 
-def figure(motions, path):
+def figure(motions: dict[str, tuple[rb.Trajectory, rb.BodyHandle]], path: str) -> None:
     try:
         import matplotlib
-
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
+        import matplotlib.pyplot
     except ImportError:
         print("no figure: matplotlib is not installed")
         return
+    matplotlib.use("Agg")
+    plt: Any = matplotlib.pyplot
     figure, axes = plt.subplots(1, len(motions), figsize=(9, 4.5), layout="constrained")
     for ax, (title, (run, bead)) in zip(axes, motions.items(), strict=True):
         around = np.linspace(0, 2 * np.pi, 200)

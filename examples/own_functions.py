@@ -3,7 +3,9 @@
 Each is plain NumPy, recorded once; then no Python runs during the integration. What cannot be recorded is called back.
 """
 
+import importlib
 import math
+from typing import Any
 
 import numpy as np
 import rbdyn as rb
@@ -11,7 +13,7 @@ import rbdyn as rb
 GRAVITY = [0, 0, -9.81]
 
 
-def curve():
+def curve() -> None:
     """Any smooth curve r(u); arc length is not needed."""
     scene = rb.Scene(gravity=GRAVITY)
     track = rb.Rail(rb.Curve(lambda u: [u, np.sin(u), 0.2 * u**2], domain=(-4, 4)))
@@ -23,17 +25,17 @@ def curve():
     assert run.statistics.python_calls == 0
 
 
-def force():
+def force() -> None:
     """f(t, position, velocity): both sides of an `if` are recorded, and where it changes is an event."""
     scene = rb.Scene(gravity=GRAVITY)
     ball = scene.add(rb.Particle(mass=0.5), position=[0, 0, 1.0])
 
-    def cushion(t, position, velocity):
+    def cushion(t: Any, position: Any, velocity: Any) -> Any:
         depth = -position[2]
         push = 400.0 * depth if depth > 0 else 0.0
         return np.array([0.0, 0.0, push])
 
-    def wind(t, position, velocity):
+    def wind(t: Any, position: Any, velocity: Any) -> Any:
         return np.where(position[2] > 0.5, [0.2, 0.0, 0.0], 0.0)
 
     scene.apply(rb.Force(cushion), ball)
@@ -45,7 +47,7 @@ def force():
     print(*rb.plan(scene).functions, sep="\n")
 
 
-def potential():
+def potential() -> None:
     """U(position) in joules; the force is +grad U, derived exactly, and U is part of the energy."""
     scene = rb.Scene()
     planet = scene.add(rb.Particle(mass=1.0), position=[1, 0, 0], velocity=[0, 1.2, 0])
@@ -54,7 +56,7 @@ def potential():
     assert run.drift["energy"] < 1e-12
 
 
-def drive():
+def drive() -> None:
     """The surface of a rail slides with a speed that is a function of time."""
     scene = rb.Scene(gravity=GRAVITY)
     belt = rb.Rail(rb.Line([1, 0, 0]), friction=rb.Coulomb(0.5), drive=lambda t: 2.0 * t**2)
@@ -65,11 +67,11 @@ def drive():
     assert math.isclose(slip, 0.5 * 9.81 / 4, rel_tol=1e-10)
 
 
-def moving_rail():
+def moving_rail() -> None:
     """A rail that moves as a rigid body: here a straight tube that turns about the vertical."""
     rate = 1.5
 
-    def turn(t):
+    def turn(t: Any) -> Any:
         c, s = np.cos(rate * t), np.sin(rate * t)
         return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
@@ -79,13 +81,13 @@ def moving_rail():
     assert math.isclose(run[bead].parameter(2.0), 0.2 * math.cosh(rate * 2.0), rel_tol=1e-8)
 
 
-def watched():
+def watched() -> None:
     """A function of the motion: its zeros are events that are recorded, stop the run, or change the state."""
     scene = rb.Scene(gravity=GRAVITY)
     ball = scene.add(rb.Particle(mass=0.5), velocity=[1.0, 0, 5.0])
     apex = scene.watch("apex", lambda now: now[ball].velocity[2], direction="falling")
 
-    def bounce(now):
+    def bounce(now: rb.Now) -> dict[rb.BodyHandle, dict[str, list[float]]]:
         vx, vy, vz = now[ball].velocity
         return {ball: {"velocity": [vx, vy, -0.8 * vz]}}
 
@@ -99,13 +101,13 @@ def watched():
     print(*run.events, sep="\n")
 
 
-def integral():
+def integral() -> None:
     """A first integral of one's own: its drift is reported with those of the library."""
     scene = rb.Scene()
     planet = scene.add(rb.Particle(mass=1.0), position=[1, 0, 0], velocity=[0, 1.2, 0])
     scene.apply(rb.Potential(lambda position: 1.0 / np.linalg.norm(position)), planet)
 
-    def eccentricity(now):
+    def eccentricity(now: rb.Now) -> Any:
         r, v = now[planet].position, now[planet].velocity
         return np.linalg.norm(np.cross(v, np.cross(r, v)) - r / np.linalg.norm(r))
 
@@ -114,12 +116,12 @@ def integral():
     assert run.drift["eccentricity"] < 1e-9
 
 
-def parameter():
+def parameter() -> None:
     """A number used by reference: a sweep records nothing anew."""
     resistance = rb.parameter(0.0, "resistance")
-    calls = []
+    calls: list[Any] = []
 
-    def drag(t, position, velocity):
+    def drag(t: Any, position: Any, velocity: Any) -> Any:
         calls.append(t)
         return -resistance * np.linalg.norm(velocity) * velocity
 
@@ -133,7 +135,7 @@ def parameter():
     assert len(calls) == 1
 
 
-def called_back():
+def called_back() -> None:
     """What cannot be recorded is called back: slower, but it works, and the plan says which line is why."""
     scene = rb.Scene()
     ball = scene.add(rb.Particle(mass=1.0))
@@ -144,26 +146,25 @@ def called_back():
     print(*rb.plan(scene).functions, sep="\n")
 
 
-def compiled():
+def compiled() -> None:
     """What numba has compiled is called by its address, without Python; a SciPy LowLevelCallable likewise."""
     try:
-        import numba
+        numba: Any = importlib.import_module("numba")
     except ImportError:
         print("compiled functions: skipped, numba is not installed")
         return
     doubles = numba.types.CPointer(numba.float64)
 
-    @numba.cfunc(numba.void(numba.float64, doubles, doubles, doubles))
-    def drag(t, position, velocity, force):
+    def drag(t: Any, position: Any, velocity: Any, force: Any) -> None:
         speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2 + velocity[2] ** 2)
         for i in range(3):
             force[i] = -0.1 * speed * velocity[i]
 
-    loads = [rb.Force(drag)]
+    native: Any = numba.cfunc(numba.void(numba.float64, doubles, doubles, doubles))(drag)
+    loads = [rb.Force(native)]
     try:
-        from scipy import LowLevelCallable
-
-        loads.append(rb.Force(LowLevelCallable(drag.ctypes)))
+        scipy: Any = importlib.import_module("scipy")
+        loads.append(rb.Force(scipy.LowLevelCallable(native.ctypes)))
     except ImportError:
         print("LowLevelCallable: skipped, SciPy is not installed")
     for load in loads:

@@ -8,12 +8,15 @@ swing then loads the bearing with a torque that does not show in the motion.
 import math
 
 import numpy as np
+import numpy.typing as npt
 import rbdyn as rb
+
+Vector = npt.NDArray[np.float64]
 
 GRAVITY, AMPLITUDE = 9.80665, math.radians(5)
 
 
-def pendulum(where):
+def pendulum(where: float) -> rb.RigidBody:
     """A bar from 0 to -1.2 m with a heavy weight near its lower end and a light one at `where`."""
     bar = rb.shapes.box(mass=1.1, size=[0.03, 0.01, 1.2]).shifted([0, 0, -0.6])
     heavy = rb.shapes.cylinder(mass=2.5, radius=0.05, height=0.02, axis=[0, 1, 0]).shifted([0, 0, -1.1])
@@ -24,7 +27,7 @@ def pendulum(where):
 EDGES = (np.array([0, 0, -0.05]), np.array([0, 0, -1.0]))  # 0.95 m apart
 
 
-def swing(body, edge, until=20.0):
+def swing(body: rb.RigidBody, edge: Vector, until: float = 20.0) -> tuple[rb.Trajectory, rb.BodyHandle]:
     """Hung on an edge, let go 5 degrees from the lowest place; upside down on the lower edge."""
     scene = rb.Scene(gravity=[0, 0, -GRAVITY])
     lowest = 0.0 if body.com[2] < edge[2] else math.pi
@@ -33,17 +36,17 @@ def swing(body, edge, until=20.0):
     return rb.simulate(scene, until=until, error=1e-12), handle
 
 
-def period(body, edge):
+def period(body: rb.RigidBody, edge: Vector) -> float:
     """Of small oscillations: the measured one over the elliptic integral 2 K(sin(amplitude/2))/pi."""
     run, _ = swing(body, edge)
     times = run.events.times("passes")
     x, y = 1.0, math.cos(AMPLITUDE / 2)
     while abs(x - y) > 1e-15 * x:
         x, y = (x + y) / 2, math.sqrt(x * y)
-    return 2 * (times[-1] - times[0]) / (len(times) - 1) * x
+    return float(2 * (times[-1] - times[0]) / (len(times) - 1) * x)
 
 
-def difference(where):
+def difference(where: float) -> float:
     body = pendulum(where)
     return period(body, EDGES[0]) - period(body, EDGES[1])
 

@@ -6,10 +6,14 @@ over about the handle, again and again, at equal times: half periods of the elli
 """
 
 import math
+from typing import Any
 
-import matplotlib.pyplot as plt
+import matplotlib.pyplot
 import numpy as np
+import numpy.typing as npt
 import rbdyn as rb
+
+Vector = npt.NDArray[np.float64]
 
 hoop = rb.shapes.ring(mass=0.15, radius=0.13, normal=[0, 0, 1]).shifted([0.13, 0, 0])
 handle = rb.shapes.rod(mass=0.12, length=0.4, along=[1, 0, 0]).shifted([-0.2, 0, 0])
@@ -19,7 +23,7 @@ print("moments along the handle, across it, along the normal of the face:", np.r
 assert moments[0] < moments[1] < moments[2] and np.allclose(np.diag(moments), racket.inertia(), atol=1e-17)
 
 
-def from_flip_to_flip(inertia, omega):
+def from_flip_to_flip(inertia: Vector, omega: Vector) -> float:
     """2 K(m)/mu by the arithmetic-geometric mean, for K around the axis of the largest moment or of the least."""
     a, b, c = inertia
     beyond = c * (c - b) * omega[2] ** 2 - a * (b - a) * omega[0] ** 2  # K^2 - 2 E I2
@@ -32,7 +36,9 @@ def from_flip_to_flip(inertia, omega):
     return math.pi / x
 
 
-def thrown(axis, speed=12.0, disturbance=0.02, until=20.0):
+def thrown(
+    axis: int, speed: float = 12.0, disturbance: float = 0.02, until: float = 20.0
+) -> tuple[rb.Trajectory, rb.BodyHandle, Vector]:
     """In weightlessness, about one of the axes, a little disturbed about the others."""
     omega = np.full(3, disturbance)
     omega[axis] = speed
@@ -69,6 +75,7 @@ flight = rb.simulate(scene, until=1.0, error=1e-12)
 print(f"a throw of a second turns it over {np.count_nonzero(times < 1.0)} times")
 assert np.allclose(np.diff(flight[real].center_of_mass_velocity([0, 1.0])[:, 2]), -9.81)
 
+plt: Any = matplotlib.pyplot
 figure = plt.figure(figsize=(11, 4), layout="constrained")
 left, right = figure.add_subplot(121), figure.add_subplot(122, projection="3d")
 t = np.linspace(0, 8, 4000)

@@ -12,14 +12,14 @@ hoop = rb.Rail(circle, motion=lambda t: [0.0, 0.0, shake * np.sin(rate * t)])
 bead = scene.add(rb.Particle(mass=0.01), hoop, parameter=0.05)
 
 
-def run_with(value):
+def run_with(value: float) -> rb.Trajectory:
     shake.value = value
     return rb.simulate(scene, 5.0, error=1e-6)
 
 
-def strays(run):
+def strays(run: rb.Trajectory) -> float:
     """The largest angle from the top [rad]."""
-    return np.max(np.abs(run[bead].parameter(np.linspace(0.0, run.end, 2001))))
+    return float(np.max(np.abs(run[bead].parameter(np.linspace(0.0, run.end, 2001)))))
 
 
 planned = 0

@@ -5,8 +5,9 @@ compared with their closed forms; the picture shows the path of the axis from ab
 """
 
 import math
+from typing import Any
 
-import matplotlib.pyplot as plt
+import matplotlib.pyplot
 import numpy as np
 import rbdyn as rb
 
@@ -21,7 +22,7 @@ start = rb.EulerAngles(theta=TILT, psi=0.0, phi=0.0)
 top = scene.add(cone, rb.Spherical(), attitude=start, angular_velocity=[0, 0, SPIN], name="top")
 
 
-def climb(now):
+def climb(now: rb.Now) -> Any:
     """d(cos theta)/dt, from R' = R [omega]x."""
     r, w = now[top].rotation_matrix, now[top].angular_velocity
     return r[2, 0] * w[1] - r[2, 1] * w[0]
@@ -70,6 +71,7 @@ assert abs(motion.reaction_torque(cusps)).max() < 1e-15
 print("first integrals, largest departure:", {name: f"{size:.1e}" for name, size in run.drift.items()})
 assert set(run.drift) == {"energy", "vertical angular momentum", "spin"} and max(run.drift.values()) < 1e-13
 
+plt: Any = matplotlib.pyplot
 figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4), layout="constrained")
 t = np.linspace(0, run.end, 4000)
 tip = motion.rotation_matrix(t)[:, :, 2]

@@ -3,7 +3,7 @@
 SI units, radians, world axes unless a name says otherwise. A scene is data; simulate() runs it.
 """
 
-from rbdyn import shapes
+from rbdyn import shapes, signatures
 from rbdyn._core import (
     BodyHandle,
     BodyMotion,
@@ -159,3 +159,6 @@ __all__ = [
     "simulate",
     "where",
 ]
+
+signatures.give()
+del signatures

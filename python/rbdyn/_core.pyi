@@ -5,11 +5,32 @@ from __future__ import annotations
 import collections.abc
 import numpy
 import numpy.typing
+import os
 import rbdyn.frames
 import rbdyn.sample
-import scipy.spatial.transform
 import typing
 __all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+class _HasAddress(typing.Protocol):
+    @property
+    def address(self) -> int: ...
+_Number: typing.TypeAlias = float | numpy.floating[typing.Any] | numpy.integer[typing.Any]
+_Numbers: typing.TypeAlias = (
+    numpy.typing.NDArray[typing.Any]
+    | collections.abc.Sequence[float]
+    | collections.abc.Sequence[collections.abc.Sequence[float]]
+)
+_Attitude: typing.TypeAlias = numpy.typing.ArrayLike | EulerAngles | typing.Any
+_End: typing.TypeAlias = BodyHandle | BodyPoint | numpy.typing.ArrayLike
+_Vector: typing.TypeAlias = numpy.typing.ArrayLike | collections.abc.Sequence[float | Parameter]
+_Function: typing.TypeAlias = collections.abc.Callable[..., typing.Any]
+_Of1: typing.TypeAlias = collections.abc.Callable[[typing.Any], typing.Any]
+_Of3: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any, typing.Any], typing.Any]
+_Of7: typing.TypeAlias = collections.abc.Callable[
+    [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
+]
+_Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
+_Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
+_Engine: typing.TypeAlias = typing.Literal['auto', 'closed form', 'taylor', 'dop853', 'cvode-adams', 'cvode-bdf']
 class Condition:
     """
     A comparison of recorded numbers, or several joined by & | ~ ^.
@@ -21,9 +42,9 @@ class Condition:
         ...
     def __and__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __array_function__(self, *args, **kwargs) -> typing.Any:
+    def __array_function__(self, *args: typing.Any, **kwargs: typing.Any) -> typing.Any:
         ...
-    def __array_ufunc__(self, *args, **kwargs) -> typing.Any:
+    def __array_ufunc__(self, *args: typing.Any, **kwargs: typing.Any) -> typing.Any:
         ...
     def __bool__(self) -> bool:
         ...
@@ -54,7 +75,9 @@ class Condition:
     def __xor__(self, arg0: typing.Any) -> typing.Any:
         ...
     def logical_not(self) -> typing.Any:
-        ...
+        """
+        Whether it does not hold.
+        """
 class Expression:
     """
     A number that is being recorded: what a function of the user's is called with instead of a float.
@@ -63,14 +86,14 @@ class Expression:
     abs, a length at zero, floor) become events that are located. Its value is not known: float(), == and the functions of
     math raise InvalidInput.
     """
-    __hash__: typing.ClassVar[None] = None
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
     def __abs__(self) -> Expression:
         ...
     def __add__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __array_function__(self, *args, **kwargs) -> typing.Any:
+    def __array_function__(self, *args: typing.Any, **kwargs: typing.Any) -> typing.Any:
         ...
-    def __array_ufunc__(self, *args, **kwargs) -> typing.Any:
+    def __array_ufunc__(self, *args: typing.Any, **kwargs: typing.Any) -> typing.Any:
         ...
     def __bool__(self) -> bool:
         ...
@@ -135,85 +158,165 @@ class Expression:
     def __trunc__(self) -> Expression:
         ...
     def absolute(self) -> Expression:
-        ...
+        """
+        numpy.absolute of it.
+        """
     def arccos(self) -> Expression:
-        ...
+        """
+        numpy.arccos of it.
+        """
     def arccosh(self) -> Expression:
-        ...
+        """
+        numpy.arccosh of it.
+        """
     def arcsin(self) -> Expression:
-        ...
+        """
+        numpy.arcsin of it.
+        """
     def arcsinh(self) -> Expression:
-        ...
+        """
+        numpy.arcsinh of it.
+        """
     def arctan(self) -> Expression:
-        ...
+        """
+        numpy.arctan of it.
+        """
     def arctan2(self, arg0: typing.Any) -> typing.Any:
-        ...
+        """
+        numpy.arctan2 of it and another.
+        """
     def arctanh(self) -> Expression:
-        ...
+        """
+        numpy.arctanh of it.
+        """
     def cbrt(self) -> Expression:
-        ...
+        """
+        numpy.cbrt of it.
+        """
     def ceil(self) -> Expression:
-        ...
+        """
+        numpy.ceil of it.
+        """
     def conjugate(self) -> Expression:
-        ...
+        """
+        numpy.conjugate of it.
+        """
     def cos(self) -> Expression:
-        ...
+        """
+        numpy.cos of it.
+        """
     def cosh(self) -> Expression:
-        ...
+        """
+        numpy.cosh of it.
+        """
     def deg2rad(self) -> Expression:
-        ...
+        """
+        numpy.deg2rad of it.
+        """
     def degrees(self) -> Expression:
-        ...
+        """
+        numpy.degrees of it.
+        """
     def exp(self) -> Expression:
-        ...
+        """
+        numpy.exp of it.
+        """
     def exp2(self) -> Expression:
-        ...
+        """
+        numpy.exp2 of it.
+        """
     def expm1(self) -> Expression:
-        ...
+        """
+        numpy.expm1 of it.
+        """
     def fabs(self) -> Expression:
-        ...
+        """
+        numpy.fabs of it.
+        """
     def floor(self) -> Expression:
-        ...
+        """
+        numpy.floor of it.
+        """
     def fmod(self, arg0: typing.Any) -> typing.Any:
-        ...
+        """
+        numpy.fmod of it and another.
+        """
     def hypot(self, arg0: typing.Any) -> typing.Any:
-        ...
+        """
+        numpy.hypot of it and another.
+        """
     def log(self) -> Expression:
-        ...
+        """
+        numpy.log of it.
+        """
     def log10(self) -> Expression:
-        ...
+        """
+        numpy.log10 of it.
+        """
     def log1p(self) -> Expression:
-        ...
+        """
+        numpy.log1p of it.
+        """
     def log2(self) -> Expression:
-        ...
+        """
+        numpy.log2 of it.
+        """
     def negative(self) -> Expression:
-        ...
+        """
+        numpy.negative of it.
+        """
     def positive(self) -> Expression:
-        ...
+        """
+        numpy.positive of it.
+        """
     def rad2deg(self) -> Expression:
-        ...
+        """
+        numpy.rad2deg of it.
+        """
     def radians(self) -> Expression:
-        ...
+        """
+        numpy.radians of it.
+        """
     def reciprocal(self) -> Expression:
-        ...
+        """
+        numpy.reciprocal of it.
+        """
     def rint(self) -> Expression:
-        ...
+        """
+        numpy.rint of it.
+        """
     def sign(self) -> Expression:
-        ...
+        """
+        numpy.sign of it.
+        """
     def sin(self) -> Expression:
-        ...
+        """
+        numpy.sin of it.
+        """
     def sinh(self) -> Expression:
-        ...
+        """
+        numpy.sinh of it.
+        """
     def sqrt(self) -> Expression:
-        ...
+        """
+        numpy.sqrt of it.
+        """
     def square(self) -> Expression:
-        ...
+        """
+        numpy.square of it.
+        """
     def tan(self) -> Expression:
-        ...
+        """
+        numpy.tan of it.
+        """
     def tanh(self) -> Expression:
-        ...
+        """
+        numpy.tanh of it.
+        """
     def trunc(self) -> Expression:
-        ...
+        """
+        numpy.trunc of it.
+        """
 class Parameter:
     """
     A number that functions use by reference.
@@ -229,17 +332,29 @@ class Parameter:
         ...
     def __add__(self, arg0: typing.Any) -> typing.Any:
         ...
-    def __array_function__(self, *args, **kwargs) -> typing.Any:
+    def __array_function__(self, *args: typing.Any, **kwargs: typing.Any) -> typing.Any:
         ...
-    def __array_ufunc__(self, *args, **kwargs) -> typing.Any:
+    def __array_ufunc__(self, *args: typing.Any, **kwargs: typing.Any) -> typing.Any:
+        ...
+    def __bool__(self) -> bool:
+        ...
+    def __ceil__(self) -> typing.Any:
+        ...
+    def __divmod__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __eq__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __float__(self) -> float:
+        ...
+    def __floor__(self) -> typing.Any:
         ...
     def __floordiv__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __ge__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __gt__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __hash__(self) -> int:
         ...
     def __le__(self, arg0: typing.Any) -> typing.Any:
         ...
@@ -257,6 +372,8 @@ class Parameter:
         ...
     def __radd__(self, arg0: typing.Any) -> typing.Any:
         ...
+    def __rdivmod__(self, arg0: typing.Any) -> typing.Any:
+        ...
     def __reduce__(self) -> tuple[typing.Any, tuple[float, str]]:
         ...
     def __repr__(self) -> str:
@@ -266,6 +383,8 @@ class Parameter:
     def __rmod__(self, arg0: typing.Any) -> typing.Any:
         ...
     def __rmul__(self, arg0: typing.Any) -> typing.Any:
+        ...
+    def __round__(self, ndigits: typing.Any = None) -> typing.Any:
         ...
     def __rpow__(self, arg0: typing.Any) -> typing.Any:
         ...
@@ -277,9 +396,13 @@ class Parameter:
         ...
     def __truediv__(self, arg0: typing.Any) -> typing.Any:
         ...
+    def __trunc__(self) -> typing.Any:
+        ...
     @property
     def name(self) -> str:
-        ...
+        """
+        As it was given; empty if it was not.
+        """
     @property
     def value(self) -> typing.Any:
         """
@@ -298,7 +421,7 @@ class Function:
     Recorded by calling f once, or once for each side of an `if`. Data: it can be printed, compared, copied and pickled, and
     given wherever a function with its inputs is taken. Raises InvalidInput if f cannot be recorded.
     """
-    def __call__(self, *args) -> typing.Any:
+    def __call__(self, *args: typing.Any) -> typing.Any:
         """
         One number for one result, a tuple for several.
 
@@ -312,7 +435,7 @@ class Function:
         """
         f: of `inputs` numbers, by default as many as it has parameters; returns a number, or an array of them.
         """
-    def __reduce__(self) -> tuple[typing.Any, tuple]:
+    def __reduce__(self) -> tuple[typing.Any, tuple[typing.Any, ...]]:
         ...
     def __repr__(self) -> str:
         ...
@@ -337,7 +460,7 @@ class UserFunction:
     """
     How a function of the user's is run: recorded, or called back, and why.
     """
-    def __call__(self, *args) -> typing.Any:
+    def __call__(self, *args: typing.Any) -> typing.Any:
         """
         Its results for numbers.
         """
@@ -355,7 +478,9 @@ class UserFunction:
         """
     @property
     def name(self) -> str:
-        ...
+        """
+        Of the function.
+        """
     @property
     def reason(self) -> str:
         """
@@ -377,17 +502,21 @@ class Curve:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, function: typing.Any, domain: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] | None = None, closed: bool = False) -> None:
+    def __init__(self, function: _Of1 | Function, domain: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex] | None = None, closed: bool = False) -> None:
         """
         function: of u, gives the three components of r(u) [m], in plain Python and NumPy; it is called once and
         recorded, with its derivatives. domain: first and last parameter; without it the curve has no ends. closed: it ends
         where it began, in r and r', and its parameter counts on; domain is one round.
         """
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[typing.Any, ...]:
         ...
     def __repr__(self) -> str:
         ...
-    def curvature(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def curvature(self, u: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def curvature(self, u: _Number) -> float:
         """
         1/rho of eq. 7.10 [1/m]; 0 where straight. Raises InvalidInput at a cusp.
         """
@@ -397,7 +526,11 @@ class Curve:
 
         On a straight stretch the frame of least rotation. Raises InvalidInput at a cusp.
         """
-    def length(self, u0: numpy.typing.ArrayLike, u1: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def length(self, u0: _Numbers, u1: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def length(self, u0: _Number, u1: _Number) -> float:
         """
         Arc length from u0 to u1, negative if u1 < u0 [m]. Arrays are broadcast.
         """
@@ -405,7 +538,11 @@ class Curve:
         """
         r(u), (3,) or (n, 3) [m].
         """
-    def torsion(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def torsion(self, u: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def torsion(self, u: _Number) -> float:
         """
         Torsion [1/m], positive for a right-handed helix; 0 where straight.
         """
@@ -436,10 +573,14 @@ class Line(Curve):
         ...
     @property
     def direction(self) -> typing.Any:
-        ...
+        """
+        Of its tangent (3,), as given.
+        """
     @property
     def point(self) -> typing.Any:
-        ...
+        """
+        Where u = 0 (3,) [m].
+        """
 class Circle(Curve):
     """
     A circle by its angle: r(u) = center + radius (cos u start + sin u toward); the angle counts on.
@@ -453,16 +594,24 @@ class Circle(Curve):
         ...
     @property
     def center(self) -> typing.Any:
-        ...
+        """
+        (3,) [m].
+        """
     @property
     def radius(self) -> float:
-        ...
+        """
+        [m]
+        """
     @property
     def start(self) -> typing.Any:
-        ...
+        """
+        Direction from the center to u = 0 (3,), as given.
+        """
     @property
     def toward(self) -> typing.Any:
-        ...
+        """
+        Direction to the side on which u grows (3,), as given.
+        """
 class Helix(Curve):
     """
     A circular helix by its angle: r(u) = center + radius (cos u start + sin u toward) + pitch/(2 pi) u axis.
@@ -477,19 +626,29 @@ class Helix(Curve):
         ...
     @property
     def center(self) -> typing.Any:
-        ...
+        """
+        (3,) [m].
+        """
     @property
     def pitch(self) -> float:
-        ...
+        """
+        [m] a turn.
+        """
     @property
     def radius(self) -> float:
-        ...
+        """
+        [m]
+        """
     @property
     def start(self) -> typing.Any:
-        ...
+        """
+        Direction from the center to u = 0 (3,), as given.
+        """
     @property
     def toward(self) -> typing.Any:
-        ...
+        """
+        Direction to the side on which u grows (3,), as given.
+        """
 class Polynomial(Curve):
     """
     A polynomial curve: r(u) = sum of c_k u^k.
@@ -503,7 +662,9 @@ class Polynomial(Curve):
         ...
     @property
     def coefficients(self) -> numpy.typing.NDArray[numpy.float64]:
-        ...
+        """
+        In increasing powers of u (n, 3) [m].
+        """
 class Parabola(Curve):
     """
     A parabola by the distance along its tangent at the vertex: r(u) = vertex + u x + a u^2 y.
@@ -517,16 +678,24 @@ class Parabola(Curve):
         ...
     @property
     def a(self) -> float:
-        ...
+        """
+        [1/m].
+        """
     @property
     def vertex(self) -> typing.Any:
-        ...
+        """
+        Where u = 0 (3,) [m].
+        """
     @property
     def x(self) -> typing.Any:
-        ...
+        """
+        Direction of the tangent at the vertex (3,), as given.
+        """
     @property
     def y(self) -> typing.Any:
-        ...
+        """
+        Direction across it (3,), as given.
+        """
 class Cycloid(Curve):
     """
     A cycloid by the angle of its rolling circle: r(u) = vertex + radius ((u + sin u) x + (1 - cos u) y).
@@ -542,16 +711,24 @@ class Cycloid(Curve):
         ...
     @property
     def radius(self) -> float:
-        ...
+        """
+        [m]
+        """
     @property
     def vertex(self) -> typing.Any:
-        ...
+        """
+        Where u = 0 (3,) [m].
+        """
     @property
     def x(self) -> typing.Any:
-        ...
+        """
+        Direction of the tangent at the vertex (3,), as given.
+        """
     @property
     def y(self) -> typing.Any:
-        ...
+        """
+        Direction across it (3,), as given.
+        """
 class Spline(Curve):
     """
     A cubic spline through points, r(k) = points[k]; C2, not-a-knot at its ends.
@@ -568,10 +745,14 @@ class Spline(Curve):
         ...
     @property
     def points(self) -> numpy.typing.NDArray[numpy.float64]:
-        ...
+        """
+        At u = 0 .. n-1 (n, 3) [m].
+        """
     @property
     def slopes(self) -> dict[int, numpy.typing.NDArray[numpy.float64]]:
-        ...
+        """
+        {index of a point: r' there} [m].
+        """
 class EulerAngles:
     """
     Nutation theta, precession psi, proper rotation phi [rad].
@@ -581,7 +762,7 @@ class EulerAngles:
     derivatives are in the order theta, psi, phi.
     """
     @staticmethod
-    def of(attitude: numpy.typing.ArrayLike | EulerAngles | scipy.spatial.transform.Rotation, *, previous: EulerAngles | None = None) -> EulerAngles:
+    def of(attitude: _Attitude, *, previous: EulerAngles | None = None) -> EulerAngles:
         """
         The angles of an attitude: a quaternion (w, x, y, z), a matrix (3, 3), EulerAngles or a scipy Rotation.
 
@@ -600,11 +781,11 @@ class EulerAngles:
         """
         theta, psi, phi [rad].
         """
-    def __iter__(self) -> collections.abc.Iterator:
+    def __iter__(self) -> collections.abc.Iterator[typing.Any]:
         ...
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def angular_acceleration(self, rates: numpy.typing.ArrayLike, second: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -668,11 +849,11 @@ class RigidBody:
         ...
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex, inertia: numpy.typing.ArrayLike, *, com: numpy.typing.ArrayLike = (0, 0, 0), inertia_about: str = 'com') -> None:
+    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex, inertia: numpy.typing.ArrayLike, *, com: numpy.typing.ArrayLike = (0, 0, 0), inertia_about: typing.Literal['com', 'origin'] = 'com') -> None:
         """
         mass: [kg], positive.
 
@@ -686,7 +867,7 @@ class RigidBody:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def gyroscope_axis(self, rtol: typing.SupportsFloat | typing.SupportsIndex = 1e-09) -> numpy.typing.NDArray[numpy.float64] | None:
         """
@@ -700,7 +881,7 @@ class RigidBody:
         from the axis to the centre of mass, across it. couple (3,) [kg m^2]: e x I e, with I about the point. Turning at a rate
         w the bearings exert the force -w^2 offset and about the point the moment w^2 couple, body axes.
         """
-    def inertia(self, about: str | numpy.typing.ArrayLike = 'com') -> numpy.typing.NDArray[numpy.float64]:
+    def inertia(self, about: typing.Literal['com', 'origin'] | numpy.typing.ArrayLike = 'com') -> numpy.typing.NDArray[numpy.float64]:
         """
         The matrix of inertia about "com", "origin" or a point (3,) [m]; body axes, (3, 3) [kg m^2].
 
@@ -717,13 +898,13 @@ class RigidBody:
         """
         Whether two principal moments about the centre of mass differ by at most rtol, relative (Def. 7.4).
         """
-    def principal(self, about: str | numpy.typing.ArrayLike = 'com') -> rbdyn.frames.PrincipalAxes:
+    def principal(self, about: typing.Literal['com', 'origin'] | numpy.typing.ArrayLike = 'com') -> rbdyn.frames.PrincipalAxes:
         """
         Principal moments (3,) [kg m^2] and axes about "com", "origin" or a point [m]: a named tuple.
 
         The columns of axes (3, 3) are unit vectors in body axes, right-handed, each the one nearest to its body axis.
         """
-    def rotated(self, attitude: numpy.typing.ArrayLike | EulerAngles | scipy.spatial.transform.Rotation) -> RigidBody:
+    def rotated(self, attitude: _Attitude) -> RigidBody:
         """
         Turned about the origin of its axes: what lay along v lies along R v.
 
@@ -760,6 +941,8 @@ class PoinsotMotion:
     About the centre of mass of a free body, or about a point of it that is held where no moment acts. Body axes; the
     world's are those of the body at the start.
     """
+    def __getstate__(self) -> tuple[RigidBody, tuple[typing.Any, ...], typing.Any]:
+        ...
     def __init__(self, body: RigidBody, angular_velocity: numpy.typing.ArrayLike, *, point: numpy.typing.ArrayLike | None = None) -> None:
         """
         angular_velocity (3,) [rad/s], body axes; point (3,) [m], body axes: the centre of mass by default.
@@ -767,6 +950,8 @@ class PoinsotMotion:
         Raises InvalidInput for a body without three moments of inertia there.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def herpolhode(self, count: typing.SupportsInt | typing.SupportsIndex = 200, until: typing.SupportsFloat | typing.SupportsIndex | None = None) -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -791,7 +976,8 @@ class PoinsotMotion:
     @property
     def is_permanent(self) -> bool:
         """
-        Whether the angular velocity stays as it is (Thm 7.12).
+        Whether the angular velocity stays as it is (Thm 7.12), within the rounding of axes that were computed:
+        |I omega x omega| at most 1e-12 of |I omega| |omega|.
         """
     @property
     def kind(self) -> str:
@@ -837,24 +1023,28 @@ class Coulomb:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float, float]:
+    def __getstate__(self) -> tuple[float | Parameter, float | Parameter]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, mu_static: typing.SupportsFloat | typing.SupportsIndex, mu_dynamic: typing.SupportsFloat | typing.SupportsIndex | None = None) -> None:
+    def __init__(self, mu_static: float | Parameter, mu_dynamic: float | Parameter | None = None) -> None:
         """
         mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
-    def mu_dynamic(self) -> float:
-        ...
+    def mu_dynamic(self) -> float | Parameter:
+        """
+        Sliding.
+        """
     @property
-    def mu_static(self) -> float:
-        ...
+    def mu_static(self) -> float | Parameter:
+        """
+        At rest.
+        """
 class Rail:
     """
     A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
@@ -868,7 +1058,7 @@ class Rail:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | collections.abc.Callable = 0.0, motion: collections.abc.Callable | None = None, side: str = 'both', ends: str = 'stop') -> None:
+    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | Parameter | _Of1 | Function = 0.0, motion: _Of1 | Function | None = None, side: typing.Literal['both', '+', '-'] = 'both', ends: typing.Literal['stop', 'release'] = 'stop') -> None:
         """
         friction: Coulomb, or none.
 
@@ -889,15 +1079,21 @@ class Rail:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
-    def drive(self, t: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def drive(self, t: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def drive(self, t: _Number) -> float:
         """
         The speed of the rail's surface along itself at a time [m/s].
         """
     @property
     def curve(self) -> Curve:
-        ...
+        """
+        What it follows.
+        """
     @property
     def ends(self) -> str:
         """
@@ -924,20 +1120,20 @@ class Particle:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float]:
+    def __getstate__(self) -> tuple[float | Parameter]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, mass: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, mass: float | Parameter) -> None:
         """
-        mass [kg], positive and finite.
+        mass [kg], positive and finite; a number, or rb.parameter.
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
-    def mass(self) -> float:
+    def mass(self) -> float | Parameter:
         """
         [kg]
         """
@@ -950,7 +1146,7 @@ class Free:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __hash__(self) -> int:
         ...
@@ -958,7 +1154,7 @@ class Free:
         ...
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
 class Spherical:
     """
@@ -968,7 +1164,7 @@ class Spherical:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple, tuple]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...]]:
         ...
     def __hash__(self) -> int:
         ...
@@ -978,7 +1174,7 @@ class Spherical:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def at(self) -> typing.Any:
@@ -999,7 +1195,7 @@ class Revolute:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple, tuple, tuple]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
         ...
     def __hash__(self) -> int:
         ...
@@ -1010,7 +1206,7 @@ class Revolute:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def at(self) -> typing.Any:
@@ -1035,7 +1231,7 @@ class Prismatic:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple, tuple, tuple]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
         ...
     def __hash__(self) -> int:
         ...
@@ -1046,7 +1242,7 @@ class Prismatic:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def at(self) -> typing.Any:
@@ -1069,14 +1265,14 @@ class Force:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'world', trace: bool | None = None) -> None:
+    def __init__(self, f: _Vector | _Of3 | _Of7 | _Compiled, *, frame: typing.Literal['world', 'body'] = 'world', trace: bool | None = None) -> None:
         """
-        f: a vector [N], or f(t, position, velocity) that returns one; with seven parameters
-        f(t, x, y, z, vx, vy, vz). Position and velocity are those of the point it acts at, world axes. A C function,
+        f: a vector [N], numbers of which may be rb.parameter, or f(t, position, velocity) that returns one; with
+        seven parameters f(t, x, y, z, vx, vy, vz). Position and velocity are those of the point it acts at, world axes. A C function,
         void (double t, double *position, double *velocity, double *force), is given as a numba cfunc, a SciPy LowLevelCallable
         or a ctypes function pointer.
 
@@ -1088,7 +1284,7 @@ class Force:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def frame(self) -> str:
@@ -1116,11 +1312,11 @@ class Torque:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, f: numpy.typing.ArrayLike | collections.abc.Callable, *, frame: str = 'body', trace: bool | None = None) -> None:
+    def __init__(self, f: _Vector | _Of3 | _Compiled, *, frame: typing.Literal['world', 'body'] = 'body', trace: bool | None = None) -> None:
         """
         f: a vector [N m], or f(t, rotation_matrix, angular_velocity) that returns one. The matrix (3, 3) turns body axes
         into the world's; the angular velocity [rad/s] is in the axes of the torque. A C function, void (double t,
@@ -1130,7 +1326,7 @@ class Torque:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def frame(self) -> str:
@@ -1160,30 +1356,30 @@ class TorsionSpring:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float, float, float]:
+    def __getstate__(self) -> tuple[float | Parameter, float | Parameter, float | Parameter]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex, rest_angle: typing.SupportsFloat | typing.SupportsIndex = 0.0, damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+    def __init__(self, stiffness: float | Parameter, rest_angle: float | Parameter = 0.0, damping: float | Parameter = 0.0) -> None:
         """
         stiffness [N m/rad] and damping [N m s], zero or positive; rest_angle [rad].
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
-    def damping(self) -> float:
+    def damping(self) -> float | Parameter:
         """
         [N m s]
         """
     @property
-    def rest_angle(self) -> float:
+    def rest_angle(self) -> float | Parameter:
         """
         [rad]
         """
     @property
-    def stiffness(self) -> float:
+    def stiffness(self) -> float | Parameter:
         """
         [N m/rad]
         """
@@ -1199,14 +1395,14 @@ class Potential:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, U: typing.Any) -> None:
+    def __init__(self, U: _Of1 | _Of3 | Function) -> None:
         """
         U: U(position), or U(x, y, z), in J; world axes. It is recorded: called once, with an array
         of three expressions. Raises InvalidInput if it cannot be; then a Force may take its place.
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def function(self) -> Function:
@@ -1224,49 +1420,53 @@ class Lorentz:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float, float, float, float]:
+    def __getstate__(self) -> tuple[float | Parameter, float, float, float]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, strength: typing.SupportsFloat | typing.SupportsIndex, field: numpy.typing.ArrayLike) -> None:
+    def __init__(self, strength: float | Parameter, field: numpy.typing.ArrayLike) -> None:
         """
         strength: a charge [C], say; field (3,): the field [T], world axes. Their product is in kg/s.
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def field(self) -> typing.Any:
-        ...
+        """
+        World axes (3,) [T], say.
+        """
     @property
-    def strength(self) -> float:
-        ...
+    def strength(self) -> float | Parameter:
+        """
+        A charge [C], say; strength times field is in kg/s.
+        """
 class Drag:
     """
     Resistance of a medium at rest: -(linear + quadratic |v|) v.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float, float]:
+    def __getstate__(self) -> tuple[float | Parameter, float | Parameter]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, linear: typing.SupportsFloat | typing.SupportsIndex = 0.0, quadratic: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+    def __init__(self, linear: float | Parameter = 0.0, quadratic: float | Parameter = 0.0) -> None:
         """
         linear [kg/s], quadratic [kg/m]; zero or positive.
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
-    def linear(self) -> float:
+    def linear(self) -> float | Parameter:
         """
         [kg/s]
         """
     @property
-    def quadratic(self) -> float:
+    def quadratic(self) -> float | Parameter:
         """
         [kg/m]
         """
@@ -1278,30 +1478,30 @@ class Spring:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float, float, float]:
+    def __getstate__(self) -> tuple[float | Parameter, float | Parameter, float | Parameter]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, stiffness: typing.SupportsFloat | typing.SupportsIndex, rest_length: typing.SupportsFloat | typing.SupportsIndex = 0.0, damping: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> None:
+    def __init__(self, stiffness: float | Parameter, rest_length: float | Parameter = 0.0, damping: float | Parameter = 0.0) -> None:
         """
         stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
-    def damping(self) -> float:
+    def damping(self) -> float | Parameter:
         """
         [kg/s]
         """
     @property
-    def rest_length(self) -> float:
+    def rest_length(self) -> float | Parameter:
         """
         [m]
         """
     @property
-    def stiffness(self) -> float:
+    def stiffness(self) -> float | Parameter:
         """
         [N/m]
         """
@@ -1313,7 +1513,7 @@ class Handle:
     """
     def __copy__(self) -> typing.Any:
         ...
-    def __deepcopy__(self, memo: dict) -> typing.Any:
+    def __deepcopy__(self, memo: dict[typing.Any, typing.Any]) -> typing.Any:
         ...
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
@@ -1323,14 +1523,16 @@ class Handle:
         ...
     @property
     def name(self) -> str:
-        ...
+        """
+        Of what it stands for.
+        """
 class BodyHandle(Handle):
     """
     The handle of a body; run[handle] is a BodyMotion.
     """
     def __getstate__(self) -> tuple[int, int, str]:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def point(self, place: numpy.typing.ArrayLike) -> BodyPoint:
         """
@@ -1342,13 +1544,13 @@ class BodyPoint:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[BodyHandle, tuple]:
+    def __getstate__(self) -> tuple[BodyHandle, tuple[typing.Any, ...]]:
         ...
     def __hash__(self) -> int:
         ...
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def body(self) -> BodyHandle:
@@ -1366,7 +1568,7 @@ class LoadHandle(Handle):
     """
     def __getstate__(self) -> tuple[int, int, str]:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
 class CouplingHandle(Handle):
     """
@@ -1374,7 +1576,7 @@ class CouplingHandle(Handle):
     """
     def __getstate__(self) -> tuple[int, int, str]:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
 class WatchHandle(Handle):
     """
@@ -1382,7 +1584,7 @@ class WatchHandle(Handle):
     """
     def __getstate__(self) -> tuple[int, int, str]:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
 class Scene:
     """
@@ -1390,14 +1592,14 @@ class Scene:
 
     Everything is checked on entry. A run copies its scene; later changes do not touch that run.
     """
-    __hash__: typing.ClassVar[None] = None
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
     def __copy__(self) -> Scene:
         ...
-    def __deepcopy__(self, memo: dict) -> Scene:
+    def __deepcopy__(self, memo: dict[typing.Any, typing.Any]) -> Scene:
         ...
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __init__(self, gravity: numpy.typing.ArrayLike | None = None) -> None:
         """
@@ -1405,9 +1607,9 @@ class Scene:
         """
     def __repr__(self) -> str:
         ...
-    def __setstate__(self, arg0: tuple) -> None:
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
-    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic = ..., *, name: str | None = None, **kwargs) -> BodyHandle:
+    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic = ..., *, name: str | None = None, **kwargs: typing.Any) -> BodyHandle:
         """
         Adds a body with the joint to the ground, and its initial state in the joint's words.
 
@@ -1422,22 +1624,22 @@ class Scene:
         Zero by default, body axes along the world's. Returns a handle. Raises InvalidInput for numbers that break a rule and for
         a joint that cannot hold the body, TypeError for another keyword.
         """
-    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring, handle: Handle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
+    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring, handle: BodyHandle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
         """
         Applies a load to a body. at (3,): the point of a rigid body where it acts, body axes [m]; by default the centre
         of mass. Returns a handle.
         """
-    def connect(self, coupling: Spring, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> CouplingHandle:
+    def connect(self, coupling: Spring, a: _End, b: _End) -> CouplingHandle:
         """
         Joins two ends: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
         or one of them a point of the world (3,) [m]. Returns a handle.
         """
-    def integral(self, name: str, function: typing.Any) -> None:
+    def integral(self, name: str, function: _Watched) -> None:
         """
         A first integral of one's own: function(now) as for watch(). run.drift[name] says how far it departs from its value
         at the start, relative to its largest size.
         """
-    def watch(self, name: str, function: typing.Any, *, direction: str = 'either', action: str | collections.abc.Callable = 'record', trace: bool | None = None) -> WatchHandle:
+    def watch(self, name: str, function: _Watched, *, direction: typing.Literal['either', 'rising', 'falling'] = 'either', action: typing.Literal['record', 'stop'] | _Watched = 'record', trace: bool | None = None) -> WatchHandle:
         """
         Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
 
@@ -1450,7 +1652,7 @@ class Scene:
 
         run[handle].value(t) is its value. Raises InvalidInput for a name that is taken, or a quantity that is not there.
         """
-    def without(self, *args) -> Scene:
+    def without(self, *args: str | LoadHandle | CouplingHandle) -> Scene:
         """
         The same scene without some of what acts in it: names of effects, handles of loads and couplings, several at once.
 
@@ -1492,118 +1694,120 @@ class BodyNow:
 
     World axes, but where body axes are named.
     """
+    def __getattr__(self, arg0: str) -> None:
+        ...
     @property
-    def acceleration(self) -> typing.Any:
+    def acceleration(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of the same (3,) [m/s^2].
         """
     @property
-    def angle(self) -> typing.Any:
+    def angle(self) -> float:
         """
         Of a hinge [rad].
         """
     @property
-    def angular_acceleration(self) -> typing.Any:
+    def angular_acceleration(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         In body axes (3,) [rad/s^2]. Of a rigid body.
         """
     @property
-    def angular_velocity(self) -> typing.Any:
+    def angular_velocity(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         In body axes (3,) [rad/s]. Of a rigid body.
         """
     @property
-    def angular_velocity_world(self) -> typing.Any:
+    def angular_velocity_world(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         In world axes (3,) [rad/s]. Of a rigid body.
         """
     @property
-    def center_of_mass(self) -> typing.Any:
+    def center_of_mass(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of a rigid body (3,) [m].
         """
     @property
-    def center_of_mass_acceleration(self) -> typing.Any:
+    def center_of_mass_acceleration(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of a rigid body (3,) [m/s^2].
         """
     @property
-    def center_of_mass_velocity(self) -> typing.Any:
+    def center_of_mass_velocity(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of a rigid body (3,) [m/s].
         """
     @property
-    def displacement(self) -> typing.Any:
+    def displacement(self) -> float:
         """
         Of a slide [m].
         """
     @property
-    def euler_angles(self) -> typing.Any:
+    def euler_angles(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         theta in [0, pi], psi and phi in [-pi, pi], with jumps there (3,) [rad]. Of a rigid body.
         """
     @property
-    def force(self) -> typing.Any:
+    def force(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Resultant of the active forces (3,) [N].
         """
     @property
-    def kinetic_energy(self) -> typing.Any:
+    def kinetic_energy(self) -> float:
         """
         [J]
         """
     @property
-    def parameter(self) -> typing.Any:
+    def parameter(self) -> float:
         """
         The curve's parameter. On a rail.
         """
     @property
-    def poisson_vector(self) -> typing.Any:
+    def poisson_vector(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         The world's third axis in body axes (3,) (7.59). Of a rigid body.
         """
     @property
-    def position(self) -> typing.Any:
+    def position(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of a particle, or of the origin of a rigid body's axes (3,) [m].
         """
     @property
-    def quaternion(self) -> typing.Any:
+    def quaternion(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (w, x, y, z), body axes to the world's (4,). Of a rigid body.
         """
     @property
-    def rate(self) -> typing.Any:
+    def rate(self) -> float:
         """
         Of a hinge [rad/s] or a slide [m/s].
         """
     @property
-    def reaction(self) -> typing.Any:
+    def reaction(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of its rail or joint (3,) [N].
         """
     @property
-    def reaction_torque(self) -> typing.Any:
+    def reaction_torque(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of its joint, about the point it holds (3,) [N m]. Of a rigid body.
         """
     @property
-    def rotation_matrix(self) -> typing.Any:
+    def rotation_matrix(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Body axes to the world's (3, 3). Of a rigid body.
         """
     @property
-    def speed(self) -> typing.Any:
+    def speed(self) -> float:
         """
         ds/dt along the curve [m/s]. On a rail.
         """
     @property
-    def tangential_force(self) -> typing.Any:
+    def tangential_force(self) -> float:
         """
         Q_s = F.t [N]. On a rail.
         """
     @property
-    def velocity(self) -> typing.Any:
+    def velocity(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         Of the same (3,) [m/s].
         """
@@ -1611,13 +1815,15 @@ class CouplingNow:
     """
     A spring at the present moment, for watched functions.
     """
+    def __getattr__(self, arg0: str) -> None:
+        ...
     @property
-    def force(self) -> typing.Any:
+    def force(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         On its first end (3,) [N].
         """
     @property
-    def length(self) -> typing.Any:
+    def length(self) -> float:
         """
         [m]
         """
@@ -1625,6 +1831,8 @@ class Now:
     """
     The present moment of a motion: what watched functions are called with.
     """
+    def __getattr__(self, arg0: str) -> None:
+        ...
     @typing.overload
     def __getitem__(self, handle: BodyHandle) -> BodyNow:
         ...
@@ -1632,7 +1840,7 @@ class Now:
     def __getitem__(self, handle: CouplingHandle) -> CouplingNow:
         ...
     @property
-    def time(self) -> typing.Any:
+    def time(self) -> float:
         """
         [s]
         """
@@ -1640,10 +1848,14 @@ class Size:
     """
     How much is integrated: the equations that a motion begins with.
     """
-    __hash__: typing.ClassVar[None] = None
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getstate__(self) -> tuple[int, int, int]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def guards(self) -> int:
@@ -1664,19 +1876,34 @@ class Omission:
     """
     Something a scene does not call for, and why.
     """
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[str, str]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def what(self) -> str:
-        ...
+        """
+        What is left out.
+        """
     @property
     def why(self) -> str:
-        ...
+        """
+        Why, or what would bring it in.
+        """
 class Plan:
     """
     The decisions made from a scene before anything is computed. print() shows them.
     """
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
@@ -1781,7 +2008,7 @@ class TurningPoints:
         ...
     def __hash__(self) -> int:
         ...
-    def __iter__(self) -> collections.abc.Iterator:
+    def __iter__(self) -> collections.abc.Iterator[typing.Any]:
         ...
     def __repr__(self) -> str:
         ...
@@ -1804,7 +2031,11 @@ class RailPotential:
     """
     def __repr__(self) -> str:
         ...
-    def energy(self, u: numpy.typing.ArrayLike, speed: numpy.typing.ArrayLike = 0.0) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def energy(self, u: _Numbers, speed: numpy.typing.ArrayLike = 0.0) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def energy(self, u: _Number, speed: _Number = 0.0) -> float:
         """
         m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.
         """
@@ -1816,11 +2047,19 @@ class RailPotential:
         equilibrium that of small oscillations, at other equilibria infinite. Raises InvalidInput for a motion that does not
         come back.
         """
-    def speed(self, u: numpy.typing.ArrayLike, energy: typing.SupportsFloat | typing.SupportsIndex) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def speed(self, u: _Numbers, energy: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def speed(self, u: _Number, energy: typing.SupportsFloat | typing.SupportsIndex) -> float:
         """
         |ds/dt| at u of the motion with an energy [m/s] (eq. 7.21). Raises InvalidInput where it does not come.
         """
-    def tangential_force(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def tangential_force(self, u: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def tangential_force(self, u: _Number) -> float:
         """
         F_t = dU/ds [N] (eq. 7.15). Raises InvalidInput at a cusp.
         """
@@ -1837,11 +2076,19 @@ class RailPotential:
         None where it passes on for ever or the curve ends; on a curve without end that is looked for as far as 1000 Taylor
         series go. At rest in equilibrium both are the start.
         """
-    def value(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def value(self, u: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def value(self, u: _Number) -> float:
         """
         U [J].
         """
-    def work_of_forces(self, u: numpy.typing.ArrayLike) -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def work_of_forces(self, u: _Numbers) -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def work_of_forces(self, u: _Number) -> float:
         """
         The part of U that is the work of Force functions [J].
         """
@@ -1849,7 +2096,15 @@ class Event:
     """
     Something that happened at a time, located to rounding error. print() shows it.
     """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], BodyHandle | None]:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
@@ -1887,17 +2142,24 @@ class Events:
     """
     The events of a run, a sequence in order of time.
     """
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
     @typing.overload
     def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> Event:
         ...
     @typing.overload
     def __getitem__(self, slice: slice) -> list[Event]:
         ...
+    def __getstate__(self) -> tuple[list[typing.Any], list[BodyHandle], list[WatchHandle]]:
+        ...
     def __iter__(self) -> collections.abc.Iterator[Event]:
         ...
     def __len__(self) -> int:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
@@ -1911,16 +2173,27 @@ class Statistics:
     """
     The price of a run. print() shows it.
     """
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
     @property
     def events(self) -> int:
-        ...
+        """
+        How many there are.
+        """
     @property
     def guard_evaluations(self) -> int:
-        ...
+        """
+        Of functions whose zeros are looked for, where they were called for numbers.
+        """
     @property
     def integration_seconds(self) -> float:
         """
@@ -1928,7 +2201,9 @@ class Statistics:
         """
     @property
     def jacobians(self) -> int:
-        ...
+        """
+        Of the right-hand side, computed for stiff engines.
+        """
     @property
     def planned(self) -> bool:
         """
@@ -1966,7 +2241,9 @@ class Statistics:
         """
     @property
     def steps(self) -> int:
-        ...
+        """
+        Of the returned motion.
+        """
 class BodyMotion:
     """
     Motion of one body of a run. Each quantity is a method of time.
@@ -1981,7 +2258,11 @@ class BodyMotion:
         """
         Of the same, from the model at the state [m/s^2].
         """
-    def angle(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def angle(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def angle(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         Of a hinge [rad].
         """
@@ -1997,7 +2278,11 @@ class BodyMotion:
         """
         In world axes [rad/s]. Of a rigid body.
         """
-    def arc_length(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def arc_length(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def arc_length(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.
         """
@@ -2013,7 +2298,11 @@ class BodyMotion:
         """
         [m/s]
         """
-    def displacement(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def displacement(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def displacement(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         Of a slide [m].
         """
@@ -2037,7 +2326,11 @@ class BodyMotion:
 
         point: that of the axis nearest to the centre of mass [m]; direction: of unit length, zero while the body does not turn.
         """
-    def parameter(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def parameter(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def parameter(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         The curve's parameter. On a rail.
         """
@@ -2057,7 +2350,11 @@ class BodyMotion:
         """
         (w, x, y, z), body axes to the world's: (4,) or (n, 4). Of a rigid body.
         """
-    def rate(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def rate(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def rate(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         Of a hinge [rad/s] or a slide [m/s].
         """
@@ -2077,11 +2374,19 @@ class BodyMotion:
         """
         Body axes to the world's, its columns the body's axes. Of a rigid body.
         """
-    def speed(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def speed(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def speed(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         ds/dt along the curve as placed [m/s]. On a rail.
         """
-    def tangential_force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def tangential_force(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def tangential_force(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.
         """
@@ -2104,7 +2409,11 @@ class SpringMotion:
         """
         On the first end [N], world axes.
         """
-    def length(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def length(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def length(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         Between its ends [m].
         """
@@ -2119,7 +2428,11 @@ class Watched:
     """
     def __repr__(self) -> str:
         ...
-    def value(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def value(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def value(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         At a time [s], a number or an array.
         """
@@ -2148,7 +2461,11 @@ class Trajectory:
     @typing.overload
     def __getitem__(self, handle: LoadHandle) -> typing.Never:
         ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
@@ -2168,11 +2485,19 @@ class Trajectory:
         """
         [m/s]
         """
-    def energy(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def energy(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def energy(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         T + V = T - U [J].
         """
-    def kinetic_energy(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         [J]
         """
@@ -2180,21 +2505,33 @@ class Trajectory:
         """
         [kg m/s]
         """
-    def plot(self, path: typing.Any = None, handle: typing.Any = None) -> typing.Any:
+    def plot(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> typing.Any:
         """
         A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
 
         Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
         """
-    def potential(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def potential(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def potential(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         U, with F = +grad U (the chapter's sign) [J].
         """
-    def potential_energy(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def potential_energy(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def potential_energy(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].
         """
-    def power(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float | numpy.typing.NDArray[numpy.float64]:
+    @typing.overload
+    def power(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def power(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
 
@@ -2243,7 +2580,9 @@ class Trajectory:
         """
     @property
     def engine(self) -> str:
-        ...
+        """
+        What computed it; of several parts those of all.
+        """
     @property
     def error(self) -> float | None:
         """
@@ -2251,10 +2590,14 @@ class Trajectory:
         """
     @property
     def events(self) -> Events:
-        ...
+        """
+        What happened, in order of time.
+        """
     @property
     def plan(self) -> Plan:
-        ...
+        """
+        What was simulated and what was left out.
+        """
     @property
     def start(self) -> float:
         """
@@ -2262,7 +2605,9 @@ class Trajectory:
         """
     @property
     def statistics(self) -> Statistics:
-        ...
+        """
+        What it cost.
+        """
     @property
     def status(self) -> str:
         """
@@ -2330,7 +2675,9 @@ class StateRun:
         """
     @property
     def engine(self) -> str:
-        ...
+        """
+        What computed it.
+        """
     @property
     def error(self) -> float | None:
         """
@@ -2355,11 +2702,17 @@ class CostRow:
     """
     One run of the table of cost().
     """
+    def __getstate__(self) -> tuple[str, float, float, float, int, int]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def engine(self) -> str:
-        ...
+        """
+        What computed it.
+        """
     @property
     def error(self) -> float:
         """
@@ -2367,7 +2720,9 @@ class CostRow:
         """
     @property
     def right_hand_sides(self) -> int:
-        ...
+        """
+        For Taylor series: orders computed.
+        """
     @property
     def seconds(self) -> float:
         """
@@ -2375,7 +2730,9 @@ class CostRow:
         """
     @property
     def steps(self) -> int:
-        ...
+        """
+        Of the integration.
+        """
     @property
     def tolerance(self) -> float:
         """
@@ -2387,11 +2744,15 @@ class Price:
     """
     def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
         ...
+    def __getstate__(self) -> tuple[list[CostRow]]:
+        ...
     def __iter__(self) -> collections.abc.Iterator[CostRow]:
         ...
     def __len__(self) -> int:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
@@ -2399,7 +2760,7 @@ class Price:
         """
         The quickest row that reaches an error. Raises InvalidInput if none does.
         """
-    def plot(self, path: typing.Any = None) -> typing.Any:
+    def plot(self, path: str | os.PathLike[str] | None = None) -> typing.Any:
         """
         The work-precision diagram: time over achieved error, a line an engine, written to `path` if given.
 
@@ -2407,12 +2768,18 @@ class Price:
         """
     @property
     def rows(self) -> list[CostRow]:
-        ...
+        """
+        All of them, in order.
+        """
 class EffectRow:
     """
     What one effect does: a row of effects().
     """
+    def __getstate__(self) -> tuple[str, float, float, int, int, float, int, str]:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def difference(self) -> float:
@@ -2421,7 +2788,9 @@ class EffectRow:
         """
     @property
     def effect(self) -> str:
-        ...
+        """
+        Its name.
+        """
     @property
     def gained(self) -> int:
         """
@@ -2462,11 +2831,15 @@ class EffectTable:
     @typing.overload
     def __getitem__(self, effect: str) -> EffectRow:
         ...
+    def __getstate__(self) -> tuple[list[EffectRow], float, int, int]:
+        ...
     def __iter__(self) -> collections.abc.Iterator[EffectRow]:
         ...
     def __len__(self) -> int:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     def __str__(self) -> str:
         ...
@@ -2477,7 +2850,9 @@ class EffectTable:
         """
     @property
     def rows(self) -> list[EffectRow]:
-        ...
+        """
+        All of them, in order.
+        """
     @property
     def seconds(self) -> float:
         """
@@ -2488,6 +2863,8 @@ class EffectTable:
         """
         With all of them.
         """
+def _describe(function: typing.Any, signature: str) -> None:
+    ...
 def _function(inputs: typing.SupportsInt | typing.SupportsIndex, nodes: collections.abc.Sequence[tuple[str, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]], outputs: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], names: collections.abc.Sequence[str], parameters: collections.abc.Sequence[Parameter]) -> Function:
     ...
 def _length(parts: collections.abc.Sequence[typing.Any]) -> typing.Any:
@@ -2508,7 +2885,7 @@ def cone(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Suppo
 
     Its centre of mass is at 3/4 of its height; about it 3/10 m r^2 about the axis, 3/80 m (4 r^2 + h^2) across.
     """
-def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[str] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 10.0) -> Price:
+def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[_Engine] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 10.0) -> Price:
     """
     What accuracy costs in time, for a scene: every engine over its tolerances.
 
@@ -2523,7 +2900,7 @@ def disc(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Suppo
     """
     A thin disc centred on the origin: m r^2/2 about its normal, half of it across.
     """
-def effects(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000) -> EffectTable:
+def effects(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000) -> EffectTable:
     """
     What each effect of a scene does to its motion and its price: the scene is run as it is, and without each of them.
 
@@ -2556,7 +2933,7 @@ def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list
     An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
     or are called back, or with rails that move.
     """
-def parameter(value: typing.Any, name: str | None = None) -> typing.Any:
+def parameter(value: float, name: str | None = None) -> Parameter:
     """
     A number that functions use by reference: changing its .value changes what they do from the next run on.
     """
@@ -2590,12 +2967,13 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 
-    until, start: times [s]. error: global, of each quantity relative to its own scale in the motion; the scene is run again
-    more accurately until the two agree. rtol: local tolerance only, no estimate: the cheap way. engine: "auto", "closed form",
+    until, start: times [s]. error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the
+    scene is run again more accurately until the two agree. rtol, instead of it: local tolerance only, no estimate: the cheap
+    way. engine: "auto", "closed form",
     "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
     integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
     Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
@@ -2605,13 +2983,13 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Other threads run meanwhile.
     """
 @typing.overload
-def simulate(model: EulerTop, state: numpy.typing.ArrayLike, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex = 1e-09, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: str = 'auto', keep: str | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: typing.Any = False) -> StateRun:
+def simulate(model: EulerTop, state: numpy.typing.ArrayLike, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> StateRun:
     """
     Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
 
     The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.
     """
-def solid(density: float | collections.abc.Callable, bounds: collections.abc.Sequence, *, error: typing.SupportsFloat | typing.SupportsIndex = 1e-12) -> RigidBody:
+def solid(density: float | _Of3, bounds: collections.abc.Sequence[typing.Any], *, error: typing.SupportsFloat | typing.SupportsIndex = 1e-12) -> RigidBody:
     """
     A body from its density, by quadrature (as in eqs. 7.28, 7.30b, 7.33 and 7.36).
 
@@ -2629,4 +3007,4 @@ def sphere(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Sup
     A solid ball centred on the origin: 2/5 m r^2.
     """
 __version__: str = '0.1.0'
-_functions: dict
+_functions: dict[typing.Any, typing.Any]

@@ -142,7 +142,8 @@ def _square(a: Any) -> list[list[Any]]:
         raise np.linalg.LinAlgError(f"a matrix of shape {a.shape}; it is square")
     if a.shape[0] > 4:
         raise TypeError(f"np.linalg of a matrix of {a.shape[0]} rows cannot be recorded; up to 4 rows can")
-    return a.tolist()
+    rows: list[list[Any]] = a.tolist()
+    return rows
 
 
 def _minor(a: list[list[Any]], row: int, column: int) -> list[list[Any]]:

@@ -10,7 +10,7 @@ class Bar:
 
     def __init__(self) -> None:
         try:
-            from tqdm import tqdm
+            from tqdm import tqdm  # type: ignore[import-untyped,import-not-found,unused-ignore]
         except ImportError:
             self._tqdm = None
         else:

@@ -53,7 +53,8 @@ def array(numbers: Sequence[Any], shape: Sequence[int]) -> ExpressionArray:
     """The array of these numbers, as they are."""
     result = np.empty(len(numbers), dtype=object)
     result[:] = numbers
-    return result.view(ExpressionArray).reshape(shape)
+    arranged: Any = result.view(ExpressionArray).reshape(shape)
+    return arranged  # type: ignore[no-any-return]
 
 
 def _bare(x: Any) -> Any:
@@ -252,7 +253,7 @@ def rigid_motion(returned: Any, user: str, name: str) -> list[Any]:
             last = [float(x) if not isinstance(x, Expression) or "(" in repr(x) else None for x in items[3]]
             if last != [0.0, 0.0, 0.0, 1.0]:
                 raise InvalidInput(f"{user}: function {name} returns a matrix whose last row is not 0 0 0 1; {rule}")
-    return [x for row in rotation for x in row] + displacement
+    return [*(x for row in rotation for x in row), *displacement]
 
 
 def _is_pair(returned: Any) -> bool:

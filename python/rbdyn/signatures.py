@@ -1,0 +1,71 @@
+"""Signatures that inspect.signature() reads, made from what pybind11 writes into docstrings."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import os
+import re
+from typing import Any
+
+from rbdyn import _core
+
+# what matters in a list of arguments: brackets, quoted words, and what stands between arguments and their parts
+_TOKEN = re.compile(r"'[^']*'|\"[^\"]*\"|->|[\[({<]|[\])}>]|, |: | = ")
+
+
+def _default(text: str) -> str:
+    """A default as it is written; one that is no literal as `...`."""
+    try:
+        ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        return "..."
+    return text
+
+
+def text_of(name: str, doc: str) -> str | None:
+    """name(self, a, b=1) from the first signature of a docstring; None if there is none."""
+    first = f"{name}("
+    start = doc.find(f"\n1. {first}") + 4 if doc.startswith(f"{name}(*args, **kwargs)\nOverloaded") else 0
+    if not doc.startswith(first, start):
+        return None
+    arguments: list[list[str]] = []
+    depth, begin, word, typed = 0, start + len(first), "", False
+    for token in _TOKEN.finditer(doc, start + len(name)):
+        mark = token[0]
+        if mark in "([{<":
+            depth += 1
+        elif mark in ")]}>":
+            depth -= 1
+        if depth > 1 or (mark in ")]}>" and depth == 1):
+            continue
+        part = doc[begin : token.start()]
+        if mark == ": " and not typed:
+            word, typed, begin = part, True, token.end()
+        elif mark == " = ":
+            word, begin = f"{word if typed else part}\0", token.end()
+        elif mark == ", " or depth == 0:
+            called, has_default, _ = (word if word else part).partition("\0")
+            arguments.append([called.strip(), _default(part) if has_default else ""])
+            begin, word, typed = token.end(), "", False
+            if depth == 0:
+                break
+    words = [f"{called}={default}" if default else called for called, default in arguments if called]
+    return f"{name}({', '.join(words)})"
+
+
+def give() -> None:
+    """Gives each function and method of _core its signature, but for whoever reads the types in docstrings."""
+    if "RBDYN_TYPES_IN_DOCSTRINGS" in os.environ:
+        return
+    for thing in list(vars(_core).values()):
+        is_class = inspect.isclass(thing) and thing.__module__ == _core.__name__
+        functions: dict[str, Any] = vars(thing) if is_class else {getattr(thing, "__name__", ""): thing}
+        for name, function in functions.items():
+            if type(function).__name__ == "staticmethod":
+                function = function.__func__
+            if type(function).__name__ not in ("instancemethod", "builtin_function_or_method", "pybind11_static"):
+                continue
+            text = text_of(name, function.__doc__ or "")
+            if text is not None:
+                _core._describe(function, text)
