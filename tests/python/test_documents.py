@@ -1,21 +1,121 @@
-"""What the documents show runs: the Python blocks of each, one after the other, in one process."""
+"""What the documents show runs: the Python blocks of each, one after the other, in one process; and prints what they say.
 
+An output stands in a block of its own: the next fence after the code, if it has no language, or indented right after it; a
+value may stand in a comment behind an expression or a print(). `...` stands for whatever comes.
+"""
+
+import ast
 import os
 import re
 import subprocess
 import sys
+import textwrap
 
 import pytest
 
 DOCUMENTS = ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/effects.md", "docs/functions.md", "docs/plan.md"]
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
+MARK = "\x01"
+
+# what runs differ in from machine to machine: printed times of events, to the errors asked for in the documents, and
+# estimates of errors, which have two digits
+TIMES, ESTIMATES = 1e-9, 3.0
+
+
+def blocks_of(text):
+    """The Python blocks, each with the output that is shown after it, if there is one."""
+    blocks = []
+    for found in FENCE.finditer(text):
+        if found[1] != "python":
+            continue
+        after = text[found.end() :]
+        following = FENCE.search(after)
+        indented = re.match(r"\n((?: {4}.*\n)+)", after)
+        output = textwrap.dedent(indented[1]) if indented else None
+        if following and not following[1]:
+            output = following[2]
+        blocks.append((found[2], output))
+    return blocks
+
+
+def commented(block):
+    """The block with what each expression with a value in a comment gives, printed behind a mark; and these values."""
+    values, lines = [], block.splitlines()
+    for statement in reversed(ast.parse(block).body):
+        if not isinstance(statement, ast.Expr) or statement.lineno != statement.end_lineno:
+            continue
+        code, _, comment = lines[statement.lineno - 1].partition("  # ")
+        value = statement.value
+        is_print = isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == "print"
+        try:
+            ast.literal_eval(comment)
+        except (ValueError, SyntaxError):
+            continue
+        printed = code if is_print else f"print({code})"
+        lines[statement.lineno - 1] = f"print({MARK!r}); {printed}; print({MARK!r})"
+        values.insert(0, comment)
+    return "\n".join(lines), values
+
+
+def is_close(shown, told, column_varies):
+    """Whether a word that is shown is what was told."""
+    if shown.endswith("...") and told.startswith(shown[:-3]):
+        return True
+    try:
+        a, b = float(shown.rstrip(",:")), float(told.rstrip(",:"))
+    except ValueError:
+        return shown == told
+    if column_varies or a == b:
+        return True
+    if re.fullmatch(r"\d\.\de[-+]\d+,?", shown):
+        return 1 / ESTIMATES <= b / a <= ESTIMATES if a and b else False
+    return abs(a - b) <= TIMES * abs(a) and not re.fullmatch(r"\d+,?", shown)
+
+
+def is_line(shown, told, varying):
+    words = [[*re.finditer(r"\S+", line)] for line in (shown, told)]
+    if len(words[0]) != len(words[1]):
+        return False
+    pairs = list(zip(*words, strict=True))
+    for i, (a, b) in enumerate(pairs):
+        # times that a computation takes
+        takes = i + 1 < len(pairs) and pairs[i + 1][0][0] in ("ms", "us")
+        if not is_close(a[0], b[0], takes or b.end() in varying):
+            return False
+    return True
+
+
+def differs(shown, told):
+    """The first line that is shown and was not told; None if all were."""
+    told, varying = told.splitlines(), set()
+    skips = False
+    for line in shown.splitlines():
+        if line.strip() == "...":
+            skips = True
+            continue
+        varying |= {found.end() for found in re.finditer(r"time \[ms\]", line)}
+        while skips and told and not is_line(line, told[0], varying):
+            told.pop(0)
+        if not told or not is_line(line, told[0], varying):
+            return line
+        told.pop(0)
+        skips = False
+    return None if skips or not any(line.strip() for line in told) else f"(nothing, where there is {told[0]!r})"
 
 
 @pytest.mark.parametrize("document", DOCUMENTS)
-def test_the_python_in_a_document_runs(document, root, tmp_path):
-    blocks = re.findall(r"^```python\n(.*?)^```", (root / document).read_text(), re.MULTILINE | re.DOTALL)
+def test_the_python_in_a_document_runs_and_prints_what_it_shows(document, root, tmp_path):
+    blocks = blocks_of((root / document).read_text())
     assert blocks
+    parts, outputs, values = [], [], []
+    for block, output in blocks:
+        code, comments = commented(block)
+        parts.append(code)
+        outputs.append(output)
+        values.append(comments)
     program = tmp_path / "program.py"
-    program.write_text("import numpy as np\nimport rbdyn as rb\n" + "\n".join(blocks))
+    end = f"\nprint({MARK + MARK!r})\n"
+    program.write_text("import numpy as np\nimport rbdyn as rb\n" + end.join(parts) + end)
     (tmp_path / "figures").mkdir()
     environment = {**os.environ, "MPLBACKEND": "Agg"}
     done = subprocess.run(
@@ -26,3 +126,22 @@ def test_the_python_in_a_document_runs(document, root, tmp_path):
         text=True,
     )
     assert done.returncode == 0, done.stderr
+    for told, output, comments in zip(done.stdout.split(MARK + MARK + "\n"), outputs, values, strict=False):
+        pieces = told.split(MARK + "\n")
+        for comment, piece in zip(comments, pieces[1::2], strict=True):
+            assert differs(comment, piece) is None, f"{document}: {comment!r} is shown, and it prints {piece!r}"
+        if output is not None:
+            line = differs(output, "".join(pieces[::2]))
+            assert line is None, f"{document}: {line!r} is shown, and it prints\n{told}"
+
+
+def test_outputs_that_are_not_what_is_shown_are_found():
+    shown = "Run: 8 events, error 1.1e-12, 0.3 ms\nt = 1.0270799513501878 s\n...\nt = 5.5 s\n"
+    told = "Run: 8 events, error 1.9e-12, 14 ms\nt = 1.027079951350946 s\nt = 3 s\nt = 5.5 s\n"
+    assert differs(shown, told) is None
+    assert differs(shown, told.replace("8", "9", 1)) is not None
+    assert differs(shown, told.replace("1.9e-12", "1.9e-11")) is not None
+    assert differs(shown, told.replace("1.02707", "1.02708")) is not None
+    assert differs(shown, told.replace("5.5", "5.6")) is not None
+    assert differs(shown, told + "more\n") is not None
+    assert differs("1 0.25...", "1 0.2512") is None and differs("1 0.25...", "1 0.26") is not None
