@@ -1,7 +1,7 @@
-"""What the documents show runs: the Python blocks of each, one after the other, in one process; and prints what they say.
+"""What the documents show runs, the Python blocks of each one after the other in one process, and prints what they say.
 
-An output stands in a block of its own: the next fence after the code, if it has no language, or indented right after it; a
-value may stand in a comment behind an expression or a print(). `...` stands for whatever comes.
+An output stands in a block of its own: the next fence after the code, if it has no language, or indented right after
+the code; a value may stand in a comment behind an expression or a print(). `...` stands for whatever comes.
 """
 
 import ast

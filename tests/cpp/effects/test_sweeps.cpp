@@ -138,7 +138,7 @@ std::vector<Sweep> sweeps() {
         {"a drag",
          [](const P& k) {
              Scene scene(down);
-             scene.apply(Drag{.linear = k, .quadratic = k}, scene.add(Particle{1.0}, FreeStart{{}, {1, 0, 2}}));
+             scene.apply(Drag{.linear = k, .quadratic = k}, scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {1, 0, 2}}));
              return scene;
          }},
         {"the drag of a bead",
@@ -150,7 +150,7 @@ std::vector<Sweep> sweeps() {
         {"a charge",
          [](const P& k) {
              Scene scene;
-             scene.apply(Lorentz{k, {0, 1, 0.5}}, scene.add(Particle{1.0}, FreeStart{{}, {1, 0, 2}}));
+             scene.apply(Lorentz{k, {0, 1, 0.5}}, scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {1, 0, 2}}));
              return scene;
          }},
         {"a spring about a hinge",

@@ -5,8 +5,8 @@
 //   A (theta'', psi'', phi'') = b,  b = omega' - A' (theta', psi', phi')                      (eqs. 7.50, 7.52)
 //
 // det A = sin theta: where it vanishes the angles fail and the motion does not. theta = 0 leaves psi + phi only, and
-// theta = pi leaves psi - phi. Misprints of the chapter, by R^T R' = [omega]x: 7.49 is in the body basis (not the fixed
-// one); omega_3' ends in - psi' theta' sin theta (not sin phi), b_2 in + psi' phi' sin phi sin theta (no sin phi there).
+// theta = pi leaves psi - phi. Misprints of the chapter, by R^T R' = [omega]x: 7.49 is in the body's basis, omega_3'
+// ends in - psi' theta' sin theta (printed sin phi), b_2 in + psi' phi' sin phi sin theta (printed without sin phi).
 //
 // Three-vectors of angles, rates and second derivatives are in the order theta, psi, phi.
 #pragma once
