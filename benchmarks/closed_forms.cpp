@@ -81,8 +81,8 @@ void report(const char* name, const Scene& scene, double period, int times) {
         plan.closed->state({until, 0.0}, x);
         const Vector3 end = run.run[BodyHandle{0}].position(until);
         std::printf("    to %g s: error %.1e; taylor, least tolerance, differs by %.1e of 1 m after %.3g s\n", until,
-                    plan.closed->error(until), (end - plan.model->center(plan.model->undecided(), 0, until, x)).norm(),
-                    seconds);
+                    plan.closed->error(until, 1e-9),
+                    (end - plan.model->center(plan.model->undecided(), 0, until, x)).norm(), seconds);
         if (seconds > 1.0) break;
     }
 }

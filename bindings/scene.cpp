@@ -236,7 +236,7 @@ py::tuple scene_data(const BoundScene& s) {
     for (const Scene::Body& b : s.scene.bodies()) {
         const auto& w = b.angular_velocity;
         bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
-                                     b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]})));
+                                     b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]}), b.parameter_rest));
     }
     const auto point = [](const std::optional<Vector3>& p) -> py::object {
         return p ? py::object(tuple_of(*p)) : py::none();
@@ -296,7 +296,9 @@ BoundScene scene_from(const py::tuple& d) {
             },
             body, joint);
         const auto w = digits_from<3>(b[8]);
-        s.scene.start_turning({static_cast<int>(s.scene.bodies().size()) - 1}, attitude_from(b[7]), {w[0], w[1], w[2]});
+        const rbdyn::BodyHandle last{static_cast<int>(s.scene.bodies().size()) - 1};
+        s.scene.start_turning(last, attitude_from(b[7]), {w[0], w[1], w[2]});
+        if (b.size() > 9) s.scene.start_beyond(last, b[9].cast<double>());
     }
     const auto point = [](const py::handle p) { return p.is_none() ? std::nullopt : std::optional(vector_from(p)); };
     for (const py::handle item : d[2]) {

@@ -112,7 +112,7 @@ inline Price cost(const Scene& scene, const CostOptions& options) {
             std::vector<double> end(part.start.size());
             form->state({span, 0.0}, end);
             row.seconds += seconds_since(first);
-            row.error = std::max(row.error, form->error(span));
+            row.error = std::max(row.error, form->error(span, 1e-9));
         }
         price.rows.push_back(row);
     }

@@ -59,14 +59,14 @@ struct Manner {
     int order = 0;            // of Taylor series; 0: from the tolerance
     double stride = 1.0;      // of dop853: how much of the steps that the tolerance allows is taken
     bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
-    Program::Rounding rounding = Program::Rounding::nearest;  // of Taylor series, so that no constant is shared
+    Program::Rounding rounding = Program::Rounding::nearest;  // of constants, so that no rounded one is shared
 };
 
 inline std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {}) {
     if (name == "taylor" && manner.is_refined)
         return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
-    if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride);
+    if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride, manner.rounding);
 #ifdef RBDYN_WITH_SUNDIALS
     if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
     if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
@@ -258,8 +258,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         }
         result.error = comparison.error;
         result.certain_until = comparison.certain_until;
-        // between the places compared the error may be a little more
-        if (comparison.same_events && comparison.error <= (at_floor ? 1.0 : 0.5) * options.error) break;
+        if (comparison.same_events && comparison.error <= options.error) break;
         // what is left is the rounding of doubles, and what the motion makes of it
         if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
             const Manner refined{.is_refined = true};
@@ -296,6 +295,24 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
     if (is_cut_short(run)) return result;
     take(std::move(run));
     return result;
+}
+
+/// What rounding makes of what is computed from the state of a closed form up to a time, over its scales there.
+inline double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form,
+                            const SimulateOptions& options, double end) {
+    // enough to meet most of the extent of a motion
+    constexpr int times = 6;
+    std::vector<double> x(static_cast<std::size_t>(model.variables()));
+    std::vector<Observed> seen;
+    ErrorScales scales;
+    for (int i = 0; i < times; ++i) {
+        const double t = end - (end - options.start) * std::fmod(0.6180339887498949 * i, 1.0);
+        form.state({t - options.start, 0.0}, x);
+        model.observe(mode, t, x, seen);
+        scales.widen(seen);
+    }
+    scales.settle(options.error);
+    return 2.0 * scales.rounding();
 }
 
 /// A motion known in closed form. Nothing is integrated unless there is something to watch for: then Taylor series from
@@ -341,7 +358,9 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
         return result;
     }
     if (options.rtol) return result;
-    const auto error_at = [&](double t) { return form->error(t - options.start); };
+    const double seen = rounding_seen(model, record.modes.front(), *form, options, record.end.hi);
+    // what is seen takes a few roundings more than the state
+    const auto error_at = [&](double t) { return seen + 2.0 * form->error(t - options.start, options.error); };
     result.error = std::max(events.error, error_at(record.end.hi));
     if (*result.error <= options.error) return result;
     // errors of a closed form grow with time

@@ -3,13 +3,14 @@
 // operations: Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic building blocks of double-word
 // arithmetic", 2017).
 //
-// For what derives from a user's doubles and must keep all their digits: moments about another point, principal axes,
-// phases of closed forms at late times.
+// For what derives from a user's doubles and must keep all their digits: constants of equations, starts, moments about
+// another point, principal axes, phases of closed forms at late times.
 #pragma once
 
 #include <cmath>
 #include <compare>
 #include <numbers>
+#include <type_traits>
 
 #include "rbdyn/basics/instant.hpp"
 
@@ -24,6 +25,7 @@ struct DoubleDouble {
     constexpr DoubleDouble(Instant t) : hi(t.hi), lo(t.lo) {}
 
     explicit constexpr operator double() const { return hi + lo; }
+    explicit constexpr operator long double() const { return static_cast<long double>(hi) + lo; }
 
     friend constexpr bool operator==(const DoubleDouble&, const DoubleDouble&) = default;
     friend constexpr auto operator<=>(const DoubleDouble& a, const DoubleDouble& b) {
@@ -87,6 +89,10 @@ inline DoubleDouble& operator*=(DoubleDouble& a, const DoubleDouble& b) { return
 inline DoubleDouble& operator/=(DoubleDouble& a, const DoubleDouble& b) { return a = a / b; }
 
 inline DoubleDouble abs(const DoubleDouble& a) { return a.hi < 0.0 ? -a : a; }
+inline DoubleDouble floor(const DoubleDouble& a) {
+    const double whole = std::floor(a.hi);
+    return whole == a.hi ? double_double::ordered_sum(whole, std::floor(a.lo)) : DoubleDouble(whole);
+}
 inline bool isfinite(const DoubleDouble& a) { return std::isfinite(a.hi); }
 
 inline DoubleDouble sqrt(const DoubleDouble& a) {
@@ -106,5 +112,14 @@ inline constexpr DoubleDouble pi{std::numbers::pi, 1.2246467991473532e-16};
 inline constexpr DoubleDouble half_pi{std::numbers::pi / 2.0, 6.123233995736766e-17};
 
 }  // namespace double_double
+
+/// A number of 32 digits in numbers of type S, with as many of them as those have.
+template <class S>
+S exactly(const DoubleDouble& x) {
+    if constexpr (std::is_constructible_v<S, const DoubleDouble&>)
+        return S(x);
+    else
+        return S(static_cast<double>(x));
+}
 
 }  // namespace rbdyn

@@ -68,6 +68,12 @@ inline Vector3Of<DoubleDouble> scaled(const Vector3Of<DoubleDouble>& v, const Do
     return {v[0] * factor, v[1] * factor, v[2] * factor};
 }
 
+/// A vector of 32 digits in numbers of type S.
+template <class S>
+Vector3Of<S> exactly(const Vector3Of<DoubleDouble>& v) {
+    return Vector3Of<S>(exactly<S>(v[0]), exactly<S>(v[1]), exactly<S>(v[2]));
+}
+
 /// m v
 inline Vector3Of<DoubleDouble> product(const Matrix3Of<DoubleDouble>& m, const Vector3Of<DoubleDouble>& v) {
     Vector3Of<DoubleDouble> result;

@@ -16,8 +16,9 @@ public:
     /// The state, in the coordinates of the scene's model, at a time since the start [s].
     virtual void state(Instant since, std::span<double> x) const = 0;
 
-    /// Estimate of the error at a time since the start, relative to the motion's scales.
-    virtual double error(double since) const = 0;
+    /// Estimate of the error at a time since the start, relative to the motion's scales, which are those for an error
+    /// wanted.
+    virtual double error(double since, double wanted) const = 0;
 
     /// The shortest time in which the motion changes as a whole [s]; infinite where nobody has to know.
     virtual double pace() const { return std::numeric_limits<double>::infinity(); }

@@ -2,7 +2,7 @@
 //
 // In its own axes a curve has exact zeros (a circle has no third component) which a recorded model must not lose.
 // So axes are exact where the input is along world axes, and rotations that are an identity or a permutation but for
-// rounding are made exactly that.
+// rounding are made exactly that. Else they have 32 digits: an axis that is rounded turns what all runs compute.
 //
 // Conventions: columns are axes, right-handed. Invariant: axes^T axes = 1 within 2 units in the last place.
 #pragma once
@@ -15,8 +15,9 @@
 
 namespace rbdyn::curves {
 
-// axes are computed in long double and rounded once, which is what keeps the invariant
 using LongVector = Triple<long double>;
+using WideVector = Vector3Of<DoubleDouble>;
+using WideMatrix = Matrix3Of<DoubleDouble>;
 
 /// Entries this near to 0, 1 or -1 are rounding: two units in the last place of 1.
 inline constexpr double snap = 4e-16;
@@ -27,11 +28,9 @@ inline double snapped(double x) {
     return x;
 }
 
-inline Matrix3 snapped(const Matrix3& m) {
-    Matrix3 result;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) result(i, j) = snapped(m(i, j));
-    return result;
+inline DoubleDouble snapped(const DoubleDouble& x) {
+    const double near = snapped(x.hi);
+    return near == 0.0 || std::abs(near) == 1.0 ? near : x;
 }
 
 /// The sum of a_i b_i, and |v|.
@@ -56,6 +55,15 @@ inline Vector3 unit(const Vector3& v) {
     return {static_cast<double>(e[0]), static_cast<double>(e[1]), static_cast<double>(e[2])};
 }
 
+/// The same in 32 digits.
+inline WideVector wide_unit(const Vector3& v) {
+    int exponent = 0;
+    std::frexp(largest(v), &exponent);
+    const Vector3 scaled(std::ldexp(v[0], -exponent), std::ldexp(v[1], -exponent), std::ldexp(v[2], -exponent));
+    const WideVector e = widened(scaled);
+    return e / sqrt(dot<DoubleDouble>(e, e));
+}
+
 /// |v| without overflow or underflow on the way.
 inline double norm(const Vector3& v) { return std::hypot(v.x(), v.y(), v.z()); }
 
@@ -70,35 +78,35 @@ inline double sine_between(const Vector3& a, const Vector3& b) {
     return static_cast<double>(norm(across(unit_long(a), unit_long(b))));
 }
 
-inline Matrix3 columns(const LongVector& x, const LongVector& y, const LongVector& z) {
-    Matrix3 axes;
+inline WideMatrix columns(const WideVector& x, const WideVector& y, const WideVector& z) {
+    WideMatrix axes;
     for (int i = 0; i < 3; ++i) {
-        axes(i, 0) = static_cast<double>(x[i]);
-        axes(i, 1) = static_cast<double>(y[i]);
-        axes(i, 2) = static_cast<double>(z[i]);
+        axes(i, 0) = snapped(x[i]);
+        axes(i, 1) = snapped(y[i]);
+        axes(i, 2) = snapped(z[i]);
     }
-    return snapped(axes);
+    return axes;
 }
 
 /// First axis along `start`, second in the half-plane of `toward`, third start x toward.
-inline Matrix3 axes_of_plane(const Vector3& start, const Vector3& toward) {
-    const LongVector x = unit_long(start);
-    LongVector y = across(x, unit_long(toward));
-    y /= norm(y);
-    return columns(x, y, x.cross(y));
+inline WideMatrix axes_of_plane(const Vector3& start, const Vector3& toward) {
+    const WideVector x = wide_unit(start), t = wide_unit(toward);
+    const WideVector across = t - x * dot<DoubleDouble>(x, t);
+    const WideVector y = across / sqrt(dot<DoubleDouble>(across, across));
+    return columns(x, y, cross<DoubleDouble>(x, y));
 }
 
 /// First axis along `direction`; second the perpendicular nearest to world z, or world x if the direction is vertical;
 /// the third is then horizontal.
-inline Matrix3 axes_of_line(const Vector3& direction) {
-    LongVector x = unit_long(direction);
+inline WideMatrix axes_of_line(const Vector3& direction) {
+    WideVector x = wide_unit(direction);
     for (int i = 0; i < 3; ++i) {
-        if (std::abs(x[i]) <= snap) x[i] = 0.0L;
+        if (std::abs(x[i].hi) <= snap) x[i] = 0.0;
     }
-    const long double horizontal = std::hypot(x[0], x[1]);
-    if (horizontal == 0.0L) return columns(x, {1.0L, 0.0L, 0.0L}, {0.0L, x[2], 0.0L});
-    const LongVector z(x[1] / horizontal, -x[0] / horizontal, 0.0L);
-    return columns(x, z.cross(x), z);
+    const DoubleDouble horizontal = sqrt(x[0] * x[0] + x[1] * x[1]);
+    if (horizontal.hi == 0.0) return columns(x, {1.0, 0.0, 0.0}, {0.0, x[2], 0.0});
+    const WideVector z(x[1] / horizontal, -x[0] / horizontal, 0.0);
+    return columns(x, cross<DoubleDouble>(z, x), z);
 }
 
 /// m v, without the terms whose entry of m is zero.
@@ -119,6 +127,25 @@ Vector3Of<S> turned(const Matrix3& m, const Vector3Of<S>& v) {
     return result;
 }
 
+/// The same, of a matrix of 32 digits.
+template <class S>
+Vector3Of<S> turned(const WideMatrix& m, const Vector3Of<S>& v) {
+    Vector3Of<S> result(S(0), S(0), S(0));
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const DoubleDouble& a = m(i, j);
+            if (a.hi == 0.0) continue;
+            if (a == DoubleDouble(1.0)) {
+                result[i] = result[i] + v[j];
+            } else if (a == DoubleDouble(-1.0)) {
+                result[i] = result[i] - v[j];
+            } else {
+                result[i] = result[i] + exactly<S>(a) * v[j];
+            }
+        }
+    return result;
+}
+
 /// The placement `own` as seen from the placement `view`: r_view = origin + axes * r_own.
 inline Placement seen_from(const Placement& view, const Placement& own) {
     Placement result;
@@ -129,7 +156,8 @@ inline Placement seen_from(const Placement& view, const Placement& own) {
                 result.axes(i, j) = snapped(static_cast<double>(product(column(view.axes, i), column(own.axes, j))));
     }
     const Vector3 offset = own.origin - view.origin;
-    const Matrix3 back = view.axes.transpose();
+    Matrix3 back = view.axes;
+    back.transposeInPlace();
     result.origin = turned<double>(back, offset);
     // a component that is only what rounding left of its terms
     for (int i = 0; i < 3; ++i) {
@@ -137,6 +165,29 @@ inline Placement seen_from(const Placement& view, const Placement& own) {
         for (int j = 0; j < 3; ++j) terms += std::abs(back(i, j)) * std::abs(offset[j]);
         if (std::abs(result.origin[i]) <= snap * terms) result.origin[i] = 0.0;
     }
+    return result;
+}
+
+/// The same in 32 digits.
+struct WidePlacement {
+    WideVector origin;
+    WideMatrix axes;
+};
+inline WidePlacement seen_exactly_from(const Placement& view, const Placement& own) {
+    const Placement rounded = seen_from(view, own);
+    const WideMatrix axes = own.exact_axes(), back = view.exact_axes().transpose();
+    WidePlacement result;
+    if (view.axes == own.axes && view.rest == own.rest) {
+        result.axes = widened(Matrix3(Matrix3::Identity()));
+    } else {
+        result.axes = product(back, axes);
+        for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 3; ++i) result.axes(i, j) = snapped(result.axes(i, j));
+    }
+    const WideVector offset = widened(own.origin) - widened(view.origin);
+    result.origin = turned<DoubleDouble>(back, offset);
+    for (int i = 0; i < 3; ++i)
+        if (rounded.origin[i] == 0.0) result.origin[i] = 0.0;
     return result;
 }
 

@@ -28,7 +28,7 @@ struct Circle {
         curves::require_finite("circle", "center", center);
     }
 
-    Placement placement() const { return {center, curves::axes_of_plane(start, toward)}; }
+    Placement placement() const { return placed(center, curves::axes_of_plane(start, toward)); }
     Domain domain() const { return {}; }
     bool closed() const { return true; }
     double period() const { return 6.283185307179586; }
@@ -38,8 +38,8 @@ struct Circle {
     template <class S>
     CurvePoint<S> own(const S& u) const {
         using std::cos, std::sin;
-        const S zero(0), square(radius * radius);
-        const S x = S(radius) * cos(u), y = S(radius) * sin(u);
+        const S zero(0), R(radius), square = R * R;
+        const S x = R * cos(u), y = R * sin(u);
         return {{x, y, zero}, {-y, x, zero}, {-x, -y, zero}, square, zero, {zero, zero, square}};
     }
     /// r''' in own axes.

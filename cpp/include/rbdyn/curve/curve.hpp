@@ -28,6 +28,7 @@
 #include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/circle.hpp"
 #include "rbdyn/curve/cycloid.hpp"
+#include "rbdyn/curve/exact_length.hpp"
 #include "rbdyn/curve/function_curve.hpp"
 #include "rbdyn/curve/helix.hpp"
 #include "rbdyn/curve/line.hpp"
@@ -141,14 +142,19 @@ public:
     /// The curve in the axes of `view`. Components that are zero there stay exact zeros.
     template <class S>
     CurvePoint<S> at(const S& u, const Placement& view) const {
-        const auto [origin, axes] = curves::seen_from(view, placement_);
-        CurvePoint<S> p = own(u);
-        p.position = curves::turned<S>(axes, p.position);
-        for (int i = 0; i < 3; ++i) p.position[i] = p.position[i] + S(origin[i]);
-        p.first = curves::turned<S>(axes, p.first);
-        p.second = curves::turned<S>(axes, p.second);
-        p.first_cross_second = curves::turned<S>(axes, p.first_cross_second);
-        return p;
+        const auto seen = [&](const auto& from) {
+            CurvePoint<S> p = own(u);
+            p.position = curves::turned<S>(from.axes, p.position);
+            for (int i = 0; i < 3; ++i) p.position[i] = p.position[i] + exactly<S>(from.origin[i]);
+            p.first = curves::turned<S>(from.axes, p.first);
+            p.second = curves::turned<S>(from.axes, p.second);
+            p.first_cross_second = curves::turned<S>(from.axes, p.first_cross_second);
+            return p;
+        };
+        if constexpr (std::is_same_v<S, double>)
+            return seen(curves::seen_from(view, placement_));
+        else
+            return seen(curves::seen_exactly_from(view, placement_));
     }
 
     /// r(u), [m].
@@ -172,6 +178,14 @@ public:
         curves::require_finite(name(), "parameter u0", u0);
         curves::require_finite(name(), "arc length", arc_length);
         return curves::parameter_at(Way{*this}, u0, arc_length, name());
+    }
+
+    /// The same to long double's digits, some 1e-19 of the length.
+    DoubleDouble exact_parameter_at(double u0, double arc_length) const {
+        const double u = parameter_at(u0, arc_length);
+        const auto speed = [&](long double at) { return std::sqrt(own(at).speed_squared); };
+        const DoubleDouble exact = curves::refined_parameter(speed, u0, arc_length, u);
+        return exact.hi >= domain().begin && exact.hi <= domain().end ? exact : DoubleDouble(u);
     }
 
     /// Tangent, normal, binormal in the world. Throws InvalidInput at a cusp.

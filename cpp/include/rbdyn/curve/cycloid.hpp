@@ -33,7 +33,7 @@ struct Cycloid {
         curves::require_finite("cycloid", "vertex", vertex);
     }
 
-    Placement placement() const { return {vertex, curves::axes_of_plane(x, y)}; }
+    Placement placement() const { return placed(vertex, curves::axes_of_plane(x, y)); }
     Domain domain() const { return {}; }
     bool closed() const { return false; }
     std::string name() const { return "cycloid of radius " + text(radius); }
@@ -45,9 +45,12 @@ struct Cycloid {
         const S zero(0), R(radius), twice(2.0 * radius), half = S(0.5) * u;
         const S c = cos(half), s = sin(half), cc = c * c, sc = s * c;
         const S along = twice * cc, up = twice * sc;
-        return {{R * u + up, twice * (s * s), zero}, {along, up, zero},
-                {-up, R - twice * (s * s), zero},    S(4.0 * radius * radius) * cc,
-                S(-2.0 * radius * radius) * sc,      {zero, zero, S(2.0 * radius * radius) * cc}};
+        return {{R * u + up, twice * (s * s), zero},
+                {along, up, zero},
+                {-up, R - twice * (s * s), zero},
+                (S(4.0) * R * R) * cc,
+                (S(-2.0) * R * R) * sc,
+                {zero, zero, (S(2.0) * R * R) * cc}};
     }
     /// r''' in own axes.
     Vector3 third(double u) const { return {-radius * std::cos(u), -radius * std::sin(u), 0.0}; }

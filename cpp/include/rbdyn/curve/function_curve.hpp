@@ -94,18 +94,17 @@ public:
         const int moving = !constant[0] + !constant[1] + !constant[2];
         require(moving > 0, name_, "number of components that depend on the parameter", moving,
                 "one must: a curve is not a single point");
-        record(function, Matrix3::Identity(), Vector3::Zero(), 3);
+        record(function, widened(Matrix3(Matrix3::Identity())), Vector3::Zero(), 3);
         const Looked looked = look();
         if (looked.straight) {
             straight_ = true;
-            const Placement line{at(samples().front()).position, curves::axes_of_line(at(looked.fastest).first)};
-            placement_ = line;
+            placement_ = placed(at(samples().front()).position, curves::axes_of_line(at(looked.fastest).first));
         } else if (moving == 2) {
-            placement_.axes = curves::axes_without(constant[2] ? 2 : constant[1] ? 1 : 0);
+            placement_ = placed(placement_.origin, curves::axes_without(constant[2] ? 2 : constant[1] ? 1 : 0));
         } else {
             placement_ = {};
         }
-        record(function, placement_.axes, placement_.origin, straight_ ? 1 : moving);
+        record(function, placement_.exact_axes(), placement_.origin, straight_ ? 1 : moving);
         if (closed_) close(looked);
     }
 
@@ -168,9 +167,9 @@ private:
     static constexpr double agreed = 1e-9;  // relative, of the ends of a closed curve
 
     /// Records r, r', r'' and r''' in the axes given, of which the first few are kept.
-    void record(const Function& function, const Matrix3& axes, const Vector3& origin, int dimension) {
-        Matrix3 back = axes;
-        back.transposeInPlace();
+    void record(const Function& function, const curves::WideMatrix& axes, const Vector3& origin, int dimension) {
+        const recording::WideFolding all_digits;
+        const curves::WideMatrix back = axes.transpose();
         const Function r = Function::record(1, [&](const std::vector<Expression>& u) {
             const std::vector<Expression> world = function(std::span<const Expression>(u));
             Vector3Of<Expression> offset;

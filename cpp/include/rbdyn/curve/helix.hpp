@@ -33,23 +33,22 @@ struct Helix {
         curves::require_finite("helix", "center", center);
     }
 
-    Placement placement() const { return {center, curves::axes_of_plane(start, toward)}; }
+    Placement placement() const { return placed(center, curves::axes_of_plane(start, toward)); }
     Domain domain() const { return {}; }
     bool closed() const { return false; }
     std::string name() const { return "helix of radius " + text(radius) + " and pitch " + text(pitch); }
 
     /// Metres along the axis a radian.
     double rise() const { return pitch / (2.0 * std::numbers::pi); }
+    DoubleDouble exact_rise() const { return DoubleDouble(pitch) / (2.0 * double_double::pi); }
 
     /// The curve in its own axes.
     template <class S>
     CurvePoint<S> own(const S& u) const {
         using std::cos, std::sin;
-        const double R = radius, h = rise();
-        const S zero(0), c = cos(u), s = sin(u);
-        const S x = S(R) * c, y = S(R) * s;
-        return {{x, y, S(h) * u}, {-y, x, S(h)}, {-x, -y, zero},
-                S(R * R + h * h), zero,          {S(h) * y, S(-h) * x, S(R * R)}};
+        const S R(radius), h = exactly<S>(exact_rise()), zero(0), c = cos(u), s = sin(u);
+        const S x = R * c, y = R * s;
+        return {{x, y, h * u}, {-y, x, h}, {-x, -y, zero}, R * R + h * h, zero, {h * y, -(h * x), R * R}};
     }
     /// r''' in own axes.
     Vector3 third(double u) const { return {radius * std::sin(u), -radius * std::cos(u), 0.0}; }

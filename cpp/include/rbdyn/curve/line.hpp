@@ -24,7 +24,7 @@ struct Line {
         curves::require_finite("line", "point", point);
     }
 
-    Placement placement() const { return {point, curves::axes_of_line(direction)}; }
+    Placement placement() const { return placed(point, curves::axes_of_line(direction)); }
     Domain domain() const { return {}; }
     bool closed() const { return false; }
     std::string name() const { return "line along " + curves::vector_text(direction); }

@@ -16,24 +16,22 @@
 namespace rbdyn::curves {
 
 struct OwnAxes {
-    Matrix3 axes;
+    WideMatrix axes;
     int dimension;  // 1 on a line, 2 in a plane, 3 in space
 
     /// A vector that lies in the line or plane, in own axes: what is outside, or rounding, is zero.
-    Vector3 of(const Vector3& v) const {
-        Vector3 own;
-        for (int i = 0; i < 3; ++i) {
-            own[i] = static_cast<double>(product(LongVector(axes(0, i), axes(1, i), axes(2, i)), LongVector(v)));
-            const bool rounding = dimension < 3 && std::abs(own[i]) <= snap * norm(v);
-            if (i >= dimension || rounding) own[i] = 0.0;
-        }
+    WideVector of(const WideVector& v) const {
+        WideVector own = turned<DoubleDouble>(axes.transpose(), v);
+        const double size = norm(rounded(v));
+        for (int i = 0; i < 3; ++i)
+            if (i >= dimension || (dimension < 3 && std::abs(own[i].hi) <= snap * size)) own[i] = 0.0;
         return own;
     }
 };
 
 /// The plane of two axes of the world: x y (missing = 2), x z (1) or y z (0).
-inline Matrix3 axes_without(int missing) {
-    if (missing == 2) return Matrix3::Identity();
+inline WideMatrix axes_without(int missing) {
+    if (missing == 2) return widened(Matrix3(Matrix3::Identity()));
     return axes_of_plane(missing == 1 ? Vector3(1, 0, 0) : Vector3(0, 1, 0), {0, 0, 1});
 }
 
@@ -58,16 +56,17 @@ inline OwnAxes own_axes(const std::vector<Vector3>& vectors, double slack) {
     for (int i : {2, 1, 0})
         if (std::all_of(vectors.begin(), vectors.end(), [&](const Vector3& v) { return v[i] == 0.0; }))
             return {axes_without(i), 2};
-    const Matrix3 axes = axes_of_plane(vectors.front(), *farthest);
+    const WideMatrix axes = axes_of_plane(vectors.front(), *farthest);
+    const Vector3 across = rounded(axes.col(2));
     const bool plane = std::all_of(vectors.begin(), vectors.end(),
-                                   [&](const Vector3& v) { return std::abs(column(axes, 2).dot(v)) <= tolerated(v); });
+                                   [&](const Vector3& v) { return std::abs(across.dot(v)) <= tolerated(v); });
     if (plane) return {axes, 2};
-    return {Matrix3::Identity(), 3};
+    return {widened(Matrix3(Matrix3::Identity())), 3};
 }
 
 /// The binormal of a straight line, for a curve that bends nowhere near: tangent and result in the curve's own axes.
 inline Vector3 binormal_of_line(const Matrix3& axes, const Vector3& tangent) {
-    return axes.transpose() * column(axes_of_line(turned<double>(axes, tangent)), 2);
+    return axes.transpose() * rounded(axes_of_line(turned<double>(axes, tangent)).col(2));
 }
 
 }  // namespace rbdyn::curves

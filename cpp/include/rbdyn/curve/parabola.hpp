@@ -28,7 +28,7 @@ struct Parabola {
         curves::require_finite("parabola", "vertex", vertex);
     }
 
-    Placement placement() const { return {vertex, curves::axes_of_plane(x, y)}; }
+    Placement placement() const { return placed(vertex, curves::axes_of_plane(x, y)); }
     Domain domain() const { return {}; }
     bool closed() const { return false; }
     std::string name() const { return "parabola of a = " + text(a); }

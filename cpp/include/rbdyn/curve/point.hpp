@@ -9,7 +9,7 @@
 
 #include <limits>
 
-#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
 
 namespace rbdyn {
 
@@ -33,9 +33,29 @@ CurvePoint<S> curve_point(const Vector3Of<S>& position, const Vector3Of<S>& firs
 struct Placement {
     Vector3 origin = Vector3::Zero();    // world, [m]
     Matrix3 axes = Matrix3::Identity();  // columns: the own axes in the world, orthonormal, right-handed
+    Matrix3 rest = Matrix3::Zero();      // what these are short of 32 digits
+
+    /// The axes in 32 digits.
+    Matrix3Of<DoubleDouble> exact_axes() const {
+        Matrix3Of<DoubleDouble> m;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) m(i, j) = {axes(i, j), rest(i, j)};
+        return m;
+    }
 
     bool operator==(const Placement&) const = default;
 };
+
+/// The placement with these axes.
+inline Placement placed(const Vector3& origin, const Matrix3Of<DoubleDouble>& axes) {
+    Placement p{origin};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            p.axes(i, j) = axes(i, j).hi;
+            p.rest(i, j) = axes(i, j).lo;
+        }
+    return p;
+}
 
 /// The parameters a curve is defined for; the ends may be infinite, and are unless they are given.
 struct Domain {

@@ -49,7 +49,7 @@ class PolynomialForm {
 public:
     explicit PolynomialForm(const Polynomial& polynomial)
         : domain_(polynomial.domain), axes_(axes_of(polynomial)), piece_(turned_into(axes_, polynomial)) {
-        placement_ = {polynomial.coefficients.front(), axes_.axes};
+        placement_ = placed(polynomial.coefficients.front(), axes_.axes);
     }
 
     Placement placement() const { return placement_; }
@@ -91,10 +91,10 @@ private:
         return curves::own_axes(directions, 0.0);
     }
     static curves::PolynomialPiece turned_into(const curves::OwnAxes& axes, const Polynomial& polynomial) {
-        std::vector<Vector3> c{Vector3::Zero()};
+        std::vector<curves::WideVector> c{widened(Vector3(Vector3::Zero()))};
         for (std::size_t k = 1; k < polynomial.coefficients.size(); ++k)
-            c.push_back(axes.of(polynomial.coefficients[k]));
-        return curves::PolynomialPiece(std::move(c));
+            c.push_back(axes.of(widened(polynomial.coefficients[k])));
+        return curves::PolynomialPiece(c);
     }
 
     Domain domain_;

@@ -5,10 +5,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -22,9 +24,14 @@ class PolynomialPiece {
 public:
     /// From coefficients in increasing powers, two at least, and the sizes of the terms each is the sum of: without
     /// them, coefficients are exact.
-    explicit PolynomialPiece(std::vector<Vector3> coefficients, std::vector<Vector3> sizes = {})
-        : position_(std::move(coefficients)), sizes_(std::move(sizes)) {
+    explicit PolynomialPiece(const std::vector<WideVector>& coefficients, std::vector<Vector3> sizes = {})
+        : sizes_(std::move(sizes)) {
+        for (const WideVector& c : coefficients) position_.push_back(rounded(c));
         while (position_.size() > 2 && position_.back().isZero(0.0)) position_.pop_back();
+        wide_[0].assign(coefficients.begin(), coefficients.begin() + static_cast<std::ptrdiff_t>(position_.size()));
+        for (std::size_t j : {1, 2})
+            for (std::size_t k = 1; k < wide_[j - 1].size(); ++k)
+                wide_[j].push_back(wide_[j - 1][k] * DoubleDouble(static_cast<double>(k)));
         if (sizes_.empty())
             for (const Vector3& c : position_) sizes_.push_back(rbdyn::sizes(c));
         sizes_.resize(position_.size(), Vector3::Zero());
@@ -37,7 +44,10 @@ public:
 
     template <class S>
     CurvePoint<S> own(const S& u) const {
-        return curve_point<S>(horner(position_, u), horner(first_, u), horner(second_, u));
+        if constexpr (std::is_same_v<S, double>)
+            return curve_point<S>(horner(position_, u), horner(first_, u), horner(second_, u));
+        else
+            return curve_point<S>(horner(wide_[0], u), horner(wide_[1], u), horner(wide_[2], u));
     }
     /// r'''.
     Vector3 third(double u) const { return horner(third_, u); }
@@ -95,6 +105,14 @@ private:
         return sum;
     }
 
+    template <class S>
+    static Vector3Of<S> horner(const std::vector<WideVector>& c, const S& u) {
+        Vector3Of<S> sum(S(0), S(0), S(0));
+        for (auto k = c.rbegin(); k != c.rend(); ++k)
+            for (int i = 0; i < 3; ++i) sum[i] = sum[i] * u + exactly<S>((*k)[i]);
+        return sum;
+    }
+
     /// a_j at u.
     Term taylor(int j, double u) const {
         Term term{Vector3::Zero(), Vector3::Zero()};
@@ -129,6 +147,7 @@ private:
 
     std::vector<Vector3> position_, sizes_;
     std::vector<Vector3> first_, second_, third_;
+    std::array<std::vector<WideVector>, 3> wide_;  // r, r', r'' in 32 digits
 };
 
 }  // namespace rbdyn::curves

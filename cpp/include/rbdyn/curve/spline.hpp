@@ -68,28 +68,32 @@ namespace curves {
 
 /// Slopes at the points of a spline with these chords, one more than there are chords. Without a slope at an end:
 /// not-a-knot, or what two or three points have.
-inline std::vector<Vector3> spline_slopes(const std::vector<Vector3>& chord, const std::optional<Vector3>& begin,
-                                          const std::optional<Vector3>& end) {
+inline std::vector<WideVector> spline_slopes(const std::vector<WideVector>& chord,
+                                             const std::optional<WideVector>& begin,
+                                             const std::optional<WideVector>& end) {
+    using Number = DoubleDouble;
+    const auto times = [](double factor, const WideVector& v) { return Number(factor) * v; };
     const std::size_t n = chord.size();
     if (n == 1) {
         // a line; with one slope a parabola
-        const Vector3& d = chord[0];
-        return {begin ? *begin : end ? Vector3(2.0 * d - *end) : d, end ? *end : begin ? Vector3(2.0 * d - *begin) : d};
+        const WideVector& d = chord[0];
+        return {begin ? *begin : end ? times(2.0, d) - *end : d, end ? *end : begin ? times(2.0, d) - *begin : d};
     }
     if (n == 2 && !begin && !end)
-        return {0.5 * (3.0 * chord[0] - chord[1]), 0.5 * (chord[0] + chord[1]), 0.5 * (3.0 * chord[1] - chord[0])};
+        return {times(0.5, times(3.0, chord[0]) - chord[1]), times(0.5, chord[0] + chord[1]),
+                times(0.5, times(3.0, chord[1]) - chord[0])};
     // rows: below[k] m_(k-1) + diagonal[k] m_k + above[k] m_(k+1) = m[k], eliminated from the first on
-    std::vector<Vector3> m(n + 1);
-    std::vector<double> below(n + 1, 1.0), diagonal(n + 1, 4.0), above(n + 1, 1.0);
-    for (std::size_t k = 1; k < n; ++k) m[k] = 3.0 * (chord[k - 1] + chord[k]);
+    std::vector<WideVector> m(n + 1);
+    std::vector<Number> below(n + 1, 1.0), diagonal(n + 1, 4.0), above(n + 1, 1.0);
+    for (std::size_t k = 1; k < n; ++k) m[k] = times(3.0, chord[k - 1] + chord[k]);
     diagonal[0] = diagonal[n] = 1.0;
     above[0] = begin ? 0.0 : 2.0;
     below[n] = end ? 0.0 : 2.0;
-    m[0] = begin ? *begin : Vector3(0.5 * (5.0 * chord[0] + chord[1]));
-    m[n] = end ? *end : Vector3(0.5 * (5.0 * chord[n - 1] + chord[n - 2]));
+    m[0] = begin ? *begin : times(0.5, times(5.0, chord[0]) + chord[1]);
+    m[n] = end ? *end : times(0.5, times(5.0, chord[n - 1]) + chord[n - 2]);
     // pivots lie between 0.4 and 4: no rows need be exchanged
     for (std::size_t k = 1; k <= n; ++k) {
-        const double factor = below[k] / diagonal[k - 1];
+        const Number factor = below[k] / diagonal[k - 1];
         diagonal[k] -= factor * above[k - 1];
         m[k] -= factor * m[k - 1];
     }
@@ -99,14 +103,14 @@ inline std::vector<Vector3> spline_slopes(const std::vector<Vector3>& chord, con
 }
 
 /// Slopes of a closed spline: linear in the first of them, which follows from its own row.
-inline std::vector<Vector3> closed_spline_slopes(const std::vector<Vector3>& chord) {
+inline std::vector<WideVector> closed_spline_slopes(const std::vector<WideVector>& chord) {
     const std::size_t n = chord.size();
-    const std::vector<Vector3> none(n, Vector3::Zero());
-    const Vector3 zero = Vector3::Zero(), one = Vector3::Ones();
-    const std::vector<Vector3> rest = spline_slopes(chord, zero, zero), part = spline_slopes(none, one, one);
-    const Vector3 first =
-        (3.0 * (chord[n - 1] + chord[0]) - rest[n - 1] - rest[1]) / (4.0 + part[n - 1].x() + part[1].x());
-    std::vector<Vector3> m(n + 1);
+    const WideVector zero = widened(Vector3(Vector3::Zero())), one = widened(Vector3(Vector3::Ones()));
+    const std::vector<WideVector> none(n, zero);
+    const std::vector<WideVector> rest = spline_slopes(chord, zero, zero), part = spline_slopes(none, one, one);
+    const WideVector first =
+        (DoubleDouble(3.0) * (chord[n - 1] + chord[0]) - rest[n - 1] - rest[1]) / (4.0 + part[n - 1].x() + part[1].x());
+    std::vector<WideVector> m(n + 1);
     for (std::size_t k = 0; k <= n; ++k) m[k] = rest[k] + part[k].x() * first;
     return m;
 }
@@ -134,26 +138,30 @@ public:
         // the points themselves are rounded
         const double rounding = std::numeric_limits<double>::epsilon() * largest;
         const curves::OwnAxes axes = curves::own_axes(from_first, 4.0 * rounding);
-        placement_ = {points[0], axes.axes};
+        placement_ = placed(points[0], axes.axes);
         straight_ = axes.dimension == 1;
 
-        std::vector<Vector3> p, chord;
-        std::map<std::size_t, Vector3> given;
-        for (const Vector3& point : points) p.push_back(axes.of(point - points[0]));
+        using curves::WideVector;
+        std::vector<WideVector> p, chord;
+        std::map<std::size_t, WideVector> given;
+        for (const Vector3& point : points) p.push_back(axes.of(widened(point) - widened(points[0])));
         for (std::size_t k = 0; k < stretches; ++k) chord.push_back(p[(k + 1) % n] - p[k]);
-        for (const auto& [k, slope] : spline.slopes) given.emplace(static_cast<std::size_t>(k), axes.of(slope));
-        const std::vector<Vector3> m = slopes(chord, given);
+        for (const auto& [k, slope] : spline.slopes)
+            given.emplace(static_cast<std::size_t>(k), axes.of(widened(slope)));
+        const std::vector<WideVector> m = slopes(chord, given);
 
         // what a slope owes to a chord falls by 2 - sqrt(3) a point
         std::vector<double> size(stretches);
         for (std::size_t k = 0; k < stretches; ++k)
-            size[k] = std::max({curves::norm(chord[k]), curves::norm(m[k]), largest});
+            size[k] = std::max({curves::norm(rounded(chord[k])), curves::norm(rounded(m[k])), largest});
         for (std::size_t k = 1; k < stretches; ++k) size[k] = std::max(size[k], 0.3 * size[k - 1]);
         for (std::size_t k = stretches - 1; k-- > 0;) size[k] = std::max(size[k], 0.3 * size[k + 1]);
         const Vector3 present(1, axes.dimension > 1 ? 1 : 0, axes.dimension > 2 ? 1 : 0);
         for (std::size_t k = 0; k < stretches; ++k) {
-            const Vector3 &d = chord[k], &a = m[k], &b = m[k + 1], s = size[k] * present;
-            pieces_.emplace_back(std::vector<Vector3>{p[k], a, 3.0 * d - 2.0 * a - b, a + b - 2.0 * d},
+            const WideVector &d = chord[k], &a = m[k], &b = m[k + 1];
+            const DoubleDouble two = 2.0, three = 3.0;
+            const Vector3 s = size[k] * present;
+            pieces_.emplace_back(std::vector<WideVector>{p[k], a, three * d - two * a - b, a + b - two * d},
                                  std::vector<Vector3>{s, s, 6.0 * s, 4.0 * s});
         }
 
@@ -231,11 +239,13 @@ public:
 
 private:
     /// Slopes at the beginnings of all stretches and at the end of the last.
-    std::vector<Vector3> slopes(const std::vector<Vector3>& chord, const std::map<std::size_t, Vector3>& given) const {
+    std::vector<curves::WideVector> slopes(const std::vector<curves::WideVector>& chord,
+                                           const std::map<std::size_t, curves::WideVector>& given) const {
+        using curves::WideVector;
         const std::size_t n = chord.size();
         if (closed_ && given.empty()) return curves::closed_spline_slopes(chord);
-        std::vector<Vector3> m(n + 1);
-        std::optional<Vector3> slope_begin;
+        std::vector<WideVector> m(n + 1);
+        std::optional<WideVector> slope_begin;
         std::size_t begin = 0;
         if (closed_) {
             begin = given.begin()->first;
@@ -248,11 +258,11 @@ private:
             std::size_t end = begin + 1;
             while (end < stop && given.count(end % n) == 0) ++end;
             const auto found = given.find(closed_ ? end % n : end);
-            const std::optional<Vector3> slope_end =
-                found == given.end() ? std::nullopt : std::optional<Vector3>(found->second);
-            std::vector<Vector3> part;
+            const std::optional<WideVector> slope_end =
+                found == given.end() ? std::nullopt : std::optional<WideVector>(found->second);
+            std::vector<WideVector> part;
             for (std::size_t k = begin; k < end; ++k) part.push_back(chord[k % n]);
-            const std::vector<Vector3> inner = curves::spline_slopes(part, slope_begin, slope_end);
+            const std::vector<WideVector> inner = curves::spline_slopes(part, slope_begin, slope_end);
             for (std::size_t k = begin; k <= end; ++k) m[closed_ ? k % n : k] = inner[k - begin];
             slope_begin = slope_end;
             begin = end;

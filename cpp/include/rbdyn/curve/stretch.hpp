@@ -19,4 +19,6 @@ inline long stretch(long double u, long lowest, long highest) {
     return stretch(static_cast<double>(u), lowest, highest);
 }
 
+inline long stretch(const DoubleDouble& u, long lowest, long highest) { return stretch(u.hi, lowest, highest); }
+
 }  // namespace rbdyn::curves

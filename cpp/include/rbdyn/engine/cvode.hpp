@@ -47,6 +47,7 @@ public:
             equations_ = &equations;
             integrator_ = &integrator_for(equations);
             scales_.resize(x.size());
+            scales_.follow(equations.groups);
             estimates_.resize(equations.groups.size());
         }
         parameters_.assign(parameters.begin(), parameters.end());

@@ -35,8 +35,10 @@ class Dop853Engine : public Engine {
 public:
     /// Local error per step relative to the motion's scales. `fits_guards`: through values even where series are known.
     /// `stride`: how much of the steps that the tolerance allows, and of a mode in its first one, is taken.
-    explicit Dop853Engine(double tolerance, bool fits_guards = false, double stride = 1.0)
-        : tolerance_(tolerance), fits_guards_(fits_guards), stride_(stride) {}
+    /// `rounding`: of constants.
+    explicit Dop853Engine(double tolerance, bool fits_guards = false, double stride = 1.0,
+                          Program::Rounding rounding = Program::Rounding::nearest)
+        : tolerance_(tolerance), fits_guards_(fits_guards), stride_(stride), constants_(rounding) {}
 
     std::string name() const override { return "dop853"; }
 
@@ -48,6 +50,7 @@ public:
             equations_ = &equations;
             workshop_ = &workshop_for(equations);
             resize(x.size());
+            scales_.follow(equations.groups);
         }
         parameters_.assign(parameters.begin(), parameters.end());
         set_parameters();
@@ -180,9 +183,9 @@ private:
     }
 
     void set_parameters() {
-        workshop_->evaluator.set_parameters(parameters_);
-        if (workshop_->series) workshop_->series->set_parameters(parameters_);
-        workshop_->guards.set_parameters(parameters_);
+        workshop_->evaluator.set_parameters(parameters_, constants_);
+        if (workshop_->series) workshop_->series->set_parameters(parameters_, constants_);
+        workshop_->guards.set_parameters(parameters_, constants_);
     }
 
     /// x' at (t, x); false if it is not finite, or not asked for since x is not.
@@ -449,6 +452,7 @@ private:
     double tolerance_;
     bool fits_guards_;
     double stride_;
+    Program::Rounding constants_;
     const Equations* equations_ = nullptr;
     Workshop* workshop_ = nullptr;
     int n_ = 0;  // variables

@@ -34,7 +34,9 @@ public:
             if (equations.guards[g].output >= 0 && !equations.is_variable(equations.guards[g])) fitted_.push_back(g);
     }
 
-    void set_parameters(std::span<const double> parameters) { evaluator_.set_parameters(parameters); }
+    void set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
+        evaluator_.set_parameters(parameters, rounding);
+    }
 
     /// Fits all guards but those that are variables on [0, length] of the piece, in its unit of time. Whether each is
     /// met within `tolerance` times its largest value there, or within rounding of its terms; one that is not finite at

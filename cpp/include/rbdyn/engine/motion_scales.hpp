@@ -1,7 +1,11 @@
 // The scales of a motion so far: what an error is measured against, whatever units describe it.
+//
+// Of bodies that are joined none is followed to digits of its own below a floor in the scale of all: a mass far down a
+// chain that moves by 1e-90 of the first would else say how long steps are.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -16,6 +20,16 @@ class MotionScales {
 public:
     void resize(std::size_t variables) { variables_.resize(variables); }
 
+    /// Which variables belong together from here on; they outlive the use of this.
+    void follow(std::span<const VariableGroup> groups) {
+        groups_ = groups;
+        has_floor_ = false;
+        whole_.fill(0.0);
+        std::array<int, kinds> count{};
+        for (const VariableGroup& g : groups)
+            if (g.alike != Alike::nothing) has_floor_ = ++count[index(g)] > 1 || has_floor_;
+    }
+
     /// Takes a state into account.
     void widen(std::span<const double> x) {
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -24,16 +38,15 @@ public:
             v.high = std::max(v.high, x[i]);
             v.magnitude = std::max(v.magnitude, std::abs(x[i]));
         }
+        if (!has_floor_) return;
+        for (const VariableGroup& g : groups_)
+            if (g.alike != Alike::nothing) whole_[index(g)] = std::max(whole_[index(g)], g.measure * own(g));
     }
 
     /// Extent of positions, largest magnitude of velocities; 0 before there is motion.
     double scale(const VariableGroup& group) const {
-        double scale = group.is_position ? 0.0 : group.steady;
-        for (int i = group.first; i < group.first + group.count; ++i) {
-            const Variable& v = variables_[static_cast<std::size_t>(i)];
-            scale = std::max(scale, group.is_position ? v.high - v.low : v.magnitude);
-        }
-        return scale;
+        if (!has_floor_ || group.alike == Alike::nothing) return own(group);
+        return std::max(own(group), floor * whole_[index(group)] / group.measure);
     }
 
     /// Largest number that stands for the group, whose rounding nothing can undo.
@@ -48,7 +61,25 @@ private:
     struct Variable {
         double low = std::numeric_limits<double>::infinity(), high = -low, magnitude = 0.0;
     };
+    // steps are a tenth shorter at most than without it for motion a thousand times this small; for what is asked of
+    // motion that is smaller, see least_share()
+    static constexpr double floor = 0x1p-20;
+    static constexpr std::size_t kinds = 5;
+    static std::size_t index(const VariableGroup& g) { return static_cast<std::size_t>(g.alike); }
+
+    double own(const VariableGroup& group) const {
+        double scale = group.is_position ? 0.0 : group.steady;
+        for (int i = group.first; i < group.first + group.count; ++i) {
+            const Variable& v = variables_[static_cast<std::size_t>(i)];
+            scale = std::max(scale, group.is_position ? v.high - v.low : v.magnitude);
+        }
+        return scale;
+    }
+
     std::vector<Variable> variables_;
+    std::span<const VariableGroup> groups_;
+    bool has_floor_ = false;
+    std::array<double, kinds> whole_{};
 };
 
 }  // namespace rbdyn

@@ -37,8 +37,8 @@ public:
     /// Of what coefficients() gives.
     int order() const { return order_; }
 
-    void set_parameters(std::span<const double> parameters) {
-        if (fit_) fit_->set_parameters(parameters);
+    void set_parameters(std::span<const double> parameters, Program::Rounding rounding = Program::Rounding::nearest) {
+        if (fit_) fit_->set_parameters(parameters, rounding);
     }
 
     /// Looks at another piece. Returns its length, or less: how far the guards' coefficients hold.

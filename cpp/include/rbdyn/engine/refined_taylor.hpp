@@ -114,7 +114,7 @@ private:
 
     void set_parameters() {
         const std::span<const double> p = parameters();
-        evaluator_->set_parameters(std::vector<Real>(p.begin(), p.end()));
+        evaluator_->set_parameters(std::vector<Real>(p.begin(), p.end()), rounding());
     }
 
     /// Of the polynomial over the step.

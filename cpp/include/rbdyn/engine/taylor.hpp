@@ -41,6 +41,7 @@ public:
             equations_ = &equations;
             series_ = &evaluator_for(equations);
             scales_.resize(x.size());
+            scales_.follow(equations.groups);
         }
         parameters_.assign(parameters.begin(), parameters.end());
         t_ = t;
@@ -130,6 +131,7 @@ protected:
     /// What the state is short of.
     std::span<double> rest() { return low_; }
     std::span<const double> parameters() const { return parameters_; }
+    Program::Rounding rounding() const { return rounding_; }
     Instant t_;
 
 private:

@@ -62,9 +62,13 @@ private:
         record.end = t;
         record.first_state = x;
         Mode mode = model_.begin(t.hi, x);
+        // what is set anew there is what it is
+        std::vector<double> low = model_.start_rest();
+        for (std::size_t i = 0; i < low.size(); ++i)
+            if (x[i] != record.first_state[i]) low[i] = 0.0;
         record.first_state = x;
         enter(record, mode, t, x, {});
-        if (const std::vector<double> rest = model_.start_rest(); !rest.empty() && !mode.still) engine_.carry(rest);
+        if (!low.empty() && !mode.still) engine_.carry(low);
         bool fresh = true;
         int crowded = 0, passes = 0;
         // less than this from the end is the end

@@ -10,41 +10,53 @@ namespace recording {
 template <class F>
 Expression unary(const Expression& x, Operation operation, F&& f) {
     if (x.is_number()) return Numbers::active()->record(operation, x);
-    return x.is_constant() ? Expression(f(x.value())) : x.recorder()->record(operation, x.node());
+    return x.is_constant() ? folded(x, f) : x.recorder()->record(operation, x.node());
 }
 
 }  // namespace recording
 
 inline Expression sqrt(const Expression& x) {
-    return recording::unary(x, Operation::square_root, [](double v) { return std::sqrt(v); });
+    using std::sqrt;
+    return recording::unary(x, Operation::square_root, [](const auto& v) { return sqrt(v); });
 }
 inline Expression sin(const Expression& x) {
-    return recording::unary(x, Operation::sine, [](double v) { return std::sin(v); });
+    using std::sin;
+    return recording::unary(x, Operation::sine, [](const auto& v) { return sin(v); });
 }
 inline Expression cos(const Expression& x) {
-    return recording::unary(x, Operation::cosine, [](double v) { return std::cos(v); });
+    using std::cos;
+    return recording::unary(x, Operation::cosine, [](const auto& v) { return cos(v); });
 }
 inline Expression tan(const Expression& x) { return sin(x) / cos(x); }
 inline Expression sinh(const Expression& x) {
-    return recording::unary(x, Operation::hyperbolic_sine, [](double v) { return std::sinh(v); });
+    using std::sinh;
+    return recording::unary(x, Operation::hyperbolic_sine, [](const auto& v) { return sinh(v); });
 }
 inline Expression cosh(const Expression& x) {
-    return recording::unary(x, Operation::hyperbolic_cosine, [](double v) { return std::cosh(v); });
+    using std::cosh;
+    return recording::unary(x, Operation::hyperbolic_cosine, [](const auto& v) { return cosh(v); });
 }
 inline Expression tanh(const Expression& x) {
-    return recording::unary(x, Operation::hyperbolic_tangent, [](double v) { return std::tanh(v); });
+    using std::tanh;
+    return recording::unary(x, Operation::hyperbolic_tangent, [](const auto& v) { return tanh(v); });
 }
 inline Expression exp(const Expression& x) {
-    return recording::unary(x, Operation::exponential, [](double v) { return std::exp(v); });
+    using std::exp;
+    return recording::unary(x, Operation::exponential, [](const auto& v) { return exp(v); });
 }
 inline Expression log(const Expression& x) {
-    return recording::unary(x, Operation::logarithm, [](double v) { return std::log(v); });
+    using std::log;
+    return recording::unary(x, Operation::logarithm, [](const auto& v) { return log(v); });
 }
 
 /// x^n for a constant n; small whole powers become products.
 inline Expression pow(const Expression& x, double n) {
     if (x.is_number()) return Numbers::active()->power(x, n);
-    if (x.is_constant()) return std::pow(x.value(), n);
+    if (x.is_constant())
+        return recording::folded(x, [n](const auto& v) {
+            using std::pow;
+            return pow(v, n);
+        });
     if (n == 0.0) return 1.0;
     if (n == 0.5) return sqrt(x);
     if (n == std::floor(n) && std::abs(n) <= 16.0) {
@@ -66,6 +78,7 @@ inline Expression locked_sign(const Expression& x, const std::string& name = "si
     return x.is_constant() ? Expression(x.is_negative() ? -1.0 : 1.0) : x.recorder()->sign(x, name);
 }
 inline double locked_sign(double x, const std::string& = {}) { return x < 0.0 ? -1.0 : 1.0; }
+inline DoubleDouble locked_sign(const DoubleDouble& x, const std::string& = {}) { return x.hi < 0.0 ? -1.0 : 1.0; }
 
 inline Expression abs(const Expression& x) { return locked_sign(x, "abs") * x; }
 
@@ -76,6 +89,9 @@ inline Expression length(const Vector3Of<Expression>& v, const std::string& name
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 inline double length(const Vector3& v, const std::string& = {}, int = -1) { return v.norm(); }
+inline DoubleDouble length(const Vector3Of<DoubleDouble>& v, const std::string& = {}, int = -1) {
+    return sqrt(dot<DoubleDouble>(v, v));
+}
 inline long double length(const Vector3Of<long double>& v, const std::string& = {}, int = -1) {
     return std::sqrt(dot(v, v));
 }
@@ -141,11 +157,19 @@ inline Expression atan2(const Expression& y, const Expression& x) {
 }
 inline Expression atan(const Expression& x) { return recording::angle(x, 1.0); }
 inline Expression asin(const Expression& x) {
-    if (x.is_constant()) return std::asin(x.value());
+    if (x.is_constant())
+        return recording::folded(x, [](const auto& v) {
+            using std::asin;
+            return asin(v);
+        });
     return x.recorder()->record(Operation::angle, x.node(), x.recorder()->node_of(sqrt((1.0 - x) * (1.0 + x))));
 }
 inline Expression acos(const Expression& x) {
-    if (x.is_constant()) return std::acos(x.value());
+    if (x.is_constant())
+        return recording::folded(x, [](const auto& v) {
+            using std::acos;
+            return acos(v);
+        });
     const Expression across = sqrt((1.0 - x) * (1.0 + x));
     return x.recorder()->record(Operation::angle, x.recorder()->node_of(across), x.node());
 }

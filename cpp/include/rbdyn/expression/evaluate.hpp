@@ -18,7 +18,9 @@ public:
         set_parameters(std::vector<T>(static_cast<std::size_t>(program.parameters()), T(0)));
     }
 
-    void set_parameters(std::span<const T> parameters) { program_->set_parameters(parameters, scalars_); }
+    void set_parameters(std::span<const T> parameters, Program::Rounding rounding = Program::Rounding::nearest) {
+        program_->set_parameters(parameters, scalars_, rounding);
+    }
 
     void operator()(T t, std::span<const T> x) {
         using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;

@@ -11,7 +11,8 @@
 // by the state the mode begins in, or by whoever knows better (`Branch`).
 //
 // Constants are doubles, or numbers of 32 digits where a model gives such; what is folded with one of these is one, and
-// is rounded once, by the program that uses it. Who asks for all digits (WideFolding) has them of all constants.
+// is rounded once, by the program that uses it. Models and derivatives have all digits of all constants (WideFolding);
+// what a user's own function computes with numbers while it is recorded are doubles, the user's own.
 //
 // Conventions: an expression is a constant or a node of one Recorder. `parameter` nodes are numbers that are fixed
 // during smooth motion and may change between pieces (the sign of a slip).
@@ -45,28 +46,47 @@ inline Recorder* common(const Expression& a, const Expression& b) {
 /// While one lives, this thread folds all constants with 32 digits.
 class WideFolding {
 public:
-    WideFolding() { is_on = true; }
-    ~WideFolding() { is_on = false; }
+    WideFolding() : before_(is_on) { is_on = true; }
+    ~WideFolding() { is_on = before_; }
     WideFolding(const WideFolding&) = delete;
     WideFolding& operator=(const WideFolding&) = delete;
     inline static thread_local bool is_on = false;
+
+private:
+    bool before_;
 };
+
+/// A constant as an expression; that it is a double is seen where it comes from doubles.
+inline Expression as_expression(const Constant& c, bool from_doubles) {
+    return c.is_wide && !(from_doubles && c.number.lo == 0.0) ? Expression(c.number) : Expression(c.number.hi);
+}
 
 /// What an operation makes of two constants.
 template <class F>
 Expression folded(Operation operation, const Expression& a, const Expression& b, F&& f) {
     if (a.is_number() || b.is_number()) return Numbers::active()->record(operation, a, b);
     Constant x = a.constant(), y = b.constant();
+    const bool from_doubles = !x.is_wide && !y.is_wide;
     x.is_wide = x.is_wide || WideFolding::is_on;
-    const Constant result = folded(x, y, f);
-    return result.is_wide ? Expression(result.number) : Expression(result.number.hi);
+    return as_expression(folded(x, y, f), from_doubles);
+}
+/// What a function makes of a constant.
+template <class F>
+Expression folded(const Expression& a, F&& f) {
+    Constant x = a.constant();
+    const bool from_doubles = !x.is_wide;
+    (void)a.value();
+    x.is_wide = x.is_wide || WideFolding::is_on;
+    return as_expression(folded(x, f), from_doubles);
 }
 
 /// The angle of the point (x, y), away from its cut.
 inline Expression angle(const Expression& y, const Expression& x) {
     if (x.is_constant() && y.is_constant())
-        return x.is_number() || y.is_number() ? Numbers::active()->record(Operation::angle, y, x)
-                                              : Expression(std::atan2(y.value(), x.value()));
+        return folded(Operation::angle, y, x, [](const auto& a, const auto& b) {
+            using std::atan2;
+            return atan2(a, b);
+        });
     Recorder* r = common(x, y);
     return r->record(Operation::angle, r->node_of(y), r->node_of(x));
 }
@@ -261,7 +281,11 @@ inline Expression Recorder::norm(const Expression& x, const Expression& y, const
     }
     if (present == 0) return 0.0;
     if (present == 1) return sign(*alone, name, tag) * *alone;
-    if (constant) return std::sqrt(x.value() * x.value() + y.value() * y.value() + z.value() * z.value());
+    if (constant)
+        return recording::folded(x * x + y * y + z * z, [](const auto& square) {
+            using std::sqrt;
+            return sqrt(square);
+        });
     Node node{Operation::norm, node_of(x), node_of(y), node_of(z)};
     if (purpose_ == Purpose::function) return record(node);
     for (const Switch& known : switches_) {

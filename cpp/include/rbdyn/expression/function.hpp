@@ -136,6 +136,7 @@ public:
 
     /// The derivatives of all results with respect to one input, as another recorded function.
     Function derivative(int input) const {
+        const recording::WideFolding all_digits;
         return record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
     }
 
@@ -247,6 +248,13 @@ private:
             return x > S(0.0);
     }
     template <class S>
+    static S constant_of(const Node& node) {
+        if constexpr (std::is_same_v<S, Expression>)
+            return node.constant();
+        else
+            return exactly<S>({node.value, node.rest});
+    }
+    template <class S>
     static S whole_of(const S& x) {
         using std::floor;
         return floor(x);
@@ -260,7 +268,7 @@ private:
         const auto a = [&]() -> const S& { return y[at(node.a)]; };
         const auto b = [&]() -> const S& { return y[at(node.b)]; };
         switch (node.operation) {
-            case Operation::constant: return S(node.value);
+            case Operation::constant: return constant_of<S>(node);
             case Operation::input: return x[at(node.a)];
             case Operation::cell:
                 if constexpr (std::is_same_v<S, Expression>)

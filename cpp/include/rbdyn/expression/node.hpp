@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 
 namespace rbdyn {
@@ -52,6 +52,12 @@ Constant folded(const Constant& a, const Constant& b, F&& f) {
     if (!a.is_wide && !b.is_wide) return {rounded};
     const DoubleDouble exact = f(a.number, b.number);
     return {std::isfinite(exact.hi) && std::isfinite(exact.lo) ? exact : DoubleDouble(rounded), true};
+}
+
+/// What a function makes of one.
+template <class F>
+Constant folded(const Constant& a, F&& f) {
+    return folded(a, a, [&](const auto& x, const auto&) { return f(x); });
 }
 
 /// A recorded number: a constant, or a node of a recorder.

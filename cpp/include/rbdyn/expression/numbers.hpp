@@ -4,7 +4,7 @@
 // is folded with it is recorded here, too, and is such a constant itself; a program takes it as a parameter. So
 // equations hold for other values as well, as long as what was decided by them stays so: what was zero stays zero and
 // nothing else becomes zero, what was chosen by a sign keeps the sign, and what went into the equations as a double
-// keeps its value.
+// keeps its value. What is made of them has 32 digits.
 #pragma once
 
 #include <algorithm>
@@ -100,13 +100,20 @@ public:
             if (!others->holds(given)) return false;
         return true;
     }
-    /// The parameters that nodes are, from the given numbers: of each the node and the index.
+    /// The parameters that nodes are, from the given numbers: of each the node and the index. What they are short of
+    /// 32 digits follows them (program.hpp), if they are short of any.
     void set(std::span<const std::pair<std::int32_t, int>> nodes, std::span<const double> given,
              std::vector<double>& parameters) const {
         std::vector<Constant> values;
         extend(values, given);
-        for (const auto& [node, index] : nodes)
-            parameters[static_cast<std::size_t>(index)] = values[static_cast<std::size_t>(node)].number.hi;
+        const std::size_t count = parameters.size();
+        for (const auto& [node, index] : nodes) {
+            const DoubleDouble& value = values[static_cast<std::size_t>(node)].number;
+            parameters[static_cast<std::size_t>(index)] = value.hi;
+            if (value.lo == 0.0) continue;
+            parameters.resize(2 * count, 0.0);
+            parameters[count + static_cast<std::size_t>(index)] = value.lo;
+        }
     }
 
 private:
@@ -143,23 +150,23 @@ private:
     static Constant value_of(const Node& n, const std::vector<Constant>& values, std::span<const double> given) {
         using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
         const auto of_two = [&](auto f) { return folded(values[at(n.a)], values[at(n.b)], f); };
-        const auto a = [&] { return values[at(n.a)].number.hi; };
+        const auto of_one = [&](auto f) { return folded(values[at(n.a)], f); };
         switch (n.operation) {
             case Operation::constant: return {{n.value, n.rest}, n.is_wide};
-            case Operation::cell: return {given[at(n.a)]};
+            case Operation::cell: return {given[at(n.a)], true};
             case Operation::add: return of_two([](const auto& x, const auto& y) { return x + y; });
             case Operation::multiply: return of_two([](const auto& x, const auto& y) { return x * y; });
             case Operation::divide: return of_two([](const auto& x, const auto& y) { return x / y; });
-            case Operation::square_root: return {sqrt(a())};
-            case Operation::sine: return {sin(a())};
-            case Operation::cosine: return {cos(a())};
-            case Operation::hyperbolic_sine: return {sinh(a())};
-            case Operation::hyperbolic_cosine: return {cosh(a())};
-            case Operation::hyperbolic_tangent: return {tanh(a())};
-            case Operation::exponential: return {exp(a())};
-            case Operation::logarithm: return {log(a())};
-            case Operation::power: return {pow(a(), n.value)};
-            case Operation::angle: return {atan2(a(), values[at(n.b)].number.hi)};
+            case Operation::square_root: return of_one([](const auto& x) { return sqrt(x); });
+            case Operation::sine: return of_one([](const auto& x) { return sin(x); });
+            case Operation::cosine: return of_one([](const auto& x) { return cos(x); });
+            case Operation::hyperbolic_sine: return of_one([](const auto& x) { return sinh(x); });
+            case Operation::hyperbolic_cosine: return of_one([](const auto& x) { return cosh(x); });
+            case Operation::hyperbolic_tangent: return of_one([](const auto& x) { return tanh(x); });
+            case Operation::exponential: return of_one([](const auto& x) { return exp(x); });
+            case Operation::logarithm: return of_one([](const auto& x) { return log(x); });
+            case Operation::power: return of_one([&](const auto& x) { return pow(x, n.value); });
+            case Operation::angle: return of_two([](const auto& y, const auto& x) { return atan2(y, x); });
             default: throw Error("an operation that numbers of the user's are not folded by");
         }
     }

@@ -86,9 +86,10 @@ public:
     /// Whether part of it is opaque: there are values, but no series and no exact derivatives.
     bool has_calls() const { return !calls_.empty(); }
 
-    /// How constants of 32 digits become doubles: the nearest one, or the one on the other side.
+    /// How constants of 32 digits become numbers of the machine: the nearest one, or the one on the other side.
     enum class Rounding { nearest, other };
-    /// The weights for given parameters, in the number type of the evaluation.
+    /// The weights for given parameters, in the number type of the evaluation. `parameters`: their values, then what
+    /// these are short of 32 digits, if anything.
     template <class T>
     void set_parameters(std::span<const T> parameters, std::vector<T>& scalars,
                         Rounding rounding = Rounding::nearest) const;
@@ -412,15 +413,19 @@ template <class T>
 void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars, Rounding rounding) const {
     using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
     scalars.clear();
-    for (const DoubleDouble& c : constants_) {
-        const double beyond = std::copysign(std::numeric_limits<double>::infinity(), c.lo);
-        const double hi = rounding == Rounding::other && c.lo != 0.0 ? std::nextafter(c.hi, beyond) : c.hi;
-        scalars.push_back(static_cast<T>(hi) + static_cast<T>(hi == c.hi ? c.lo : 0.0));
-    }
+    const auto rounded = [rounding](T hi, T lo) {
+        const T nearest = hi + lo, rest = lo - (nearest - hi);
+        if (rounding == Rounding::nearest || rest == T(0)) return nearest;
+        const T beyond = std::numeric_limits<T>::infinity();
+        return std::nextafter(nearest, rest > T(0) ? beyond : -beyond);
+    };
+    for (const DoubleDouble& c : constants_) scalars.push_back(rounded(static_cast<T>(c.hi), static_cast<T>(c.lo)));
+    const auto count = static_cast<std::size_t>(parameters_);
     for (const ScalarStep& s : scalar_steps_) {
         T& out = scalars[static_cast<std::size_t>(s.out)];
         if (s.operation == Operation::parameter) {
-            out = parameters[static_cast<std::size_t>(s.a)];
+            const auto index = static_cast<std::size_t>(s.a);
+            out = parameters.size() > count ? rounded(parameters[index], parameters[count + index]) : parameters[index];
             continue;
         }
         const T a = scalars[static_cast<std::size_t>(s.a)];

@@ -1,8 +1,10 @@
 // Equations of smooth motion in one structural mode: what an engine integrates and what guards watch over it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -63,12 +65,25 @@ struct Guard {
     bool is_watched() const { return watch >= 0 || role == GuardRole::record; }
 };
 
+/// What is alike in all bodies of a part of a scene: none of them is known to more digits of its own than the rounding
+/// of the whole leaves.
+enum class Alike : signed char { nothing = -1, place, velocity, turning, force, torque };
+
 /// State variables that share a scale, [first, first + count).
 struct VariableGroup {
     int first, count;
     bool is_position;     // measured by the extent of its motion; else by its largest magnitude
     double steady = 0.0;  // the largest magnitude of what belongs to it and stays as it starts
+    Alike alike = Alike::nothing;
+    double measure = 1.0;  // what one of it is where `alike` is compared: m, m/s, rad/s
 };
+
+/// The share of the scale of the whole that the scale of a part is at least, for an error wanted: a body that hardly
+/// moves yet is known to that error of the error of the whole, or to rounding. `size`: of the numbers over that scale.
+inline double least_share(double wanted, double size) {
+    constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+    return std::min(1.0, std::max(wanted, rounding * std::max(size, 1.0) / wanted));
+}
 
 /// Holds what a motion conserves against the errors of its integration.
 class Projection {

@@ -71,6 +71,7 @@ struct Observed {
     bool is_position = false;  // scale: the extent of the motion; else the largest size
     double size = 0.0;         // its own size, if that is more than its length
     double whole = 0.0;        // what it is a difference of: far below this it is rounding
+    Alike alike = Alike::nothing;
 };
 
 /// The laws of a scene between events and at them. Immutable; shared by the runs made with it.

@@ -34,12 +34,17 @@ struct WrittenPoints {
 inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const PointLaws& laws, const StateMap& map,
                                   const std::vector<Scene::Watch>& watches, const std::vector<signed char>& slip) {
     using S = Expression;
+    const recording::WideFolding all_digits;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = laws.positions(), count = static_cast<int>(laws.bodies().size());
     if (laws.takes_numbers()) r.parameter(2 * count - 1);
     const S t = r.time();
     const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
-    const auto variable = [&](int i) { return map.is_simulated(i) ? r.input(map.place(i)) : S(map.start(i)); };
+    const auto constant_start = [&](int i) {
+        const DoubleDouble x = map.exact_start(i);
+        return x.lo == 0.0 ? S(x.hi) : S(x);
+    };
+    const auto variable = [&](int i) { return map.is_simulated(i) ? r.input(map.place(i)) : constant_start(i); };
     // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
     std::vector<S> q(at(n)), v(at(laws.variables() - n)), rates(at(laws.variables()), S(0.0));
     std::vector<bool> fixed(at(count), false);
@@ -114,7 +119,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
                              dot<S>(c.first, g.force) - g.along;
             const Vector3Of<S> across = PointLaws::friction_vector<S>(b, c, p.w, g);
             write.guard({.kind = EventKind::slip, .subject = i, .name = "hold of " + b.name},
-                        S(b.mu_static * b.mu_static) * dot<S>(across, across) - needed * needed);
+                        (S(b.mu_static) * S(b.mu_static)) * dot<S>(across, across) - needed * needed);
         }
         if (b.side != RailSide::both)
             write.guard({.kind = EventKind::detach, .subject = i},
@@ -154,7 +159,8 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
     }
     std::vector<VariableGroup> groups;
     const auto add = [&](const VariableGroup& g) {
-        VariableGroup simulated{0, 0, g.is_position};
+        VariableGroup simulated = g;
+        simulated.count = 0;
         for (int i = g.first; i < g.first + g.count; ++i) {
             if (!map.is_simulated(i))
                 simulated.steady = std::max(simulated.steady, std::abs(map.start(i)));
@@ -173,9 +179,11 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
                 }
                 continue;
             }
-            if (b.may_fly) add({first, 1, is_position});
-            const int size = b.may_fly ? 3 : b.positions();
-            add({first + b.positions() - size, size, is_position});
+            const Alike alike = is_position ? Alike::place : Alike::velocity;
+            // one of the parameter is |r'| metres
+            if (b.curve)
+                add({first, 1, is_position, 0.0, alike, std::sqrt(laws.curve_point(b, b.start_u.hi).speed_squared)});
+            if (!b.curve || b.may_fly) add({first + b.positions() - 3, 3, is_position, 0.0, alike});
         }
     std::vector<Vector3Of<S>> forces;
     for (const RecordedPoints::Body& b : present) forces.push_back(b.force.force);
@@ -191,6 +199,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
 inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const PointLaws>& of,
                                                 const std::vector<Scene::Watch>& watches,
                                                 const std::vector<signed char>& slip, const RecordedFor& at_state) {
+    const recording::WideFolding all_digits;
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     Recorder r;
     const PointLaws& laws = *of;

@@ -73,8 +73,8 @@ public:
         bool rough = false;
         double mu_static = 0.0, mu_dynamic = 0.0;
         TimeFunction drive;
-        int first = 0, first_rate = 0;    // its first position variable, its first velocity variable
-        Vector3 force = Vector3::Zero();  // constant forces together
+        int first = 0, first_rate = 0;       // its first position variable, its first velocity variable
+        Vector3Of<DoubleDouble> force = {};  // constant forces together
         std::vector<Drag> drags;
         std::vector<Load> functions;
         RigidMotion motion;
@@ -82,7 +82,8 @@ public:
         RailEnds ends = RailEnds::stop;
         Vector3 binormal = Vector3::Zero();  // of a rail that only pushes, in the view; the sign of its side in it
         bool may_fly = false;
-        double start_u = 0.0, start_speed = 0.0;
+        DoubleDouble start_u = 0.0;
+        double start_speed = 0.0;
         DoubleDouble start_positions[8] = {}, start_velocities[6] = {};  // of a rigid body
         Vector3 start_position = Vector3::Zero(), start_velocity = Vector3::Zero();
 
@@ -99,7 +100,7 @@ public:
     };
     struct SpringEnd {
         int body = -1;
-        Vector3 point = Vector3::Zero();  // in the view
+        Vector3Of<DoubleDouble> point = {};  // in the view
         bool is_on_rigid = false;
         Vector3Of<DoubleDouble> point_on_rigid = {};  // from o, in its frame
     };
@@ -135,7 +136,7 @@ public:
             }
             body.first = position;
             position += body.positions();
-            body.start_u = b.parameter;
+            body.start_u = {b.parameter, b.parameter_rest};
             body.start_speed = b.speed;
             body.start_position = b.position;
             body.start_velocity = b.velocity;
@@ -158,7 +159,7 @@ public:
     [[gnu::cold]] void take_functions(const Scene& scene) {
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             Body& body = bodies_[i];
-            body.force = seen(scene.gravity()) * body.mass;
+            body.force = seen_exactly(scene.gravity()) * DoubleDouble(body.mass);
             body.drags.clear();
             body.functions.clear();
             body.loads.clear();
@@ -176,7 +177,7 @@ public:
                 // along a line the view follows the forces
                 const bool is_seen_along = scene.bodies().size() == 1 && body.curve && body.curve->straight();
                 if (force->is_constant() && (is_seen_along || !force->is_of_numbers()))
-                    body.force += seen(force->settled());
+                    body.force += seen_exactly(force->settled());
                 else
                     body.functions.push_back(load.load);
             } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
@@ -186,14 +187,15 @@ public:
                 body.functions.push_back(load.load);
             }
         }
-        for (Body& body : bodies_) body.force = snapped(body.force, body.force.norm());
+        for (Body& body : bodies_) body.force = snapped(body.force, rounded(body.force).norm());
         for (std::size_t i = 0; i < springs_.size(); ++i)
             springs_[i].spring = std::get<Spring>(scene.connections()[i].coupling);
     }
 
     /// Takes what stays as it starts out of the state.
     [[gnu::cold]] void leave_out(const std::vector<bool>& stays) {
-        map_ = StateMap(start(), stays);
+        const std::vector<double> rest = start_rest();
+        map_ = StateMap(start(), stays, rest);
         landings_.clear();
         for (const Body& b : bodies_)
             landings_.push_back(b.side == RailSide::both ? nullptr
@@ -222,46 +224,46 @@ public:
         return own;
     }
 
-    /// What the variables that rigid bodies start with are short of 32 digits; empty if nothing.
-    std::vector<double> start_rest() const {
-        std::vector<double> rest(at(variables_), 0.0);
+    /// All variables as the scene starts at time t, in 32 digits.
+    std::vector<DoubleDouble> exact_start(double t = 0.0) const {
+        std::vector<DoubleDouble> x(at(variables_), 0.0);
         for (const Body& b : bodies_) {
-            if (!b.rigid) continue;
-            for (int k = 0; k < b.positions(); ++k) rest[at(b.first + k)] = b.start_positions[k].lo;
-            for (int k = 0; k < b.velocities(); ++k) rest[at(b.first_rate + k)] = b.start_velocities[k].lo;
-        }
-        const bool is_exact = std::all_of(rest.begin(), rest.end(), [](double r) { return r == 0.0; });
-        return is_exact ? std::vector<double>() : rest;
-    }
-
-    /// All variables as the scene starts at time t.
-    std::vector<double> start(double t = 0.0) const {
-        std::vector<double> x(at(variables_), 0.0);
-        for (const Body& b : bodies_) {
-            double* q = x.data() + b.first;
-            double* v = x.data() + b.first_rate;
+            DoubleDouble* q = x.data() + b.first;
+            DoubleDouble* v = x.data() + b.first_rate;
             if (b.rigid) {
-                for (int k = 0; k < b.positions(); ++k) q[k] = b.start_positions[k].hi;
-                for (int k = 0; k < b.velocities(); ++k) v[k] = b.start_velocities[k].hi;
+                std::copy(b.start_positions, b.start_positions + b.positions(), q);
+                std::copy(b.start_velocities, b.start_velocities + b.velocities(), v);
                 continue;
             }
             if (b.curve) {
                 *q = b.start_u;
-                *v = b.start_speed / std::sqrt(curve_point(b, b.start_u).speed_squared);
+                *v = DoubleDouble(b.start_speed) / sqrt(b.curve->at<DoubleDouble>(b.start_u, view_).speed_squared);
                 if (b.may_fly) {
-                    const double w = *v;
-                    const PointState<double> p = moving<double>(b, t, q, &w, false);
+                    const double u = q->hi, w = v->hi;
+                    const PointState<double> p = moving<double>(b, t, &u, &w, false);
                     for (int i = 0; i < 3; ++i) q[1 + i] = p.r[i];
                 }
                 continue;
             }
-            const Vector3 r = seen_point(b.start_position), vel = seen(b.start_velocity);
+            const Vector3Of<DoubleDouble> r = seen_point(b.start_position), vel = seen_exactly(b.start_velocity);
             for (int i = 0; i < 3; ++i) {
                 q[i] = r[i];
                 v[i] = vel[i];
             }
         }
         return x;
+    }
+    /// The doubles of that, and what they are short of it; empty if nothing.
+    std::vector<double> start(double t = 0.0) const {
+        std::vector<double> x;
+        for (const DoubleDouble& d : exact_start(t)) x.push_back(d.hi);
+        return x;
+    }
+    std::vector<double> start_rest(double t = 0.0) const {
+        std::vector<double> rest;
+        for (const DoubleDouble& d : exact_start(t)) rest.push_back(std::isfinite(d.lo) ? d.lo : 0.0);
+        const bool is_exact = std::all_of(rest.begin(), rest.end(), [](double r) { return r == 0.0; });
+        return is_exact ? std::vector<double>() : rest;
     }
 
     /// All bodies at a time; `slip`: what each does in the mode.
@@ -442,10 +444,10 @@ public:
                            Length&& length_of_w) const {
         const Body& b = bodies_[at(i)];
         const PointState<S>& p = states[at(i)];
-        Resultant<S> f{Vector3Of<S>(b.force), S(0.0)};
+        Resultant<S> f{exactly<S>(b.force), S(0.0)};
         for (const auto& function : b.functions) {
-            const Vector3Of<S> r = in_world<S>(p.r), v = turned<S>(view_.axes, p.v);
-            f.force += turned<S>(view_.axes.transpose(), force_of<S>(function, t, r, v));
+            const Vector3Of<S> r = in_world<S>(p.r), v = to_world<S>(p.v);
+            f.force += to_view<S>(force_of<S>(function, t, r, v));
         }
         if (!b.drags.empty()) {
             S factor(0.0), quadratic(0.0);
@@ -506,7 +508,22 @@ public:
     /// A place of the view in the world.
     template <class S>
     Vector3Of<S> in_world(const Vector3Of<S>& r) const {
-        return turned<S>(view_.axes, r) + Vector3Of<S>(view_.origin);
+        return to_world<S>(r) + Vector3Of<S>(view_.origin);
+    }
+    /// A vector of the view in the world, and back.
+    template <class S>
+    Vector3Of<S> to_world(const Vector3Of<S>& v) const {
+        if constexpr (std::is_same_v<S, double>)
+            return turned<S>(view_.axes, v);
+        else
+            return RigidLaw::turned<S>(view_.exact_axes(), v);
+    }
+    template <class S>
+    Vector3Of<S> to_view(const Vector3Of<S>& v) const {
+        if constexpr (std::is_same_v<S, double>)
+            return {dot(column(view_.axes, 0), v), dot(column(view_.axes, 1), v), dot(column(view_.axes, 2), v)};
+        else
+            return RigidLaw::turned<S>(view_.exact_axes().transpose(), v);
     }
     /// What drives and presses a bead on its rail, in the rail's axes: F - m A.
     template <class S>
@@ -536,7 +553,7 @@ public:
             return {s.position(c), s.velocity(c)};
         }
         if (e.body >= 0) return {states[at(e.body)].r, states[at(e.body)].v};
-        return {Vector3Of<S>(e.point), Vector3Of<S>(S(0.0), S(0.0), S(0.0))};
+        return {exactly<S>(e.point), Vector3Of<S>(S(0.0), S(0.0), S(0.0))};
     }
 
     /// c = m w^2 r' x r'' - r' x F, |r'| times what the rail must exert across itself.
@@ -582,6 +599,9 @@ public:
 
     /// A vector of the world in the view.
     Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
+    Vector3Of<DoubleDouble> seen_exactly(const Vector3& v) const {
+        return snapped(curves::turned<DoubleDouble>(view_.exact_axes().transpose(), widened(v)), v.norm());
+    }
     const std::vector<ConnectedSpring>& springs() const { return springs_; }
 
 private:
@@ -617,14 +637,21 @@ private:
             if (std::abs(v[i]) <= 4.0 * epsilon * size) v[i] = 0.0;
         return v;
     }
-    Vector3 seen_point(const Vector3& p) const {
-        return snapped(view_.axes.transpose() * (p - view_.origin), p.norm() + view_.origin.norm());
+    static Vector3Of<DoubleDouble> snapped(Vector3Of<DoubleDouble> v, double size) {
+        for (int i = 0; i < 3; ++i)
+            if (std::abs(v[i].hi) <= 4.0 * epsilon * size) v[i] = 0.0;
+        return v;
+    }
+    Vector3Of<DoubleDouble> seen_point(const Vector3& p) const {
+        const Vector3Of<DoubleDouble> offset = widened(p) - widened(view_.origin);
+        return snapped(curves::turned<DoubleDouble>(view_.exact_axes().transpose(), offset),
+                       p.norm() + view_.origin.norm());
     }
     SpringEnd end(const End& e) const {
         if (const Vector3* point = std::get_if<Vector3>(&e)) return {-1, seen_point(*point), false};
         const int body = body_of(e);
         const std::optional<RigidLaw>& rigid = bodies_[at(body)].rigid;
-        if (!rigid) return {body, Vector3::Zero(), false};
+        if (!rigid) return {body, {}, false};
         const BodyPoint* point = std::get_if<BodyPoint>(&e);
         return {body, {}, true, point != nullptr ? rigid->point_in_frame(point->point) : rigid->exact.center};
     }

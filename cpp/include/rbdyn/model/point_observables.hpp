@@ -68,16 +68,14 @@ private:
     S parameter(int body) const { return parameters[at(body)]; }
 
     /// A component in the world of a vector in the view.
-    S component(const Vector3Of<S>& v, const Observable& o) const {
-        return PointLaws::turned<S>(laws_.view().axes, v)[o.component];
-    }
+    S component(const Vector3Of<S>& v, const Observable& o) const { return laws_.to_world<S>(v)[o.component]; }
     static Vector3Of<S> force(const Body& b) {
         Vector3Of<S> f = b.force.force;
         if (!b.force.along.is_zero()) f += b.state.curve.first * (b.force.along / b.state.curve.speed_squared);
         return f;
     }
     static Vector3Of<S> acceleration(const Body& b, const PointLaws::Body& law) {
-        return b.on_rail ? b.state.acceleration(b.rate) : Vector3Of<S>(force(b) * S(1.0 / law.mass));
+        return b.on_rail ? b.state.acceleration(b.rate) : Vector3Of<S>(force(b) * (S(1.0) / S(law.mass)));
     }
     std::pair<Vector3Of<S>, Vector3Of<S>> ends(int coupling) const {
         const PointLaws::ConnectedSpring& c = laws_.springs()[at(coupling)];

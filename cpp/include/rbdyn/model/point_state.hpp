@@ -28,14 +28,16 @@ struct RailFrame {
 private:
     /// With A the axes of the view and o its origin: A^T R A, and A^T (R o + d - o) for the placement itself.
     static RigidPlacement<S> seen(const RigidPlacement<S>& p, const Placement& view, bool is_placement) {
+        const Matrix3Of<DoubleDouble> exact = view.exact_axes();
         const Matrix3& a = view.axes;
+        const auto entry = [&](int i, int j) { return exactly<S>(exact(i, j)); };
         RigidPlacement<S> out;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
                 S sum = S(0.0);
                 for (int k = 0; k < 3; ++k)
                     for (int l = 0; l < 3; ++l)
-                        if (a(k, i) != 0.0 && a(l, j) != 0.0) sum += p.row[k][l] * S(a(k, i) * a(l, j));
+                        if (a(k, i) != 0.0 && a(l, j) != 0.0) sum += p.row[k][l] * (entry(k, i) * entry(l, j));
                 out.row[i][j] = sum;
             }
         Vector3Of<S> d = p.displacement;
@@ -47,7 +49,7 @@ private:
         for (int i = 0; i < 3; ++i) {
             S sum = S(0.0);
             for (int k = 0; k < 3; ++k)
-                if (a(k, i) != 0.0) sum += d[k] * S(a(k, i));
+                if (a(k, i) != 0.0) sum += d[k] * entry(k, i);
             out.displacement[i] = sum;
         }
         return out;

@@ -248,9 +248,9 @@ public:
                 continue;
             }
             const PointReport r = laws_->report(i, mode.slip, state.t, state.x);
-            out.push_back({r.position, true, 0.0, r.position.norm()});
-            out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm()});
-            if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort});
+            out.push_back({r.position, true, 0.0, r.position.norm(), Alike::place});
+            out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity});
+            if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort, Alike::force});
         }
     }
 
@@ -332,18 +332,19 @@ private:
         const RigidReport r = laws_->rigid_report(i, state.t, state.x, all);
         const PointState<double>& p = all[at(i)];
         if (law.kind == RigidLaw::Kind::free || law.kind == RigidLaw::Kind::prismatic) {
-            out.push_back({p.r, true, 0.0, p.r.norm()});
-            out.push_back({p.v, false, 0.0, p.v.norm()});
+            out.push_back({p.r, true, 0.0, p.r.norm(), Alike::place});
+            out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity});
         }
         if (law.kind != RigidLaw::Kind::prismatic) {
             // axes of unit length: together they show the angle between two attitudes
             const Matrix3 axes = rotation_matrix(r.attitude);
             for (int k = 0; k < 3; ++k) out.push_back({column(axes, k), false, 1.0, 1.0});
-            out.push_back({r.angular_velocity, false, 0.0, r.angular_velocity.norm()});
+            out.push_back({r.angular_velocity, false, 0.0, r.angular_velocity.norm(), Alike::turning});
         }
         if (law.kind == RigidLaw::Kind::free) return;
-        out.push_back({r.reaction, false, 0.0, r.force_effort});
-        if (law.kind != RigidLaw::Kind::spherical) out.push_back({r.reaction_torque, false, 0.0, r.torque_effort});
+        out.push_back({r.reaction, false, 0.0, r.force_effort, Alike::force});
+        if (law.kind != RigidLaw::Kind::spherical)
+            out.push_back({r.reaction_torque, false, 0.0, r.torque_effort, Alike::torque});
     }
 
     /// The active force on a body, in the view, where motion slides: between those on the two sides of a surface.

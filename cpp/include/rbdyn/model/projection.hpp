@@ -57,10 +57,10 @@ public:
         attitude_ = q + (is_free ? 3 : 0);
         omega_ = v + (is_free ? 3 : 0);
         for (int i = 0; i < 3; ++i) {
-            moment_[at(i)] = RigidLaw::number<Real>(law.exact.moments[i]);
+            moment_[at(i)] = exactly<Real>(law.exact.moments[i]);
             rest_[at(i)] = law.exact.coupling[i].lo;
-            arm_[at(i)] = RigidLaw::number<Real>(law.exact.center[i]);
-            force_[at(i)] = RigidLaw::number<Real>(law.exact.weight[i]);
+            arm_[at(i)] = exactly<Real>(law.exact.center[i]);
+            force_[at(i)] = exactly<Real>(law.exact.weight[i]);
         }
         is_heavy_ = !is_free && norm(force_) > 0.0L && norm(arm_) > 0.0L;
         const Now now = look(x, low);
@@ -261,11 +261,11 @@ private:
 class HingeProjection : public Projection {
 public:
     HingeProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low)
-        : angle_(q), rate_(v), moment_(RigidLaw::number<Real>(law.exact.moments[2])) {
+        : angle_(q), rate_(v), moment_(exactly<Real>(law.exact.moments[2])) {
         const RigidLaw::Exact& exact = law.exact;
-        const auto along = RigidLaw::number<Real>(exact.weight.dot(exact.frame.col(0))),
-                   across = RigidLaw::number<Real>(exact.weight.dot(exact.frame.col(1)));
-        depth_ = RigidLaw::number<Real>(exact.center[0]) * std::hypot(along, across);
+        const auto along = exactly<Real>(exact.weight.dot(exact.frame.col(0))),
+                   across = exactly<Real>(exact.weight.dot(exact.frame.col(1)));
+        depth_ = exactly<Real>(exact.center[0]) * std::hypot(along, across);
         lowest_ = std::atan2(across, along);
         if (depth_ < 0.0L) {
             depth_ = -depth_;

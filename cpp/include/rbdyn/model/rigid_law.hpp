@@ -214,18 +214,18 @@ public:
     void rates(const RigidState<S>& s, const S* q, const Wrench<S>& w, S* q_rate, S* v_rate) const {
         if (kind == Kind::revolute) {
             *q_rate = s.rate;
-            *v_rate = w.moment[2] / number<S>(exact.moments[2]);
+            *v_rate = w.moment[2] / exactly<S>(exact.moments[2]);
             return;
         }
         if (kind == Kind::prismatic) {
             *q_rate = s.rate;
-            *v_rate = dot<S>(s.axes.e3, w.force) / number<S>(exact.mass);
+            *v_rate = dot<S>(s.axes.e3, w.force) / exactly<S>(exact.mass);
             return;
         }
         if (kind == Kind::free) {
             for (int i = 0; i < 3; ++i) {
                 *q_rate++ = s.v[i];
-                *v_rate++ = w.force[i] / number<S>(exact.mass);
+                *v_rate++ = w.force[i] / exactly<S>(exact.mass);
             }
             q += 3;
         }
@@ -238,24 +238,25 @@ public:
         const Vector3Of<S>& o = s.omega;
         if (follows_axis) {
             q_rate[4] = o[2];
-            const S across = number<S>(exact.moments[0]), coupling = number<S>(exact.coupling[0]);
+            const S across = exactly<S>(exact.moments[0]), coupling = exactly<S>(exact.coupling[0]);
             v_rate[0] = w.moment[0] / across - coupling * o[2] * o[1];
             v_rate[1] = w.moment[1] / across + coupling * o[2] * o[0];
             v_rate[2] = S(0.0);
             return;
         }
         for (int i = 0; i < 3; ++i)
-            v_rate[i] = number<S>(exact.coupling[i]) * (o[(i + 1) % 3] * o[(i + 2) % 3]) +
-                        w.moment[i] / number<S>(exact.moments[i]);
+            v_rate[i] = exactly<S>(exact.coupling[i]) * (o[(i + 1) % 3] * o[(i + 2) % 3]) +
+                        w.moment[i] / exactly<S>(exact.moments[i]);
     }
 
     /// The coordinates, or the velocities, that share a scale: an attitude's is 1.
     std::vector<VariableGroup> groups(bool of_positions) const {
-        if (!turns_freely()) return {{0, 1, of_positions && kind == Kind::prismatic}};
+        if (kind == Kind::prismatic) return {{0, 1, of_positions, 0.0, of_positions ? Alike::place : Alike::velocity}};
+        if (kind == Kind::revolute) return {{0, 1, false, 0.0, of_positions ? Alike::nothing : Alike::turning}};
         std::vector<VariableGroup> result;
         const int first = kind == Kind::free ? 3 : 0;
-        if (first > 0) result.push_back({0, 3, of_positions});
-        result.push_back({first, of_positions ? 4 : 3, false});
+        if (first > 0) result.push_back({0, 3, of_positions, 0.0, of_positions ? Alike::place : Alike::velocity});
+        result.push_back({first, of_positions ? 4 : 3, false, 0.0, of_positions ? Alike::nothing : Alike::turning});
         if (of_positions && follows_axis) result.push_back({first + 4, 1, false});
         return result;
     }
@@ -322,29 +323,22 @@ public:
         }
         const QuaternionOf<DoubleDouble>& f = exact.frame_attitude;
         if (f == QuaternionOf<DoubleDouble>{}) return q;
-        return q * QuaternionOf<S>{number<S>(f.w), number<S>(-f.x), number<S>(-f.y), number<S>(-f.z)};
+        return q * QuaternionOf<S>{exactly<S>(f.w), exactly<S>(-f.x), exactly<S>(-f.y), exactly<S>(-f.z)};
     }
 
     /// A point given in body axes, in the frame; with spin zero.
     Vector3Of<DoubleDouble> point_in_frame(const Vector3& p) const { return in_frame(widened(p) - exact.origin); }
 
     template <class S>
-    static S number(const DoubleDouble& x) {
-        if constexpr (std::is_same_v<S, Expression>)
-            return x;
-        else
-            return static_cast<S>(x.hi) + static_cast<S>(x.lo);
-    }
-    template <class S>
     static Vector3Of<S> constant(const Vector3Of<DoubleDouble>& a) {
-        return Vector3Of<S>(number<S>(a[0]), number<S>(a[1]), number<S>(a[2]));
+        return exactly<S>(a);
     }
     /// m v
     template <class S>
     static Vector3Of<S> turned(const Matrix3Of<DoubleDouble>& m, const Vector3Of<S>& v) {
         Vector3Of<S> result;
         for (int i = 0; i < 3; ++i)
-            result[i] = number<S>(m(i, 0)) * v[0] + number<S>(m(i, 1)) * v[1] + number<S>(m(i, 2)) * v[2];
+            result[i] = exactly<S>(m(i, 0)) * v[0] + exactly<S>(m(i, 1)) * v[1] + exactly<S>(m(i, 2)) * v[2];
         return result;
     }
     template <class S>

@@ -8,13 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
+
 namespace rbdyn {
 
 class StateMap {
 public:
     StateMap() = default;
-    /// `start`: what all variables start with; `stays`: which of them stay so and are left out.
-    StateMap(std::vector<double> start, const std::vector<bool>& stays) : all_(std::move(start)) {
+    /// `start`: what all variables start with; `stays`: which of them stay so and are left out; `rest`: what `start` is
+    /// short of 32 digits, if of any.
+    StateMap(std::vector<double> start, const std::vector<bool>& stays, std::vector<double> rest = {})
+        : all_(std::move(start)), rest_(std::move(rest)) {
         for (std::size_t i = 0; i < all_.size(); ++i) place_.push_back(stays[i] ? -1 : size_++);
     }
 
@@ -28,6 +32,10 @@ public:
     bool is_simulated(int variable) const { return place(variable) >= 0; }
     /// What a variable starts with.
     double start(int variable) const { return all_[static_cast<std::size_t>(variable)]; }
+    /// The same in 32 digits.
+    DoubleDouble exact_start(int variable) const {
+        return {start(variable), rest_.empty() ? 0.0 : rest_[static_cast<std::size_t>(variable)]};
+    }
     double value(int variable, std::span<const double> x) const {
         const int i = place(variable);
         return i < 0 ? start(variable) : x[static_cast<std::size_t>(i)];
@@ -51,7 +59,7 @@ public:
 private:
     int size_ = 0;
     std::vector<int> place_;
-    std::vector<double> all_;
+    std::vector<double> all_, rest_;
 };
 
 }  // namespace rbdyn

@@ -83,9 +83,9 @@ struct Staying {
         if (!b.rough && !b.may_fly) continue;
         for (int k = 0; k < b.positions(); ++k) stays[at(b.first + k)] = stays[at(b.first_rate + k)] = false;
     }
-    const std::vector<double> start = laws.start();
+    const std::vector<double> start = laws.start(), rest = laws.start_rest();
     const auto rates_with = [&](Recorder& r, const std::vector<bool>& constant) {
-        const StateMap map(start, constant);
+        const StateMap map(start, constant, rest);
         std::vector<double> x(at(map.size()));
         map.gather(start, x);
         r.follow(0.0, x, {});

@@ -189,7 +189,7 @@ public:
         whole(since, all);
         map_.gather(all, x);
     }
-    double error(double since) const override {
+    double error(double since, double /*wanted*/) const override {
         double worst = 0.0;
         for (const Part& p : parts_) worst = std::max(worst, p.form->error(since));
         return worst;

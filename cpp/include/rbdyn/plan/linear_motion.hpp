@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -36,7 +37,7 @@ public:
 
     /// Of the worst group of variables, relative to its scale until then: the extent of a place, the largest size of
     /// other things. What moves by rounding alone does not move.
-    double error(double since) const override {
+    double error(double since, double wanted) const override {
         constexpr double epsilon = std::numeric_limits<double>::epsilon(), nothing = 1e3 * epsilon;
         // enough to meet most of the extent of a motion, and what it was before it died away; more would make the error
         // less
@@ -53,7 +54,13 @@ public:
                 high[k] = std::max(high[k], x[k]);
             }
         }
-        double worst = epsilon;
+        // of every group: how far it is off, its scale, and its size
+        struct Found {
+            double off, scale, size;
+        };
+        std::vector<Found> found;
+        std::array<double, 5> largest{}, farthest{};
+        std::array<int, 5> count{};
         for (const VariableGroup& group : groups_) {
             double off = 0.0, extent = 0.0, size = group.steady * group.steady;
             for (int i = group.first; i < group.first + group.count; ++i) {
@@ -64,9 +71,23 @@ public:
                 extent += (high[k] - low[k]) * (high[k] - low[k]);
                 size += most * most;
             }
-            const double scale = std::sqrt(group.is_position ? extent : size);
+            found.push_back({std::sqrt(off), std::sqrt(group.is_position ? extent : size), std::sqrt(size)});
+            if (group.alike == Alike::nothing) continue;
+            const auto kind = static_cast<std::size_t>(group.alike);
+            ++count[kind];
+            largest[kind] = std::max(largest[kind], group.measure * found.back().scale);
+            farthest[kind] = std::max(farthest[kind], group.measure * found.back().size);
+        }
+        const double share = least_share(wanted, largest[0] > 0.0 ? farthest[0] / largest[0] : 1.0);
+        double worst = epsilon;
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            const Found& f = found[g];
+            const auto kind = static_cast<std::size_t>(groups_[g].alike);
+            const bool is_joined = groups_[g].alike != Alike::nothing && count[kind] > 1;
+            const double floor = is_joined ? share * largest[kind] / groups_[g].measure : 0.0;
             // what is no number is kept
-            if (const double off_by = std::sqrt(off) / scale; scale > nothing * std::sqrt(size) && !(off_by <= worst))
+            if (const double off_by = f.off / std::max(f.scale, floor);
+                f.scale > nothing * f.size && !(off_by <= worst))
                 worst = off_by;
         }
         return std::isfinite(worst) ? worst : std::numeric_limits<double>::infinity();
@@ -164,7 +185,6 @@ struct Degree {
 /// The rates of a scene as a program whose constants have 32 digits, numbers of the user's among them.
 [[gnu::cold]] inline Program wide_rates(const PointsModel& model, const std::vector<double>& start,
                                         const std::vector<signed char>& slip) {
-    const recording::WideFolding all_digits;
     const Numbers::Active plain(nullptr);
     const StateMap& map = model.laws().map();
     Recorder r;

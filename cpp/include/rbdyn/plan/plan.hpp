@@ -110,10 +110,10 @@ inline Placement view_of(const Scene& scene) {
             if (const Vector3* point = std::get_if<Vector3>(e)) take(*point - view.origin);
     }
     if (across.isZero(0.0)) return view;
-    across = direction(across);
-    const Vector3 y = direction(across - x * x.dot(across));
-    view.axes = columns(x, y, direction(x.cross(y)));
-    return view;
+    const curves::WideVector along = view.exact_axes().col(0), beside = curves::wide_unit(across);
+    const curves::WideVector y = beside - along * dot<DoubleDouble>(along, beside);
+    const curves::WideVector unit = y / sqrt(dot<DoubleDouble>(y, y));
+    return placed(view.origin, curves::columns(along, unit, cross<DoubleDouble>(along, unit)));
 }
 
 /// What the recorded equations watch for, with nothing that sticks and with all that can.

@@ -193,7 +193,6 @@ struct Lorentz {
     Lorentz frozen() const { return {strength.frozen(), field}; }
     template <class S>
     Vector3Of<S> operator()(const S& /*t*/, const Vector3Of<S>& /*r*/, const Vector3Of<S>& v) const {
-        if (!strength.varies()) return cross<S>(v, Vector3(strength.now() * field));
         const S q = strength.in<S>();
         return cross<S>(v, Vector3Of<S>(q * S(field[0]), q * S(field[1]), q * S(field[2])));
     }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/curve/axes.hpp"
 #include "rbdyn/expression/function.hpp"
 
 namespace rbdyn {
@@ -70,14 +71,16 @@ public:
     requires std::is_invocable_v<F, const Expression&>
     static RigidMotion rotation(F angle, const Vector3& axis, const Vector3& point = Vector3::Zero()) {
         require(axis.norm() > 0.0, "motion", "length of the axis", axis.norm(), "an axis has a direction");
-        const Vector3 e = direction(axis);
+        const curves::WideVector e = curves::wide_unit(axis);
         return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
             const Expression phi = angle(t[0]), s = sin(phi), c = cos(phi), rest = 1.0 - c;
-            const double cross_matrix[3][3] = {{0.0, -e[2], e[1]}, {e[2], 0.0, -e[0]}, {-e[1], e[0], 0.0}};
+            const DoubleDouble cross_matrix[3][3] = {{0.0, -e[2], e[1]}, {e[2], 0.0, -e[0]}, {-e[1], e[0], 0.0}};
+            const auto constant = [](const DoubleDouble& x) { return x.lo == 0.0 ? Expression(x.hi) : Expression(x); };
             std::vector<Expression> out;
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j)
-                    out.push_back((i == j ? c : Expression(0.0)) + rest * (e[i] * e[j]) + s * cross_matrix[i][j]);
+                    out.push_back((i == j ? c : Expression(0.0)) + rest * (constant(e[i]) * constant(e[j])) +
+                                  s * constant(cross_matrix[i][j]));
             for (std::size_t i = 0; i < 3; ++i) {
                 Expression d = point[static_cast<Eigen::Index>(i)];
                 for (std::size_t j = 0; j < 3; ++j) d -= out[3 * i + j] * point[static_cast<Eigen::Index>(j)];

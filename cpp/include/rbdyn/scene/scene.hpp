@@ -26,6 +26,7 @@ public:
         Joint joint = Free{};
         Vector3 position = Vector3::Zero(), velocity = Vector3::Zero();  // the start of a free body
         double parameter = 0.0, speed = 0.0;                             // of a bead; of a joint with one coordinate
+        double parameter_rest = 0.0;                                     // what the parameter is short of 32 digits
         Attitude attitude = {};                                          // of a body that turns freely
         Vector3Of<DoubleDouble> angular_velocity = {};                   // its own, body axes
         std::string name;
@@ -97,18 +98,23 @@ public:
         if (start.parameter && start.arc_length)
             throw InvalidInput(name + ": both parameter " + text(*start.parameter) + " and arc_length " +
                                text(*start.arc_length) + " are given; one of them says where it starts");
-        double u = start.parameter.value_or(0.0);
+        DoubleDouble u = start.parameter.value_or(0.0);
         if (start.arc_length) {
             require(std::isfinite(*start.arc_length), name, "arc_length", *start.arc_length, "it is finite, in m");
-            u = curve.parameter_at(arc_length_origin(curve), *start.arc_length);
+            u = curve.exact_parameter_at(arc_length_origin(curve), *start.arc_length);
         }
-        require(std::isfinite(u), name, "parameter", u, "a start is a finite parameter of the curve");
+        require(std::isfinite(u.hi), name, "parameter", u.hi, "a start is a finite parameter of the curve");
         const Domain domain = curve.domain();
-        require(u >= domain.begin && u <= domain.end, name, "parameter", u,
+        require(u.hi >= domain.begin && u.hi <= domain.end, name, "parameter", u.hi,
                 "a start lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
         require(std::isfinite(start.speed), name, "speed", start.speed, "a speed is finite; give it in m/s");
-        curve.require_regular(u);
-        return add({.body = particle, .joint = rail, .parameter = u, .speed = start.speed, .name = std::move(name)});
+        curve.require_regular(u.hi);
+        return add({.body = particle,
+                    .joint = rail,
+                    .parameter = u.hi,
+                    .speed = start.speed,
+                    .parameter_rest = u.lo,
+                    .name = std::move(name)});
     }
 
     BodyHandle add(const RigidBody& body, const Free&, const BodyStart& start = {}, std::string name = {}) {
@@ -170,6 +176,13 @@ public:
         require_body(body, "start_turning");
         bodies_[static_cast<std::size_t>(body.index)].attitude = attitude;
         bodies_[static_cast<std::size_t>(body.index)].angular_velocity = angular_velocity;
+        plan_.forget();
+    }
+
+    /// What the parameter that a bead starts at is short of 32 digits: what another scene has of it.
+    void start_beyond(BodyHandle body, double rest) {
+        require_body(body, "start_beyond");
+        bodies_[static_cast<std::size_t>(body.index)].parameter_rest = rest;
         plan_.forget();
     }
 

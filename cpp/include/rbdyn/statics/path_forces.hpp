@@ -118,7 +118,7 @@ inline Effort effort(const PointLaws& laws, int body, const std::vector<PointSta
     const PointState<double>& p = states[static_cast<std::size_t>(body)];
     const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
     Effort sum;
-    sum.add(b.force.norm(), b.rigid ? b.rigid->center : zero);
+    sum.add(rounded(b.force).norm(), b.rigid ? b.rigid->center : zero);
     for (const auto& function : b.functions) sum.force += force_of<double>(function, 0.0, r, zero).norm();
     for (const RigidLoad& load : b.loads) {
         if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
@@ -136,7 +136,7 @@ inline Effort effort(const PointLaws& laws, int body, const std::vector<PointSta
             c.spring.stiffness * (PointLaws::motion_of<double>(c.a, states).first.norm() +
                                   PointLaws::motion_of<double>(c.b, states).first.norm() + c.spring.rest_length);
         for (const PointLaws::SpringEnd* end : {&c.a, &c.b})
-            if (end->body == body) sum.add(size, end->is_on_rigid ? end->point : zero);
+            if (end->body == body) sum.add(size, end->is_on_rigid ? rounded(end->point) : zero);
     }
     return sum;
 }
@@ -189,7 +189,7 @@ public:
     double speed(double u) const { return body().curve ? curve().first(u).norm() : 1.0; }
     /// Twice the kinetic energy over the squared rate of the coordinate.
     double inertia(double u) const { return is_on_hinge() ? body().rigid->moments[2] : mass() * speed(u) * speed(u); }
-    double start() const { return body().rigid ? body().start_positions[0].hi : body().start_u; }
+    double start() const { return body().rigid ? body().start_positions[0].hi : body().start_u.hi; }
     bool rough() const { return body().rough; }
     bool one_sided() const { return body().side != RailSide::both; }
     const std::string& name() const { return body().name; }

@@ -175,10 +175,11 @@ private:
         const PointLaws& laws = forces_.laws();
         const PointLaws::Body& b = forces_.body();
         const Vector3 r = laws.curve_point(b, on_rail(u)).position, r0 = laws.curve_point(b, origin_).position;
+        const Vector3 force = rounded(b.force);
         double sum = 0.0, size = 0.0;
         for (int i = 0; i < 3; ++i) {
-            sum += b.force[i] * (r[i] - r0[i]);
-            size += std::abs(b.force[i]) * (std::abs(r[i]) + std::abs(r0[i]));
+            sum += force[i] * (r[i] - r0[i]);
+            size += std::abs(force[i]) * (std::abs(r[i]) + std::abs(r0[i]));
         }
         for (const auto& function : b.functions)
             if (const Potential* potential = std::get_if<Potential>(&function)) {
@@ -188,7 +189,7 @@ private:
                 size += std::abs(here) + std::abs(there);
             }
         for (const auto& c : laws.springs()) {
-            const Vector3& point = c.a.body >= 0 ? c.b.point : c.a.point;
+            const Vector3 point = rounded(c.a.body >= 0 ? c.b.point : c.a.point);
             const double l = (r - point).norm(), l0 = (r0 - point).norm(), k = c.spring.stiffness;
             // l^2 - l0^2 by the places, which may be near each other
             const double squares = (r - r0).dot(r + r0 - 2.0 * point);

@@ -1,9 +1,10 @@
 // The estimate of the global error: a run held against a more accurate one, event by event.
 //
-// Measured against the motion's own scales: positions to the extent of that body's motion, velocities and reactions
-// to their largest magnitude, times of events to the time since the start. Between events both runs are compared at
-// the same times, where both are in the same mode; at events their times are. Where the sequences of events differ,
-// the result is certain up to the first difference.
+// Measured against the motion's own scales (error_scales.hpp), times of events to the time since the start. What is
+// told is twice the largest difference found and twice the rounding that no difference shows: the more accurate run is
+// wrong too, and between the places compared a difference may be more. Between events both runs are compared at the
+// same times, where both are in the same mode; at events their times are. Where the sequences of events differ, the
+// result is certain up to the first difference.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +17,13 @@
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/trajectory/error_scales.hpp"
 
 namespace rbdyn {
 
 /// How far a run is from a more accurate one.
 struct Comparison {
-    double error = 0.0;        // largest relative difference
+    double error = 0.0;        // twice the largest relative difference
     double certain_until = 0;  // s, up to where it is at most what was asked
     bool same_events = true;
     bool stopped = false;  // by whoever was asked whether to proceed
@@ -70,14 +72,17 @@ public:
         // beyond the end of the better run nothing is known
         if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
         compare_motion(run, better, uncertain);
+        scales_.settle(wanted_);
         for (const Difference& d : differences_) {
-            const double error = d.what < 0 ? d.value : relative(d);
+            const double error =
+                widening * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));
             result.error = std::max(result.error, error);
             if (error > wanted_) uncertain = std::min(uncertain, d.time);
         }
         // rounding: what two runs share is not seen by comparing them
         const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
-        result.error = std::max(result.error, std::numeric_limits<double>::epsilon() * std::sqrt(steps));
+        const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
+        result.error += widening * (floor + scales_.rounding());
         if (uncertain < run.end.hi - wanted_ * span && better.end.hi < run.end.hi) result.same_events = false;
         if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
         result.certain_until = std::min(result.certain_until, uncertain);
@@ -90,20 +95,8 @@ private:
         double time, value;
         int what;  // index of what is observed; -1: the time of an event, relative already
     };
-    struct Scale {
-        Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
-        Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
-        double size = 0.0, whole = 0.0;
-        bool is_position = false;
-    };
-
-    /// A body that moves by rounding alone does not move; a reaction that is rounding of the forces is none.
-    double relative(const Difference& d) const {
-        constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
-        const Scale& s = scales_[static_cast<std::size_t>(d.what)];
-        const double scale = s.is_position ? (s.high - s.low).norm() : s.size;
-        return scale > nothing * s.whole ? d.value / scale : 0.0;
-    }
+    // of what is found
+    static constexpr double widening = 2.0;
 
     void compare_motion(const Record& run, const Record& better, double until) {
         x_.resize(static_cast<std::size_t>(run.variables));
@@ -142,16 +135,7 @@ private:
         const Mode &mode = run.mode(i), &fine_mode = better.mode(j);
         model_.observe(mode, at.hi, x_, seen_);
         model_.observe(fine_mode, at.hi, y_, fine_);
-        scales_.resize(fine_.size());
-        for (std::size_t k = 0; k < fine_.size(); ++k) {
-            Scale& s = scales_[k];
-            const Observed& o = fine_[k];
-            s.low = lesser(s.low, o.value);
-            s.high = greater(s.high, o.value);
-            s.size = std::max({s.size, o.value.norm(), o.size});
-            s.whole = std::max(s.whole, o.whole);
-            s.is_position = o.is_position;
-        }
+        scales_.widen(fine_);
         note(at.hi, 1.0);
         // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
         if (++samples_ > 64 && samples_ % 8 != 0) return;
@@ -209,7 +193,7 @@ private:
     bool stopped_ = false;
     int samples_ = 0;
     std::vector<Difference> differences_;
-    std::vector<Scale> scales_;
+    ErrorScales scales_;
     std::vector<Observed> seen_, fine_;
 };
 

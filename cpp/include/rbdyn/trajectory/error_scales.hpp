@@ -1,0 +1,86 @@
+// What errors of a motion are measured against: the scales of all that is seen of it.
+//
+// Positions are measured by the extent of their body's motion, all else by its largest magnitude; of bodies that belong
+// together by least_share() of the largest of their kind at least.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "rbdyn/model/hybrid.hpp"
+
+namespace rbdyn {
+
+class ErrorScales {
+public:
+    void clear() { scales_.clear(); }
+
+    /// Takes what is seen at a time into account.
+    void widen(std::span<const Observed> seen) {
+        scales_.resize(seen.size());
+        for (std::size_t k = 0; k < seen.size(); ++k) {
+            Scale& s = scales_[k];
+            const Observed& o = seen[k];
+            s.low = lesser(s.low, o.value);
+            s.high = greater(s.high, o.value);
+            s.size = std::max({s.size, o.value.norm(), o.size});
+            s.whole = std::max(s.whole, o.whole);
+            s.is_position = o.is_position;
+            s.alike = o.alike;
+        }
+    }
+
+    /// Whatever is seen has been; from here on errors are asked for. `wanted`: the error of the motion.
+    void settle(double wanted) {
+        constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
+        std::array<double, kinds> largest{}, farthest{};
+        std::array<int, kinds> count{};
+        for (Scale& s : scales_) {
+            s.scale = s.is_position ? (s.high - s.low).norm() : s.size;
+            // a body that moves by rounding alone does not move; a reaction that is rounding of the forces is none
+            s.is_any = s.scale > nothing * s.whole;
+            if (s.alike == Alike::nothing) continue;
+            const auto kind = static_cast<std::size_t>(s.alike);
+            ++count[kind];
+            largest[kind] = std::max(largest[kind], s.scale);
+            farthest[kind] = std::max(farthest[kind], s.whole);
+        }
+        // digits that positions have lost are lost to all else
+        constexpr auto place = static_cast<std::size_t>(Alike::place);
+        const double share = least_share(wanted, largest[place] > 0.0 ? farthest[place] / largest[place] : 1.0);
+        for (Scale& s : scales_) {
+            const auto kind = static_cast<std::size_t>(s.alike);
+            if (s.alike != Alike::nothing && count[kind] > 1) s.scale = std::max(s.scale, share * largest[kind]);
+        }
+    }
+
+    /// A difference over its scale.
+    double relative(std::size_t what, double difference) const {
+        const Scale& s = scales_[what];
+        return s.is_any ? difference / s.scale : 0.0;
+    }
+    /// What the rounding of sums of a few terms is over their scales.
+    double rounding() const {
+        double worst = 0.0;
+        for (const Scale& s : scales_)
+            if (s.is_any) worst = std::max(worst, std::numeric_limits<double>::epsilon() * s.whole / s.scale);
+        return worst;
+    }
+
+private:
+    struct Scale {
+        Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
+        Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
+        double size = 0.0, whole = 0.0, scale = 0.0;
+        bool is_position = false, is_any = false;
+        Alike alike = Alike::nothing;
+    };
+    static constexpr std::size_t kinds = 5;
+
+    std::vector<Scale> scales_;
+};
+
+}  // namespace rbdyn
