@@ -260,7 +260,7 @@ TEST(RandomBodies, closed_forms_are_as_good_as_they_say) {
         const double until = random.uniform(0.5, 6.0);
         const Trajectory run = simulate(truth.scene(), {.until = until, .error = 1e-13});
         if (run.engine() != "closed form") continue;
-        const double actual = truth.error(run, 20);
+        const double actual = truth.error(run, static_cast<int>(until / 0.04) + 1);
         EXPECT_LE(actual, *run.error()) << k << " until " << until;
         ratios.push_back(actual / *run.error());
     }

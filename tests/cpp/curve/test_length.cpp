@@ -145,6 +145,28 @@ TEST(CurveLength, a_length_that_is_infinite_or_unknown_is_an_error) {
     EXPECT_THROW(curve.parameter_at(0.0, std::nan("")), rbdyn::InvalidInput);
 }
 
+// s = 4 R sin(u/2) on a cycloid, R u on a circle, hypot(R, h) u on a helix; on a parabola 4 a s = w q + asinh w
+TEST(CurveLength, a_start_at_an_arc_length_is_known_to_more_than_doubles) {
+    const double radius = 0.37, s = 0.83;
+    const auto off = [](const DoubleDouble& found, const DoubleDouble& expected) {
+        return std::abs((found - expected).hi) / std::abs(expected.hi);
+    };
+    const Vector3 x(1, 0, 0), y(0, 1, 0);
+    const DoubleDouble R = radius, l = s;
+    // long double knows the length to 1e-19 of itself
+    constexpr double known = 4e-19;
+    const Curve circle = Circle{.radius = radius, .start = x, .toward = y};
+    EXPECT_LE(off(circle.exact_parameter_at(0.0, s), l / R), known);
+    const Curve cycloid = Cycloid{.radius = radius, .x = x, .y = y};
+    EXPECT_LE(off(cycloid.exact_parameter_at(0.0, s), 2.0 * asin(l / (4.0 * R))), known);
+    const Curve helix = Helix{.radius = radius, .pitch = 0.9, .start = x, .toward = y};
+    const DoubleDouble h = DoubleDouble(0.9) / (2.0 * double_double::pi);
+    EXPECT_LE(off(helix.exact_parameter_at(0.0, s), l / sqrt(R * R + h * h)), known);
+    const Curve bent = Parabola{.a = 0.7, .x = x, .y = y};
+    const DoubleDouble u = bent.exact_parameter_at(0.0, s), w = DoubleDouble(1.4) * u, q = sqrt(1.0 + w * w);
+    EXPECT_LE(off((w * q + log(w + q)) / DoubleDouble(2.8), l), known);
+}
+
 }  // namespace
 
 }  // namespace rbdyn::test::test_length

@@ -33,9 +33,10 @@ class AccuracyCheck {
 public:
     /// `times`: where to compare; empty: at the middle and the end of every piece, and at more places of few.
     /// `proceed`: asked now and then whether to go on; if not, the result says that nothing is certain.
+    /// `widening`: how much more than what is found is told.
     AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times = {},
-                  std::function<bool(double)> proceed = {})
-        : model_(model), wanted_(wanted), times_(std::move(times)), proceed_(std::move(proceed)) {}
+                  std::function<bool(double)> proceed = {}, double widening = 2.0)
+        : model_(model), wanted_(wanted), widening_(widening), times_(std::move(times)), proceed_(std::move(proceed)) {}
 
     Comparison operator()(const Record& run, const Record& better) {
         Comparison result;
@@ -75,14 +76,14 @@ public:
         scales_.settle(wanted_);
         for (const Difference& d : differences_) {
             const double error =
-                widening * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));
+                widening_ * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));
             result.error = std::max(result.error, error);
             if (error > wanted_) uncertain = std::min(uncertain, d.time);
         }
         // rounding: what two runs share is not seen by comparing them
         const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
         const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
-        result.error += widening * (floor + scales_.rounding());
+        result.error += widening_ * (floor + scales_.rounding());
         if (uncertain < run.end.hi - wanted_ * span && better.end.hi < run.end.hi) result.same_events = false;
         if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
         result.certain_until = std::min(result.certain_until, uncertain);
@@ -95,9 +96,6 @@ private:
         double time, value;
         int what;  // index of what is observed; -1: the time of an event, relative already
     };
-    // of what is found
-    static constexpr double widening = 2.0;
-
     void compare_motion(const Record& run, const Record& better, double until) {
         x_.resize(static_cast<std::size_t>(run.variables));
         y_.resize(x_.size());
@@ -187,7 +185,7 @@ private:
     static constexpr std::size_t least_times = 16;
 
     const HybridModel& model_;
-    double wanted_;
+    double wanted_, widening_;
     std::vector<double> times_, x_, y_;
     std::function<bool(double)> proceed_;
     bool stopped_ = false;

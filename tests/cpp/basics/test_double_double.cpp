@@ -1,0 +1,49 @@
+// Elementary functions of numbers of 32 digits: inverses, addition theorems, digits known from elsewhere.
+#include <gtest/gtest.h>
+
+#include "random.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+
+namespace rbdyn::test::test_double_double {
+namespace {
+
+// a few roundings of 106 bits
+constexpr double digits = 1e-30;
+
+double size(const DoubleDouble& x) { return std::abs(x.hi); }
+
+TEST(DoubleDouble, has_the_digits_of_known_constants) {
+    const DoubleDouble two = 2.0, three = 3.0;
+    const DoubleDouble log_2{0.6931471805599453, 2.3190468138462996e-17},
+        root_3{1.7320508075688772, 1.0035084221806903e-16};
+    EXPECT_LE(size(log(two) - log_2), digits);
+    EXPECT_LE(size(sqrt(three) - root_3), digits);
+    EXPECT_LE(size(atan2(DoubleDouble(1.0), DoubleDouble(1.0)) * 4.0 - double_double::pi), digits);
+    EXPECT_LE(size(acos(DoubleDouble(0.5)) * 3.0 - double_double::pi), digits);
+    EXPECT_LE(size(asin(DoubleDouble(0.5)) * 6.0 - double_double::pi), digits);
+    EXPECT_LE(size(tanh(log_2) - DoubleDouble(3.0) / 5.0), digits);
+}
+
+TEST(DoubleDouble, functions_undo_each_other_and_add_up) {
+    Random random(5);
+    for (int k = 0; k < 200; ++k) {
+        const DoubleDouble x = DoubleDouble(random.uniform(-4.0, 4.0)) / 3.0,
+                           y = DoubleDouble(random.uniform(0.1, 9.0)) / 7.0;
+        EXPECT_LE(size(exp(log(y)) - y), digits * size(y));
+        EXPECT_LE(size(sin(x) * sin(x) + cos(x) * cos(x) - 1.0), digits);
+        EXPECT_LE(size(cosh(x) * cosh(x) - sinh(x) * sinh(x) - 1.0), digits * size(cosh(x) * cosh(x)));
+        EXPECT_LE(size(sinh(x) + cosh(x) - exp(x)), digits * size(cosh(x)));
+        EXPECT_LE(size(sinh(x + y) - (sinh(x) * cosh(y) + cosh(x) * sinh(y))), digits * size(cosh(x + y)));
+        EXPECT_LE(size(pow(y, 2.5) * pow(y, -2.5) - 1.0), digits);
+        EXPECT_LE(size(pow(y, 3.0) - y * y * y), digits * size(y * y * y));
+        const DoubleDouble angle = atan2(x, y);
+        EXPECT_LE(size(sin(angle) * y - cos(angle) * x), digits * (size(x) + size(y)));
+        EXPECT_EQ(floor(x).hi, std::floor(x.hi));
+    }
+    EXPECT_EQ(floor(DoubleDouble(2.0, -1e-20)), DoubleDouble(1.0));
+    EXPECT_EQ(exactly<double>({1.0, 1e-17}), 1.0);
+    EXPECT_EQ(exactly<long double>({1.0, 0x1p-60}), 1.0L + 0x1p-60L);
+}
+
+}  // namespace
+}  // namespace rbdyn::test::test_double_double
