@@ -1,0 +1,117 @@
+// Where a bead comes to a singular point of its rail (curve/regular_stretch.hpp), on the pieces of an engine.
+//
+// Two ways of going wrong, both smooth in time:
+//   through r' = 0     u(t) passes a cusp that the bead comes to slowly
+//   back from |r'| = infinity   u(t) turns at the last parameter of a slope that becomes vertical, with a speed |r'|
+//   |w|
+//                               that is not zero: on both sides of a turn a bead is as fast as it is long from it, and
+//                               there it is as fast everywhere
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/curve/regular_stretch.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/series/piece.hpp"
+#include "rbdyn/series/polynomial.hpp"
+#include "rbdyn/series/roots.hpp"
+
+namespace rbdyn {
+
+class RailSingularity : public Locator {
+public:
+    /// A bead that starts at u. `parameter`, `rate`: the state variables u and w.
+    RailSingularity(const Curve& curve, double u, int parameter, int rate)
+        : stretch_(curve, u), parameter_(parameter), rate_(rate) {}
+
+    std::optional<double> first(const Piece& piece, bool fresh) const override {
+        const double* u = piece.variable(parameter_);
+        const double* w = piece.variable(rate_);
+        const std::lock_guard lock(mutex_);
+        take(u, piece.order, piece.length);
+        const series::Bounds range = series::bounds(scaled_.data(), piece.order);
+        const double width = range.high - range.low;
+        if (!std::isfinite(width)) return std::nullopt;
+        // it may have landed, or been put, elsewhere
+        if (fresh) stretch_.include(u[0]);
+        std::optional<double> place;
+        if (const auto end = stretch_.end_above(range.high)) place = passed(piece.order, *end, 1.0);
+        if (const auto end = stretch_.end_below(range.low))
+            if (const auto other = passed(piece.order, *end, -1.0); other && !(place && *place < *other)) place = other;
+        if (rate_ >= 0) {
+            take(w, piece.order, piece.length);
+            if (!series::keeps_sign(scaled_.data(), piece.order))
+                if (const auto turn = turned(u, w, piece, width); turn && !(place && *place < *turn)) place = turn;
+        }
+        if (!place) return std::nullopt;
+        return *place * piece.length;
+    }
+
+private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+    /// A polynomial on the unit interval.
+    void take(const double* c, int order, double length) const {
+        scaled_.resize(static_cast<std::size_t>(order) + 1);
+        double power = 1.0;
+        for (int k = 0; k <= order; ++k, power *= length) scaled_[static_cast<std::size_t>(k)] = c[k] * power;
+    }
+
+    /// Where the parameter goes past an end of the stretch, outward.
+    std::optional<double> passed(int order, double end, double sign) const {
+        std::vector<double> gap = scaled_;
+        gap[0] -= end;
+        for (double& c : gap) c *= sign;
+        if (gap[0] >= 0.0) return series::value(gap.data(), order, 1.0) > gap[0] ? std::optional(0.0) : std::nullopt;
+        roots_.clear();
+        finder_.find(gap.data(), order, roots_);
+        if (roots_.empty()) return std::nullopt;
+        return roots_.front();
+    }
+
+    /// Where the parameter turns though the bead does not: at twice the distance in time from a turn the speed is twice
+    /// as large, not the same. Looked at only where |r'| varies much as far as the piece goes.
+    std::optional<double> turned(const double* u, const double* w, const Piece& piece, double width) const {
+        roots_.clear();
+        finder_.find(scaled_.data(), piece.order, roots_);
+        const auto speed = [&](double place) {
+            const double tau = place * piece.length;
+            return norm(series::value(u, piece.order, tau)).first * std::abs(series::value(w, piece.order, tau));
+        };
+        for (const double root : roots_) {
+            const auto [first, second] = norm(series::value(u, piece.order, root * piece.length));
+            if (std::isfinite(first) && std::isfinite(second) && second * width <= 16.0 * first) continue;
+            const double step = root > 0.5 ? -0x1p-6 : 0x1p-6, near = speed(root + step),
+                         far = speed(root + 2.0 * step);
+            if (near < 0.75 * far) continue;
+            // rounding may have put the turn where there is no curve any more
+            double last = root;
+            for (double back = 0x1p-50; back < 0x1p-6 && last > 0.0; back *= 2.0) {
+                if (std::isfinite(norm(series::value(u, piece.order, last * piece.length)).first)) break;
+                last = std::max(0.0, root - back);
+            }
+            return last;
+        }
+        return std::nullopt;
+    }
+
+    /// |r'| and |r''|.
+    std::pair<double, double> norm(double u) const {
+        const CurvePoint<double> p = stretch_.curve().own(u);
+        return {curves::norm(p.first), curves::norm(p.second)};
+    }
+
+    mutable curves::RegularStretch stretch_;
+    int parameter_, rate_;
+    mutable std::mutex mutex_;
+    mutable std::vector<double> scaled_, roots_;
+    mutable series::RootFinder finder_;
+};
+
+}  // namespace rbdyn
