@@ -109,8 +109,8 @@ curve. For plane curves at rest.
 
 ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
 
-up: a direction (3,), world axes, on the "+" side of the curve where the body starts; across a straight rail its part
-across the rail is the direction in which side "+" pushes.
+up: a direction (3,), world axes, on the "+" side of the curve where the body starts; of a straight rail, the part of up
+across it is the direction in which side "+" pushes.
 
 Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.)")
         .def_property_readonly(

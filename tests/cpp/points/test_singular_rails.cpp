@@ -129,6 +129,40 @@ TEST(VerticalEnds, of_half_a_circle_are_no_places_to_turn_back) {
     }
 }
 
+// --- cusps that are met in flight ---
+
+TEST(Cusps, between_two_humps_are_where_a_bead_that_falls_into_the_notch_ends) {
+    // it leaves one hump and lands on the other, again and again, ever deeper: in the notch nothing says what follows
+    const Cycloid humps{.radius = 1.0, .x = {1, 0, 0}, .y = {0, 0, -1}};
+    for (const double speed : {1.0, 2.5, 3.5, 6.0}) {
+        Scene scene(down);
+        const BodyHandle bead = scene.add(Particle{1.0}, Rail(humps, std::nullopt, {.side = RailSide::minus}),
+                                          {.parameter = 0.125, .speed = speed});
+        try {
+            const Trajectory run = simulate(scene, {.until = 3.0});
+            ADD_FAILURE() << run[bead].position(3.0).transpose();
+        } catch (const IntegrationError& error) {
+            EXPECT_TRUE(has(error.what(), "cusp")) << error.what();
+            EXPECT_LE((error.run[bead].position(error.run.end()) - Vector3(pi, 0.0, -2.0)).norm(), 1e-5);
+        }
+    }
+}
+
+TEST(Cusps, are_no_hindrance_to_a_flight_that_comes_down_on_another_hump) {
+    // far over the next cusp, down on the hump behind it, and on
+    const Cycloid humps{.radius = 1.0, .x = {1, 0, 0}, .y = {0, 0, -1}};
+    Scene scene(down);
+    const BodyHandle bead = scene.add(Particle{1.0}, Rail(humps, Coulomb{0.5}, {.side = RailSide::minus}),
+                                      {.parameter = 0.0, .speed = 10.0});
+    const Trajectory run = simulate(scene, {.until = 0.75});
+    const auto landings = run.events().times("land");
+    ASSERT_GE(landings.size(), 1u) << kinds(run);
+    const double u = run[bead].parameter(landings[0]);
+    EXPECT_GT(u, pi);
+    const double t = landings[0];
+    EXPECT_LE((run[bead].position(t) - Vector3(10.0 * t, 0.0, -0.5 * gravity * t * t)).norm(), 1e-9);
+}
+
 // --- what is looked at ---
 
 TEST(RegularStretch, ends_where_the_tangent_does_and_nowhere_else) {

@@ -91,4 +91,26 @@ private:
     std::optional<double> below_, above_;
 };
 
+/// Parameters of a curve next to its singular points, those around u: all over it, or within 32 units of its parameter
+/// where it has no end; the first few hundred.
+inline std::vector<double> singular_points(const Curve& curve, double u) {
+    constexpr double reach = 32.0, past = 0x1p-20;
+    constexpr int most = 256;
+    const Domain d = curve.domain();
+    const double once = curve.period() > 0.0 ? 0.5 * curve.period() : reach;
+    const double low = std::isfinite(d.begin) ? d.begin : u - once, high = std::isfinite(d.end) ? d.end : u + once;
+    std::vector<double> points;
+    for (const double sign : {1.0, -1.0}) {
+        const double last = sign > 0.0 ? high : low;
+        for (double from = u; sign * (last - from) > 0.0 && points.size() < most;) {
+            RegularStretch stretch(curve, from);
+            const auto end = sign > 0.0 ? stretch.end_above(last) : stretch.end_below(last);
+            if (!end) break;
+            points.push_back(*end);
+            from = *end + sign * past * std::max(1.0, std::abs(*end));
+        }
+    }
+    return points;
+}
+
 }  // namespace rbdyn::curves

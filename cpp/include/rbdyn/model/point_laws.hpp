@@ -201,11 +201,15 @@ public:
         map_ = StateMap(start(), stays);
         landings_.assign(bodies_.size(), nullptr);
         singularities_.assign(bodies_.size(), nullptr);
+        singular_landings_.assign(bodies_.size(), nullptr);
         for (std::size_t i = 0; i < bodies_.size(); ++i) {
             const Body& b = bodies_[i];
             if (b.one_side)
                 landings_[i] = std::make_shared<const RailLanding>(*b.curve, *b.one_side, view_, map_.place(b.first),
                                                                    map_.place(b.first_of_space()));
+            if (b.one_side && !b.curve->always_regular())
+                singular_landings_[i] =
+                    std::make_shared<const SingularLanding>(*b.curve, b.start_u, view_, map_.place(b.first_of_space()));
             if (b.curve && !b.curve->always_regular() && map_.is_simulated(b.first))
                 singularities_[i] = std::make_shared<const RailSingularity>(*b.curve, b.start_u, map_.place(b.first),
                                                                             map_.place(b.first_rate));
@@ -618,6 +622,9 @@ public:
     /// Finds where a bead comes to a place where its curve is singular; none if it has none, or the bead stays.
     std::shared_ptr<const RailSingularity> singularity(int i) const { return singularities_[at(i)]; }
 
+    /// Finds where a bead that flies comes to such a place of a rail that only pushes.
+    std::shared_ptr<const SingularLanding> singular_landing(int i) const { return singular_landings_[at(i)]; }
+
     /// A vector of the world in the view.
     Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
     const std::vector<ConnectedSpring>& springs() const { return springs_; }
@@ -648,6 +655,7 @@ private:
     Placement view_;
     std::vector<std::shared_ptr<const RailLanding>> landings_;
     std::vector<std::shared_ptr<const RailSingularity>> singularities_;
+    std::vector<std::shared_ptr<const SingularLanding>> singular_landings_;
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
     StateMap map_;

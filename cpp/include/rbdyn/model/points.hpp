@@ -299,7 +299,10 @@ public:
                 continue;
             }
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
-            if (b.curve && mode.slip[at(i)] != flies) {
+            if (b.curve && mode.slip[at(i)] == flies) {
+                if (const auto tips = laws_->singular_landing(i); tips && tips->is_at(p.r))
+                    return "the flight of " + b.name + ", which ends in a cusp of its rail, on both sides of it";
+            } else if (b.curve) {
                 const double u = laws_->map().value(b.first, x);
                 if (std::string what = singular_at(*b.curve, u); !what.empty())
                     return "the rail of " + b.name + " at u = " + text(u) + ", where " + what;

@@ -6,6 +6,7 @@
 //   |w|
 //                               that is not zero: on both sides of a turn a bead is as fast as it is long from it, and
 //                               there it is as fast everywhere
+// And one for a bead that flies: into the tip of a cusp, closer than a landing on either branch is looked for.
 #pragma once
 
 #include <algorithm>
@@ -112,6 +113,91 @@ private:
     mutable std::mutex mutex_;
     mutable std::vector<double> scaled_, roots_;
     mutable series::RootFinder finder_;
+};
+
+/// Where a flying bead comes to a singular point of the rail it has left.
+class SingularLanding : public Locator {
+public:
+    /// `u`: where it starts. `position`: the first of the state variables that hold its place in the view.
+    SingularLanding(Curve curve, double u, const Placement& view, int position)
+        : curve_(std::move(curve)), view_(view), start_(u), position_(position) {}
+
+    /// Whether a place in the view is that of a singular point but for little.
+    bool is_at(const Vector3& r) const {
+        for (const Vector3& place : places())
+            if ((r - place).norm() <= 0x1p-20 * (r.norm() + place.norm())) return true;
+        return false;
+    }
+
+    std::optional<double> first(const Piece& piece, bool /*fresh*/) const override {
+        Vector3 low, high;
+        for (int i = 0; i < 3; ++i) {
+            std::vector<double> c(piece.variable(position_ + i), piece.variable(position_ + i) + piece.order + 1);
+            double power = 1.0;
+            for (double& one : c) {
+                one *= power;
+                power *= piece.length;
+            }
+            const series::Bounds b = series::bounds(c.data(), piece.order);
+            low[i] = b.low;
+            high[i] = b.high;
+        }
+        // as close as a crossing is told from none (curve/crossing.hpp)
+        const double near = 0x1p-28 * (high - low).norm();
+        std::optional<double> first;
+        for (const Vector3& place : places()) {
+            bool is_inside = true;
+            for (int i = 0; i < 3; ++i)
+                is_inside = is_inside && place[i] >= low[i] - near && place[i] <= high[i] + near;
+            if (!is_inside) continue;
+            const auto tau = closest(piece, place);
+            if (away(piece, place, tau) <= near && !(first && *first < tau)) first = tau;
+        }
+        return first;
+    }
+
+private:
+    double away(const Piece& piece, const Vector3& place, double tau) const {
+        Vector3 r;
+        for (int i = 0; i < 3; ++i) r[i] = series::value(piece.variable(position_ + i), piece.order, tau);
+        return (r - place).norm();
+    }
+    /// The time of least distance, from samples and by thirds between their neighbours.
+    double closest(const Piece& piece, const Vector3& place) const {
+        constexpr int samples = 256;
+        int best = 0;
+        for (int k = 0; k <= samples; ++k)
+            if (away(piece, place, piece.length * k / samples) < away(piece, place, piece.length * best / samples))
+                best = k;
+        double lo = piece.length * std::max(0, best - 1) / samples,
+               hi = piece.length * std::min(samples, best + 1) / samples;
+        for (int k = 0; k < 100; ++k) {
+            const double a = lo + (hi - lo) / 3.0, b = hi - (hi - lo) / 3.0;
+            (away(piece, place, a) < away(piece, place, b) ? hi : lo) =
+                away(piece, place, a) < away(piece, place, b) ? b : a;
+        }
+        return 0.5 * (lo + hi);
+    }
+
+    /// Looked for when it is first asked for: most beads never fly.
+    const std::vector<Vector3>& places() const {
+        const std::lock_guard lock(mutex_);
+        if (!places_) {
+            places_.emplace();
+            for (const double point : curves::singular_points(curve_, start_)) {
+                const Vector3 place = curve_.at<double>(point, view_).position;
+                if (is_finite(place)) places_->push_back(place);
+            }
+        }
+        return *places_;
+    }
+
+    Curve curve_;
+    Placement view_;
+    double start_;
+    int position_;
+    mutable std::mutex mutex_;
+    mutable std::optional<std::vector<Vector3>> places_;
 };
 
 }  // namespace rbdyn
