@@ -37,21 +37,27 @@ public:
     /// already: of its next singular point above, or below.
     std::optional<double> end_above(double high) {
         high = std::min(high, domain_.end);
-        if (!above_ && high > high_ && !is_round()) extend(high, high_, above_);
+        // a little farther, so that it is not asked for little by little
+        if (!above_ && high > high_ && !is_round())
+            extend(std::min(high + 0.25 * (high - low_), domain_.end), high_, above_);
         return above_ && high >= *above_ ? above_ : std::nullopt;
     }
     std::optional<double> end_below(double low) {
         low = std::max(low, domain_.begin);
-        if (!below_ && low < low_ && !is_round()) extend(low, low_, below_);
+        if (!below_ && low < low_ && !is_round())
+            extend(std::max(low - 0.25 * (high_ - low), domain_.begin), low_, below_);
         return below_ && low <= *below_ ? below_ : std::nullopt;
     }
+
+    /// The largest |r''| / |r'| that has been seen.
+    double sharpness() const { return sharpness_; }
 
 private:
     /// All of a closed curve.
     bool is_round() const { return curve_.closed() && high_ - low_ >= curve_.period(); }
 
     /// Goes from `known` to a parameter, as far as the curve is regular.
-    void extend(double to, double& known, std::optional<double>& end) const {
+    void extend(double to, double& known, std::optional<double>& end) {
         // the next places to reach, the nearest last; each is halfway to the one before
         std::vector<double> ahead{to};
         const double least = 0x1p-80 * std::abs(to - known);
@@ -71,7 +77,7 @@ private:
         }
     }
 
-    bool is_regular(double a, double b) const {
+    bool is_regular(double a, double b) {
         const auto [speed, bend] = rates(a + 0.5 * (b - a));
         const auto [first_speed, first_bend] = rates(a);
         const auto [last_speed, last_bend] = rates(b);
@@ -80,14 +86,16 @@ private:
         return is_defined && speed > std::abs(b - a) * std::max({bend, first_bend, last_bend});
     }
     /// |r'| and |r''|.
-    std::pair<double, double> rates(double u) const {
+    std::pair<double, double> rates(double u) {
         const CurvePoint<double> p = curve_.own(u);
-        return {norm(p.first), norm(p.second)};
+        const double speed = norm(p.first), bend = norm(p.second);
+        if (bend > sharpness_ * speed) sharpness_ = bend / speed;
+        return {speed, bend};
     }
 
     Curve curve_;
     Domain domain_;
-    double low_, high_;
+    double low_, high_, sharpness_ = 0.0;
     std::optional<double> below_, above_;
 };
 

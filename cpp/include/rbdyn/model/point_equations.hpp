@@ -94,7 +94,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
             if (is_flying && b.side != RailSide::both)
                 write.outside({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
             if (const auto tips = laws.singular_landing(i); is_flying && tips)
-                write.outside({.kind = EventKind::singular, .role = GuardRole::stop, .subject = i, .locator = tips});
+                write.outside({.kind = EventKind::rail_end, .role = GuardRole::stop, .subject = i, .locator = tips});
             present.push_back({p, f, 0.0, false});
             continue;
         }

@@ -590,13 +590,13 @@ public:
             b.force.norm() + b.mass * (p.acceleration(rate).norm() + c.first_cross_second.norm() * p.w * p.w);
         for (const auto& function : b.functions)
             terms += force_of<double>(function, t, in_world<double>(p.r), view_.axes * p.v).norm();
-        terms += (b.linear_drag + b.quadratic_drag * p.v.norm()) * p.v.norm();
+        for (const Drag& drag : b.drags) terms += (drag.linear.now() + drag.quadratic.now() * p.v.norm()) * p.v.norm();
         for (const ConnectedSpring& s : springs_)
             if ((s.a.body == i || s.b.body == i) && s.spring.present()) {
                 const auto [ra, va] = motion_of<double>(s.a, all);
                 const auto [rb, vb] = motion_of<double>(s.b, all);
-                terms += spring_force(s, all).norm() + s.spring.stiffness * (ra.norm() + rb.norm()) +
-                         s.spring.damping * (va.norm() + vb.norm());
+                terms += spring_force(s, all).norm() + s.spring.stiffness.now() * (ra.norm() + rb.norm()) +
+                         s.spring.damping.now() * (va.norm() + vb.norm());
             }
         return {needed, friction_vector<double>(b, c, p.w, f).norm(),
                 64.0 * epsilon * std::sqrt(c.speed_squared) * terms};

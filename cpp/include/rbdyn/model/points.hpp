@@ -299,10 +299,7 @@ public:
                 continue;
             }
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
-            if (b.curve && mode.slip[at(i)] == flies) {
-                if (const auto tips = laws_->singular_landing(i); tips && tips->is_at(p.r))
-                    return "the flight of " + b.name + ", which ends in a cusp of its rail, on both sides of it";
-            } else if (b.curve) {
+            if (b.curve && mode.slip[at(i)] != flies) {
                 const double u = laws_->map().value(b.first, x);
                 if (std::string what = singular_at(*b.curve, u); !what.empty())
                     return "the rail of " + b.name + " at u = " + text(u) + ", where " + what;
@@ -322,7 +319,8 @@ private:
 
     /// What is singular in a curve near a parameter, in words; empty if nothing is.
     static std::string singular_at(const Curve& curve, double u) {
-        const double speed = curve.first(u).norm(), usual = curve.first(u - 0.125).norm();
+        const double speed = curve.first(u).norm(), before = curve.first(u - 0.125).norm(),
+                     usual = std::isfinite(before) ? before : curve.first(u + 0.125).norm();
         curves::RegularStretch stretch(curve, u);
         const double near = 1e-6 * std::max(1.0, std::abs(u));
         // a rate of the parameter that is beyond all measure beside a finite speed, or none of the speed

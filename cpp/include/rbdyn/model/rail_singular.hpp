@@ -45,7 +45,8 @@ public:
         if (const auto end = stretch_.end_above(range.high)) place = passed(piece.order, *end, 1.0);
         if (const auto end = stretch_.end_below(range.low))
             if (const auto other = passed(piece.order, *end, -1.0); other && !(place && *place < *other)) place = other;
-        if (rate_ >= 0) {
+        // where |r'| varies little as far as the piece goes a turn is one
+        if (rate_ >= 0 && stretch_.sharpness() * width > most_even) {
             take(w, piece.order, piece.length);
             if (!series::keeps_sign(scaled_.data(), piece.order))
                 if (const auto turn = turned(u, w, piece, width); turn && !(place && *place < *turn)) place = turn;
@@ -56,6 +57,8 @@ public:
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+    static constexpr double most_even = 16.0;  // |r''| times a way along u, in parts of |r'|
 
     /// A polynomial on the unit interval.
     void take(const double* c, int order, double length) const {
@@ -77,7 +80,7 @@ private:
     }
 
     /// Where the parameter turns though the bead does not: at twice the distance in time from a turn the speed is twice
-    /// as large, not the same. Looked at only where |r'| varies much as far as the piece goes.
+    /// as large, not the same.
     std::optional<double> turned(const double* u, const double* w, const Piece& piece, double width) const {
         roots_.clear();
         finder_.find(scaled_.data(), piece.order, roots_);
@@ -87,7 +90,7 @@ private:
         };
         for (const double root : roots_) {
             const auto [first, second] = norm(series::value(u, piece.order, root * piece.length));
-            if (std::isfinite(first) && std::isfinite(second) && second * width <= 16.0 * first) continue;
+            if (std::isfinite(first) && std::isfinite(second) && second * width <= most_even * first) continue;
             const double step = root > 0.5 ? -0x1p-6 : 0x1p-6, near = speed(root + step),
                          far = speed(root + 2.0 * step);
             if (near < 0.75 * far) continue;
@@ -121,13 +124,6 @@ public:
     /// `u`: where it starts. `position`: the first of the state variables that hold its place in the view.
     SingularLanding(Curve curve, double u, const Placement& view, int position)
         : curve_(std::move(curve)), view_(view), start_(u), position_(position) {}
-
-    /// Whether a place in the view is that of a singular point but for little.
-    bool is_at(const Vector3& r) const {
-        for (const Vector3& place : places())
-            if ((r - place).norm() <= 0x1p-20 * (r.norm() + place.norm())) return true;
-        return false;
-    }
 
     std::optional<double> first(const Piece& piece, bool /*fresh*/) const override {
         Vector3 low, high;
