@@ -33,6 +33,10 @@ py::typing::Union<rbdyn::Curve> curve_of(const rbdyn::Rail& rail) {
     return py::reinterpret_steal<py::typing::Union<rbdyn::Curve>>(curve_object(rail.curve()).release());
 }
 
+std::optional<Vectors> vector_or_none(const std::optional<rbdyn::Vector3>& v) {
+    return v ? std::optional(py::reinterpret_borrow<Vectors>(to_python(*v))) : std::nullopt;
+}
+
 }  // namespace
 
 void bind_rails(py::module_& m) {
@@ -69,22 +73,25 @@ rest needs, up to mu_static times the perpendicular one.)")
             return "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(dynamic(c)) + ")";
         });
 
-    py::class_<Rail>(m, "Rail", R"(A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
+    py::class_<Rail>(m, "Rail", R"(A guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
 
 A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
 it reverse, stick and slip events, is speed - drive.)")
         .def(py::init([](const Curve& curve, const std::optional<Coulomb>& friction, const NumberOrFunction& drive,
-                         const MotionOrNone& motion, const std::string& side, const std::string& ends) {
+                         const MotionOrNone& motion, const std::string& side, const std::string& ends,
+                         const std::optional<ArrayLike>& up) {
                  RailOptions options;
                  options.drive = speed_of(drive);
                  if (!motion.is_none())
                      options.motion = RigidMotion(recorded(user_motion(motion, true, "Rail: motion")));
                  options.side = one_of(side, sides, "Rail", "side");
                  options.ends = one_of(ends, endings, "Rail", "ends");
+                 if (up) options.up = vector3(*up, "Rail", "up");
                  return Rail(curve, friction, options);
              }),
              py::arg("curve"), py::kw_only(), py::arg("friction") = py::none(), py::arg("drive") = 0.0,
              py::arg("motion") = py::none(), py::arg("side") = "both", py::arg("ends") = "stop",
+             py::arg("up") = py::none(),
              R"(friction: Coulomb, or none.
 
 drive: the speed with which the rail's surface slides along itself [m/s], a number or a function of time [s]; the curve
@@ -94,11 +101,16 @@ motion: a rigid motion of the rail itself, a function of time that returns a dis
 (3, 3), a pair of them, or a homogeneous matrix (4, 4); the curve is where it was given for no displacement and no
 rotation. The reaction then has power, also without friction (Theorem 7.7 needs a rail at rest).
 
-side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: that of Frenet's axes
-where the body starts, carried on continuously. Pulled away, the body leaves ("detach") and flies; where it meets the
-curve again from that side it lands ("land") and keeps its velocity along the curve. For plane curves at rest.
+side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: the normal on the side
+of up where the body starts, or else that of Frenet's axes there (of a straight rail the one nearest to world z, or to
+world x if it is vertical), carried on continuously; push_direction(parameter) shows it. Pulled away, the body leaves
+("detach") and flies; where it meets the curve again from that side it lands ("land") and keeps its velocity along the
+curve. For plane curves at rest.
 
 ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
+
+up: a direction (3,), world axes, on the "+" side of the curve where the body starts; of a straight rail, the part of up
+across it is the direction in which side "+" pushes.
 
 Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.)")
         .def_property_readonly(
@@ -115,6 +127,15 @@ Functions are recorded: called before anything runs, with expressions. Raises In
         .def_property_readonly(
             "ends", [](const Rail& rail) { return word_for(rail.ends(), endings); }, R"("stop" or "release".)")
         .def_property_readonly(
+            "up", [](const Rail& rail) { return vector_or_none(rail.up()); },
+            "A direction on the \"+\" side where the body starts, (3,) world axes; None if none was given.")
+        .def(
+            "push_direction", [](const Rail& rail, double parameter) { return vector_or_none(rail.pushes(parameter)); },
+            py::arg("parameter"),
+            R"(The way the rail pushes a body that starts at a parameter: a unit vector (3,), world axes.
+
+None if it holds on both sides. Raises InvalidInput if its curve is not plane, or up says no side there.)")
+        .def_property_readonly(
             "moves", [](const Rail& rail) { return rail.motion().present(); }, "Whether the rail itself moves.")
         .def("__eq__",
              [](const Rail& a, const py::object& b) { return py::isinstance<Rail>(b) && a == b.cast<const Rail&>(); })
@@ -125,7 +146,8 @@ Functions are recorded: called before anything runs, with expressions. Raises In
                                                                     : py::cast(rail.drive().function());
                 const py::object motion = rail.motion().present() ? py::cast(rail.motion().function()) : py::none();
                 return py::make_tuple(curve_object(rail.curve()), rail.friction(), drive, motion,
-                                      word_for(rail.side(), sides), word_for(rail.ends(), endings));
+                                      word_for(rail.side(), sides), word_for(rail.ends(), endings),
+                                      vector_or_none(rail.up()));
             },
             [](const py::tuple& d) {
                 RailOptions options;
@@ -134,6 +156,7 @@ Functions are recorded: called before anything runs, with expressions. Raises In
                 if (!d[3].is_none()) options.motion = RigidMotion(d[3].cast<rbdyn::Function>());
                 options.side = one_of(d[4].cast<std::string>(), sides, "Rail", "side");
                 options.ends = one_of(d[5].cast<std::string>(), endings, "Rail", "ends");
+                if (!d[6].is_none()) options.up = vector3(d[6], "Rail", "up");
                 return Rail(d[0].cast<const Curve&>(), d[1].cast<std::optional<Coulomb>>(), options);
             }))
         .def("__repr__", [](const Rail& rail) {
@@ -145,6 +168,7 @@ Functions are recorded: called before anything runs, with expressions. Raises In
                           (rail.drive().is_constant() ? rbdyn::text(rail.drive().constant()) : "function of time");
             if (rail.motion().present()) result += ", motion=function of time";
             if (rail.side() != rbdyn::RailSide::both) result += ", side=\"" + word_for(rail.side(), sides) + "\"";
+            if (rail.up()) result += ", up=" + list_text(*rail.up());
             if (rail.ends() != rbdyn::RailEnds::stop) result += ", ends=\"" + word_for(rail.ends(), endings) + "\"";
             return result + ")";
         });

@@ -110,7 +110,7 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
                              const std::optional<Handle>& subject) {
     std::set<std::string> known;
     std::string kinds;
-    for (int i = 0; i <= static_cast<int>(rbdyn::EventKind::switching); ++i) {
+    for (int i = 0; i <= static_cast<int>(rbdyn::EventKind::singular); ++i) {
         const std::string kind(name_of(static_cast<rbdyn::EventKind>(i)));
         known.insert(kind);
         kinds += (kinds.empty() ? "" : ", ") + kind;

@@ -1047,18 +1047,18 @@ class Coulomb:
         """
 class Rail:
     """
-    A bilateral guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
+    A guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
 
     A body on it starts with parameter or arc_length [m], and speed = ds/dt along the curve as placed [m/s]. Slip, and with
     it reverse, stick and slip events, is speed - drive.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[typing.Any, Coulomb | None, typing.Any, typing.Any, str, str]:
+    def __getstate__(self) -> tuple[typing.Any, Coulomb | None, typing.Any, typing.Any, str, str, numpy.typing.NDArray[numpy.float64] | None]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | Parameter | _Of1 | Function = 0.0, motion: _Of1 | Function | None = None, side: typing.Literal['both', '+', '-'] = 'both', ends: typing.Literal['stop', 'release'] = 'stop') -> None:
+    def __init__(self, curve: Curve, *, friction: Coulomb | None = None, drive: float | Parameter | _Of1 | Function = 0.0, motion: _Of1 | Function | None = None, side: typing.Literal['both', '+', '-'] = 'both', ends: typing.Literal['stop', 'release'] = 'stop', up: numpy.typing.ArrayLike | None = None) -> None:
         """
         friction: Coulomb, or none.
 
@@ -1069,11 +1069,16 @@ class Rail:
         (3, 3), a pair of them, or a homogeneous matrix (4, 4); the curve is where it was given for no displacement and no
         rotation. The reaction then has power, also without friction (Theorem 7.7 needs a rail at rest).
 
-        side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: that of Frenet's axes
-        where the body starts, carried on continuously. Pulled away, the body leaves ("detach") and flies; where it meets the
-        curve again from that side it lands ("land") and keeps its velocity along the curve. For plane curves at rest.
+        side: "both", or "+" or "-" for a rail that only pushes, along the curve's normal or against it: the normal on the side
+        of up where the body starts, or else that of Frenet's axes there (of a straight rail the one nearest to world z, or to
+        world x if it is vertical), carried on continuously; push_direction(parameter) shows it. Pulled away, the body leaves
+        ("detach") and flies; where it meets the curve again from that side it lands ("land") and keeps its velocity along the
+        curve. For plane curves at rest.
 
         ends: "stop", the run ends where the body reaches an end of the curve, or "release", it goes on freely.
+
+        up: a direction (3,), world axes, on the "+" side of the curve where the body starts; of a straight rail, the part of up
+        across it is the direction in which side "+" pushes.
 
         Functions are recorded: called before anything runs, with expressions. Raises InvalidInput if they cannot be.
         """
@@ -1088,6 +1093,12 @@ class Rail:
     def drive(self, t: _Number) -> float:
         """
         The speed of the rail's surface along itself at a time [m/s].
+        """
+    def push_direction(self, parameter: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        The way the rail pushes a body that starts at a parameter: a unit vector (3,), world axes.
+
+        None if it holds on both sides. Raises InvalidInput if its curve is not plane, or up says no side there.
         """
     @property
     def curve(self) -> Curve:
@@ -1113,6 +1124,11 @@ class Rail:
     def side(self) -> str:
         """
         "both", "+" or "-".
+        """
+    @property
+    def up(self) -> numpy.typing.NDArray[numpy.float64] | None:
+        """
+        A direction on the "+" side where the body starts, (3,) world axes; None if none was given.
         """
 class Particle:
     """

@@ -4,6 +4,7 @@
 #include <functional>
 #include <numbers>
 
+#include "refusal.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_one_sided {
@@ -560,6 +561,193 @@ TEST(RailEnds, a_bead_that_starts_at_one_moving_outward_flies_silently_or_is_ref
         EXPECT_EQ(kinds(inward), "rail-end");
         EXPECT_NEAR(inward.end(), 3.0, 1e-12);
         EXPECT_TRUE(simulate(scene(RailEnds::stop, 0.0), {.until = 5.0}).events().empty());
+    }
+}
+
+// --- straight rails: one normal, and a reaction that may be constant ---
+
+TEST(StraightRails, hold_a_bead_on_the_side_they_push_to_and_on_no_other) {
+    // without up, the normal of a line is the perpendicular nearest to world z
+    for (const std::optional<Coulomb>& friction : {std::optional<Coulomb>(), std::optional(Coulomb{1.0, 0.5})})
+        for (const double slope : {0.0, 0.5})
+            for (const double speed : {0.0, 2.0, -2.0}) {
+                const Vector3 along = Vector3(1.0, 0.0, slope) / std::hypot(1.0, slope);
+                const Bead on(gravity, Line{.direction = along}, RailSide::plus, {.speed = speed}, friction);
+                const Trajectory held = on.run(0.25);
+                for (const Event& e : held.events()) EXPECT_NE(e.kind, EventKind::detach);
+                EXPECT_NEAR(held[on.handle].reaction(0.25).dot(Vector3(-along.z(), 0.0, along.x())),
+                            gravity * along.x(), 1e-12);
+                const Bead under(gravity, Line{.direction = along}, RailSide::minus, {.speed = speed}, friction);
+                const Trajectory run = under.run(1.0);
+                EXPECT_EQ(kinds(run), "");
+                EXPECT_EQ(run[under.handle].reaction(1.0).norm(), 0.0);
+                EXPECT_LE((run[under.handle].position(1.0) - along * speed - 0.5 * down).norm(), 1e-14);
+            }
+}
+
+TEST(StraightRails, push_to_the_side_of_up) {
+    const Vector3 along = Vector3(2.0, -1.0, 0.5) / std::sqrt(5.25);
+    for (const Vector3& up : {Vector3(0, 0, 1), Vector3(1, 5, -3), Vector3(-1e3, 0, 2), Vector3(0, -1e-9, 0)})
+        for (const RailSide side : {RailSide::plus, RailSide::minus}) {
+            const double sign = side == RailSide::plus ? 1.0 : -1.0;
+            const Vector3 normal = sign * (up - along * along.dot(up)) / (up - along * along.dot(up)).norm();
+            const Rail rail(Line{.direction = 3.0 * along, .point = {1, 2, 3}}, std::nullopt, {.side = side, .up = up});
+            EXPECT_LE((*rail.pushes(0.7) - normal).norm(), 4e-16 + 1e-15);
+            for (const double press : {1.0, -1.0}) {
+                Scene scene;
+                const BodyHandle bead = scene.add(Particle{1.0}, rail, {.parameter = 0.5});
+                scene.apply(Force(Vector3(-press * normal + 0.25 * along)), bead);
+                const Trajectory run = simulate(scene, {.until = 2.0});
+                const Vector3 start = Vector3(1, 2, 3) + 0.5 * along;
+                EXPECT_EQ(kinds(run), "");
+                EXPECT_LE((run[bead].position(2.0) - start - 0.5 * along - (press > 0.0 ? 0.0 : 2.0) * normal).norm(),
+                          1e-14);
+            }
+        }
+}
+
+TEST(StraightRails, are_left_and_met_again_as_a_load_has_it) {
+    // pulled up by t against the weight: it leaves at t = g and falls back when the integrals meet
+    const Bead bead(gravity, along_x, RailSide::plus, {.speed = 1.0});
+    Scene scene = bead.scene;
+    scene.apply(Force([](const auto& t, const auto&, const auto&) {
+                    using S = std::decay_t<decltype(t)>;
+                    return Vector3Of<S>{S(0.0), S(0.0), S(2.0 * gravity) * sin(t)};
+                }),
+                bead.handle);
+    const Trajectory run = simulate(scene, {.until = 10.0, .error = 1e-11});
+    ASSERT_EQ(kinds(run).substr(0, 11), "detach land");
+    const Real from = pi / 6, back = zero(
+                                  [&](Real t) {
+                                      const Real v = 2 * std::cos(from), d = t - from;
+                                      return v * d - 2 * (std::sin(t) - std::sin(from)) - d * d / 2;
+                                  },
+                                  2.0L, 8.0L);
+    EXPECT_NEAR(run.events()[0].time, static_cast<double>(from), 1e-13);
+    EXPECT_NEAR(run.events()[1].time, static_cast<double>(back), 1e-11);
+    EXPECT_NEAR(run[bead.handle].position(10.0).x(), 10.0, 1e-11);
+}
+
+TEST(StraightRails, that_slant_and_pull_along_are_left_once) {
+    // where the reaction has come to zero the way across begins with the third power of time: rounding of the large
+    // acceleration along the rail has no say in it
+    int left = 0;
+    for (int k = 0; k < 64; ++k) {
+        const double angle = 0.1 + 0.09 * k;
+        const Vector3 along(std::cos(angle), 0.0, std::sin(angle)), normal(-along.z(), 0.0, along.x());
+        Scene scene(-9.81 * normal);
+        const BodyHandle bead = scene.add(
+            Particle{0.7}, Rail(Line{.direction = along}, Coulomb{0.3, 0.2}, {.side = RailSide::plus, .up = normal}),
+            {.speed = 1.1});
+        scene.connect(Spring{.stiffness = 7.3}, bead, Vector3(2.0 * along - 0.4 * normal));
+        const Vector3 lift = 11.3 * normal + 5.7 * along;
+        scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                        using S = std::decay_t<decltype(t)>;
+                        const S size = sin(S(1.3) * t);
+                        return Vector3Of<S>{S(lift.x()) * size, S(0.0), S(lift.z()) * size};
+                    }),
+                    bead);
+        const Trajectory run = simulate(scene, {.until = 1.4});
+        const auto leaves = run.events().times("detach");
+        left += static_cast<int>(leaves.size());
+        for (const double t : run.events().times("land"))
+            for (const double before : leaves) EXPECT_FALSE(t >= before && t < before + 1e-3) << angle << kinds(run);
+    }
+    EXPECT_GE(left, 32);
+}
+
+TEST(StraightRails, that_lose_a_constant_load_are_left_when_it_changes_and_where_friction_held_the_bead) {
+    const Bead bead(gravity, along_x, RailSide::plus, {}, Coulomb{0.5});
+    Scene scene = bead.scene;
+    scene.apply(Force([](const auto& t, const auto&, const auto&) {
+                    using S = std::decay_t<decltype(t)>;
+                    return Vector3Of<S>{S(0.0), S(0.0), where(t > 0.5, S(2.0 * gravity), S(0.0))};
+                }),
+                bead.handle);
+    const Trajectory run = simulate(scene, {.until = 1.5});
+    EXPECT_EQ(kinds(run), "switch detach");
+    EXPECT_NEAR(run[bead.handle].position(1.5).z(), 0.5 * gravity, 1e-12);
+}
+
+TEST(StraightRails, without_any_load_across_them_neither_hold_nor_lose_a_bead) {
+    const Vector3 along = Vector3(1.0, 1.0, 1.0) / std::sqrt(3.0);
+    for (const RailSide side : {RailSide::plus, RailSide::minus}) {
+        Scene scene(9.81 * along);
+        const BodyHandle bead = scene.add(Particle{1.0}, Rail(Line{.direction = along}, std::nullopt, {.side = side}));
+        scene.add(Particle{1.0}, {.position = {5, 0, 0}});
+        const Trajectory run = simulate(scene, {.until = 1.0});
+        EXPECT_EQ(kinds(run), "");
+        EXPECT_LE((run[bead].position(1.0) - 0.5 * 9.81 * along).norm(), 1e-14);
+    }
+}
+
+// --- which side it is ---
+
+TEST(Sides, follow_up_where_the_bead_starts) {
+    // over the top of a circle up is outward, at the bottom inward
+    const Curve circle = from_the_top(2.0);
+    const Vector3 up(0.25, 1.0, 1.0);
+    for (const double angle : {0.0, 1.0, 2.5, 4.0}) {
+        const Rail rail(circle, std::nullopt, {.side = RailSide::plus, .up = up}),
+            other(circle, std::nullopt, {.side = RailSide::minus, .up = up});
+        const Vector3 outward(std::sin(angle), 0.0, std::cos(angle));
+        const double sign = outward.dot(up) > 0.0 ? 1.0 : -1.0;
+        EXPECT_LE((*rail.pushes(angle) - sign * outward).norm(), 1e-15);
+        EXPECT_LE((*other.pushes(angle) + sign * outward).norm(), 1e-15);
+        EXPECT_LE((*Rail(circle, std::nullopt, {.side = RailSide::plus}).pushes(angle) + outward).norm(), 1e-15);
+    }
+    EXPECT_FALSE(Rail(circle).pushes(0.0));
+}
+
+TEST(Sides, are_said_by_up_or_it_is_refused) {
+    const Curve circle = from_the_top(2.0);
+    EXPECT_NE(refusal([&] { Rail(circle, std::nullopt, {.up = Vector3(0, 0, 1)}); }).find("side is \"both\""),
+              std::string::npos);
+    EXPECT_NE(refusal([&] {
+                  Rail(circle, std::nullopt, {.side = RailSide::plus, .up = Vector3(0, 0, 0)});
+              }).find("length of up is 0"),
+              std::string::npos);
+    // across the plane, along the rail
+    for (const Vector3& up : {Vector3(0, 1, 0), Vector3(1, 0, 0)})
+        EXPECT_NE(refusal([&] {
+                      Rail(circle, std::nullopt, {.side = RailSide::plus, .up = up}).pushes(0.0);
+                  }).find("cosine of the angle between up"),
+                  std::string::npos);
+    EXPECT_NE(refusal([&] {
+                  Rail(along_x, std::nullopt, {.side = RailSide::plus, .up = Vector3(1, 0, 0)}).pushes(0.0);
+              }).find("sine of the angle between up"),
+              std::string::npos);
+}
+
+TEST(Sides, of_curves_in_space_are_refused_with_a_distance_that_is_true) {
+    const Curve helix = Helix{.radius = 1.0, .pitch = 0.5, .start = {1, 0, 0}, .toward = {0, 1, 0}};
+    const Curve twisted = Polynomial{.coefficients = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .domain = {-1, 2}};
+    for (const Curve& curve : {helix, twisted})
+        for (const double u : {0.25, 1.0}) {
+            const std::string words = refusal([&] { Rail(curve, std::nullopt, {.side = RailSide::plus}).pushes(u); });
+            const std::string place = "its rail at parameter ", value = "is ";
+            ASSERT_NE(words.find(place), std::string::npos) << words;
+            const double at = std::stod(words.substr(words.find(place) + place.size()));
+            const double distance = std::stod(words.substr(words.rfind(value, words.find("; ")) + value.size()));
+            const Vector3 away = curve.position(at) - curve.position(u);
+            EXPECT_NEAR(distance, std::abs(curve.frenet(u).binormal.dot(away)), 1e-5 * distance) << words;
+            EXPECT_NE(words.find("flies past it"), std::string::npos);
+        }
+}
+
+TEST(Landing, a_bead_that_has_left_the_plane_of_its_rail_flies_past_it) {
+    // thrown up from a table, pushed aside or not
+    for (const double aside : {0.0, 1e-3, 1.0}) {
+        Scene scene(down);
+        const BodyHandle bead = scene.add(Particle{1.0}, Rail(along_x, std::nullopt, {.side = RailSide::plus}));
+        scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                        using S = std::decay_t<decltype(t)>;
+                        return Vector3Of<S>{S(0.0), S(aside), where(t < 0.25, S(5.0 * gravity), S(0.0))};
+                    }),
+                    bead);
+        const Trajectory run = simulate(scene, {.until = 4.0});
+        EXPECT_EQ(run.events().times("land").size(), aside == 0.0 ? 1u : 0u) << aside << kinds(run);
+        EXPECT_EQ(run[bead].position(4.0).z() < -1.0, aside != 0.0);
     }
 }
 

@@ -126,6 +126,12 @@ public:
     bool straight() const {
         return asked([](const auto& form) { return form.straight(); });
     }
+    /// Whether r' is finite and not zero everywhere, by its kind.
+    bool always_regular() const {
+        const auto& kind = *kind_;
+        return std::holds_alternative<Line>(kind) || std::holds_alternative<Circle>(kind) ||
+               std::holds_alternative<Parabola>(kind) || std::holds_alternative<Helix>(kind);
+    }
     /// What it is, in words: "circle of radius 0.5".
     std::string name() const {
         return asked([](const auto& form) { return form.name(); });

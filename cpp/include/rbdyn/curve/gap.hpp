@@ -101,7 +101,9 @@ public:
         for (int m = first; m <= std::min(degree_, max_contact); ++m) {
             const auto i = static_cast<std::size_t>(m);
             const double size = terms[i] + (m <= path_.degree ? std::abs(path_.eta[i]) : 0.0);
-            if (std::abs(c_[i]) > relative * size + rounding(m, motion)) return m;
+            // turning the path into the axes of the chord has mixed its coefficients
+            const double mixed = m <= path_.degree ? 16.0 * epsilon * std::abs(path_.xi[i]) : 0.0;
+            if (std::abs(c_[i]) > relative * size + rounding(m, motion) + mixed) return m;
         }
         return degree_ + 1;
     }
@@ -109,6 +111,8 @@ public:
     /// The order of a contact at s = 0 that is known to be at least 2, where the curve is at p: what is rounding is
     /// taken out. The coefficient of s^2 comes from the curve's own derivatives by u,
     ///   f' = eta'/xi',  f'' = (xi' eta'' - eta' xi'')/xi'^3.
+    /// Where a reaction has just come to zero that coefficient is zero, too, and rounding may give it either sign: what
+    /// would lead back through the curve and is next to nothing beside all that follows is none.
     int contact(const CurvePoint<double>& p) {
         c_[0] = c_[1] = 0.0;
         if (degree_ >= 2) {
@@ -123,13 +127,19 @@ public:
                 size += std::abs(term);
             }
             c_[2] = side_ * sum;
-            if (std::abs(sum) > 4e-12 * size) return 2;
+            if (path_.degree > 1) size += 16.0 * epsilon / 4e-12 * std::abs(path_.xi[2]);
+            if (std::abs(sum) > 4e-12 * size && !is_next_to_nothing(2)) return 2;
         }
-        return leading(3, 1e-10);
+        int order = leading(3, 1e-10);
+        while (order <= degree_ && is_next_to_nothing(order)) order = leading(order + 1, 1e-10);
+        return order;
     }
 
 private:
     using Coefficients = std::array<double, series::max_degree + 1>;
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+    bool is_next_to_nothing(int m) const { return (*this)[m] < 0.0 && -(*this)[m] <= 1e-9 * size(m + 1); }
 
     /// f(xi(s)) up to max_degree, `dropped` bounding the rest; returns its degree.
     int compose(const double* f, int order, const double* xi, Coefficients& out, double& dropped) const {

@@ -108,6 +108,10 @@ private:
             search_.set_crowded(crowded);
             t = at;
             if (search_.stops()) {
+                for (int index : search_.fired())
+                    // what the equations say beyond is none of the laws
+                    if (mode.equations->guards[static_cast<std::size_t>(index)].kind == EventKind::singular)
+                        return finish(record, t, Status::not_finite);
                 for (int index : search_.fired()) {
                     const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
                     note(record, {guard.kind, guard.subject, search_.direction(index), guard.name}, t);

@@ -14,9 +14,9 @@
 namespace rbdyn {
 
 inline std::string_view name_of(EventKind kind) {
-    static constexpr std::array<std::string_view, 12> names = {"watch",       "reverse",  "stick",        "slip",
-                                                               "normal-zero", "rail-end", "detach",       "land",
-                                                               "impact",      "rest",     "accumulation", "switch"};
+    static constexpr std::array<std::string_view, 13> names = {
+        "watch", "reverse", "stick", "slip",         "normal-zero", "rail-end", "detach",
+        "land",  "impact",  "rest",  "accumulation", "switch",      "singular"};
     return names[static_cast<std::size_t>(kind)];
 }
 

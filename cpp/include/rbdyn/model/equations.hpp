@@ -29,7 +29,8 @@ enum class EventKind {
     impact,
     rest,
     accumulation,
-    switching
+    switching,
+    singular
 };
 
 /// Finds an event that is no zero of a function of the state: where a path meets a curve, say.
@@ -106,6 +107,8 @@ struct Equations {
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
     int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
     int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
+    int pulls =
+        -1;  // where any bead sticks: the first of an output a body, the tangential reaction rest needs, |r'| Phi_t
     std::shared_ptr<const Numbers> numbers = nullptr;  // of the user's that they hold for; none if there are none
     std::vector<std::pair<std::int32_t, int>> number_parameters = {};  // of each its node, and the parameter it is
 

@@ -64,6 +64,12 @@ public:
         moves_ = moves_ || !is_constant;
         watch(std::move(g), value);
     }
+    /// A guard that says what a mode is followed by as soon as the mode begins: also where its value cannot change,
+    /// unless that is known to be positive whatever is chosen.
+    void decide(Guard g, const Expression& value) {
+        if (value.is_constant() && value.value() > 0.0 && !recording::chooses(r_)) return;
+        watch(std::move(g), value);
+    }
     /// A guard whose value is looked at even if it cannot change: it may between structures.
     void watch(Guard g, const Expression& value) {
         g.output = static_cast<int>(rates_.size() + watched_.size());
@@ -76,9 +82,9 @@ public:
         watched_.push_back(value);
         return static_cast<int>(rates_.size() + watched_.size()) - 1;
     }
-    /// A guard that is none of the program's outputs.
-    void outside(Guard g) {
-        moves_ = true;
+    /// A guard that is none of the program's outputs. `moves`: whether it may fire by what happens outside of it.
+    void outside(Guard g, bool moves = true) {
+        moves_ = moves_ || moves;
         guards_.push_back(std::move(g));
     }
 

@@ -28,6 +28,7 @@ struct WrittenPoints {
     std::vector<VariableGroup> groups;
     std::vector<Vector3Of<Expression>> forces;  // active ones, by body
     std::vector<Expression> drives;             // of rough rails, by body; none if no drive changes in time
+    std::vector<Expression> pulls;              // tangential reactions that rest needs, by body; none if nothing sticks
 };
 
 /// Writes what every body does: sticks, slips or flies. `map`: which variables are simulated.
@@ -70,6 +71,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
         states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first_rate - n)], slip[at(i)] == flies));
     }
     std::vector<RecordedPoints::Body> present;
+    std::vector<S> pulls;
     for (int i = 0; i < count; ++i) {
         const PointLaws::Body& b = laws.body(i);
         const PointState<S>& p = states[at(i)];
@@ -96,6 +98,8 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
             }
             if (is_flying && b.side != RailSide::both)
                 write.outside({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
+            if (const auto tips = laws.singular_landing(i); is_flying && tips)
+                write.outside({.kind = EventKind::rail_end, .role = GuardRole::stop, .subject = i, .locator = tips});
             present.push_back({p, f, 0.0, false});
             continue;
         }
@@ -120,13 +124,20 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
             const Vector3Of<S> across = PointLaws::friction_vector<S>(b, c, p.w, g);
             write.guard({.kind = EventKind::slip, .subject = i, .name = "hold of " + b.name},
                         (S(b.mu_static) * S(b.mu_static)) * dot<S>(across, across) - needed * needed);
+            pulls.resize(at(count), S(0.0));
+            pulls[at(i)] = needed;
         }
-        if (b.side != RailSide::both)
-            write.guard({.kind = EventKind::detach, .subject = i},
-                        dot<S>(b.binormal, PointLaws::friction_vector<S>(b, c, p.w, g)));
+        if (b.side != RailSide::both) {
+            const S pressing = dot<S>(b.binormal, PointLaws::friction_vector<S>(b, c, p.w, g));
+            if (!PointLaws::is_rounding(pressing, c, g))
+                write.decide({.kind = EventKind::detach, .subject = i}, pressing);
+        }
         rates[at(b.first)] = p.w;
         rates[at(b.first_rate)] = rate;
         present.push_back({p, f, rate, true});
+        if (const auto singularity = laws.singularity(i); singularity && !fixed[at(i)])
+            write.outside({.kind = EventKind::singular, .role = GuardRole::stop, .subject = i, .locator = singularity},
+                          !p.w.is_zero());
         const Domain domain = b.curve->domain();
         if (!b.curve->closed() && !fixed[at(i)]) {
             const GuardRole role = b.ends == RailEnds::stop ? GuardRole::stop : GuardRole::mode;
@@ -192,7 +203,7 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
     const auto changes = [](const PointLaws::Body& b) { return b.rough && !b.drive.is_constant(); };
     if (std::any_of(laws.bodies().begin(), laws.bodies().end(), changes))
         for (const PointLaws::Body& b : laws.bodies()) drives.push_back(b.rough ? b.drive(t) : S(0.0));
-    return {std::move(rates), std::move(groups), std::move(forces), std::move(drives)};
+    return {std::move(rates), std::move(groups), std::move(forces), std::move(drives), std::move(pulls)};
 }
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
@@ -213,7 +224,7 @@ inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const Poin
     }
     const Decisions& decided = at_state.decided;
     r.follow(at_state.t, at_state.x, parameters, decided.forced, decided.sides);
-    int forces = -1, drives = -1;
+    int forces = -1, drives = -1, pulls = -1;
     auto result = written(r, map.size(), decided.sliding, [&](EquationsWriter& write) {
         WrittenPoints points = write_points(r, write, laws, map, watches, slip);
         for (int i = 0; i < map.variables(); ++i) {
@@ -222,7 +233,7 @@ inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const Poin
             else if (!points.rates[at(i)].is_zero())
                 throw Error("a variable that was left out of the state does not stay as it starts");
         }
-        forces = drives = -1;
+        forces = drives = pulls = -1;
         const auto put = [&](int& first, const Expression& value) {
             const int output = write.output(value);
             if (first < 0) first = output;
@@ -231,11 +242,13 @@ inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const Poin
             for (const Vector3Of<Expression>& force : points.forces)
                 for (int k = 0; k < 3; ++k) put(forces, force[k]);
         for (const Expression& drive : points.drives) put(drives, drive);
+        for (const Expression& pull : points.pulls) put(pulls, pull);
         return points.groups;
     });
     if (!result) return result;
     result->equations.forces = forces;
     result->equations.drives = drives;
+    result->equations.pulls = pulls;
     std::vector<int> held;
     for (int i = 0; i < count; ++i)
         if (laws.is_conservative(i) && laws.turns(i)) held.push_back(i);

@@ -32,6 +32,7 @@
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/rail_landing.hpp"
+#include "rbdyn/model/rail_singular.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -60,6 +61,7 @@ struct PointReport {
 struct Holding {
     double tangential;  // |r'| Phi_t
     double across;      // |r'| |Phi_perp|
+    double rounding;    // |r'| times what rounding may make of either: of the forces one by one, and of the motion
 };
 
 /// The laws of a scene of particles, each written once over the number type. Immutable.
@@ -80,7 +82,8 @@ public:
         RigidMotion motion;
         RailSide side = RailSide::both;
         RailEnds ends = RailEnds::stop;
-        Vector3 binormal = Vector3::Zero();  // of a rail that only pushes, in the view; the sign of its side in it
+        std::optional<curves::OneSide> one_side = std::nullopt;  // of a rail that only pushes, along its normal
+        Vector3 binormal = Vector3::Zero();                      // its binormal in the view
         bool may_fly = false;
         DoubleDouble start_u = 0.0;
         double start_speed = 0.0;
@@ -125,9 +128,11 @@ public:
                 body.side = rail->side();
                 body.ends = rail->ends();
                 body.may_fly = rail->may_release();
-                if (body.side != RailSide::both)
-                    body.binormal = seen(one_binormal(*body.curve, b.parameter, b.name)) *
-                                    (body.side == RailSide::plus ? 1.0 : -1.0);
+                if (body.side != RailSide::both) {
+                    body.one_side = curves::one_side(*body.curve, b.parameter, rail->up(), b.name);
+                    if (body.side == RailSide::minus) body.one_side->sign = -body.one_side->sign;
+                    body.binormal = seen(body.one_side->binormal());
+                }
                 if (const auto friction = rail->friction()) {
                     body.rough = true;
                     body.mu_static = friction->mu_static;
@@ -196,12 +201,21 @@ public:
     [[gnu::cold]] void leave_out(const std::vector<bool>& stays) {
         const std::vector<double> rest = start_rest();
         map_ = StateMap(start(), stays, rest);
-        landings_.clear();
-        for (const Body& b : bodies_)
-            landings_.push_back(b.side == RailSide::both ? nullptr
-                                                         : std::make_shared<const RailLanding>(
-                                                               *b.curve, view_.axes * b.binormal, view_,
-                                                               map_.place(b.first), map_.place(b.first_of_space())));
+        landings_.assign(bodies_.size(), nullptr);
+        singularities_.assign(bodies_.size(), nullptr);
+        singular_landings_.assign(bodies_.size(), nullptr);
+        for (std::size_t i = 0; i < bodies_.size(); ++i) {
+            const Body& b = bodies_[i];
+            if (b.one_side)
+                landings_[i] = std::make_shared<const RailLanding>(*b.curve, *b.one_side, view_, map_.place(b.first),
+                                                                   map_.place(b.first_of_space()));
+            if (b.one_side && !b.curve->always_regular())
+                singular_landings_[i] = std::make_shared<const SingularLanding>(*b.curve, b.start_u.hi, view_,
+                                                                                map_.place(b.first_of_space()));
+            if (b.curve && !b.curve->always_regular() && map_.is_simulated(b.first))
+                singularities_[i] = std::make_shared<const RailSingularity>(*b.curve, b.start_u.hi, map_.place(b.first),
+                                                                            map_.place(b.first_rate));
+        }
     }
 
     const std::vector<Body>& bodies() const { return bodies_; }
@@ -589,13 +603,44 @@ public:
         const double rate = carried_rate<double>(b, t, c, p.w);
         const double needed = b.mass * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) -
                               dot<double>(c.first, f.force) - f.along;
-        return {needed, friction_vector<double>(b, c, p.w, f).norm()};
+        double terms =
+            rounded(b.force).norm() + b.mass * (p.acceleration(rate).norm() + c.first_cross_second.norm() * p.w * p.w);
+        for (const auto& function : b.functions)
+            terms += force_of<double>(function, t, in_world<double>(p.r), view_.axes * p.v).norm();
+        for (const Drag& drag : b.drags) terms += (drag.linear.now() + drag.quadratic.now() * p.v.norm()) * p.v.norm();
+        for (const ConnectedSpring& s : springs_)
+            if ((s.a.body == i || s.b.body == i) && s.spring.present()) {
+                const auto [ra, va] = motion_of<double>(s.a, all);
+                const auto [rb, vb] = motion_of<double>(s.b, all);
+                terms += spring_force(s, all).norm() + s.spring.stiffness.now() * (ra.norm() + rb.norm()) +
+                         s.spring.damping.now() * (va.norm() + vb.norm());
+            }
+        return {needed, friction_vector<double>(b, c, p.w, f).norm(),
+                64.0 * epsilon * std::sqrt(c.speed_squared) * terms};
+    }
+
+    /// Whether what presses a bead on its rail is a constant that rounding of its terms alone has made.
+    static bool is_rounding(const Expression& pressing, const CurvePoint<Expression>& c,
+                            const Resultant<Expression>& f) {
+        if (!pressing.is_constant()) return false;
+        double size = 0.0;
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k)
+                if (i != k && c.first[i].is_constant() && f.force[k].is_constant())
+                    size += std::abs(c.first[i].value() * f.force[k].value());
+        return std::abs(pressing.value()) <= 16.0 * epsilon * size;
     }
 
     CurvePoint<double> curve_point(const Body& b, double u) const { return b.curve->at<double>(u, view_); }
 
     /// Finds where a flying bead comes back to its rail; none if the rail holds on both sides.
     std::shared_ptr<const RailLanding> landing(int i) const { return landings_[at(i)]; }
+
+    /// Finds where a bead comes to a place where its curve is singular; none if it has none, or the bead stays.
+    std::shared_ptr<const RailSingularity> singularity(int i) const { return singularities_[at(i)]; }
+
+    /// Finds where a bead that flies comes to such a place of a rail that only pushes.
+    std::shared_ptr<const SingularLanding> singular_landing(int i) const { return singular_landings_[at(i)]; }
 
     /// A vector of the world in the view.
     Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
@@ -607,28 +652,6 @@ public:
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-    /// The binormal of Frenet's axes at the start, that of the whole curve. Throws InvalidInput unless it is plane.
-    static Vector3 one_binormal(const Curve& curve, double u, const std::string& name) {
-        const Vector3 binormal = curve.frenet(u).binormal;
-        const Vector3 place = curve.position(u);
-        const Domain d = curve.domain();
-        const double span = curve.first(u).norm();
-        for (int k = 1; k <= 64; ++k) {
-            // places all over the curve, or within 32 units of its parameter where it has no end
-            const double lo = std::isfinite(d.begin) ? d.begin : u - 32.0, hi = std::isfinite(d.end) ? d.end : u + 32.0;
-            const Vector3 r = curve.position(lo + (hi - lo) * (k - 0.5) / 64.0) - place;
-            const double off = std::abs(binormal.dot(r));
-            require(off <= 1e-9 * (r.norm() + span), name, "distance of its rail from a plane", off,
-                    "a rail that holds on one side only is a plane curve; use side \"both\", or flatten the curve");
-        }
-        const double tilt = 1.0 - std::abs(column(curve.placement().axes, 2).dot(binormal));
-        require(
-            tilt <= 1e-9, name, "angle of its rail's plane with that found for it, squared and halved", tilt,
-            "the plane of a rail that holds on one side only is one of the world's, or that of a kind of curve that "
-            "knows it (a circle, a polynomial, a spline); use side \"both\", or turn the scene");
-        return binormal;
-    }
 
     // --- seen from the view ---
 
@@ -658,6 +681,8 @@ private:
 
     Placement view_;
     std::vector<std::shared_ptr<const RailLanding>> landings_;
+    std::vector<std::shared_ptr<const RailSingularity>> singularities_;
+    std::vector<std::shared_ptr<const SingularLanding>> singular_landings_;
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
     StateMap map_;

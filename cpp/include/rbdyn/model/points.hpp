@@ -170,9 +170,7 @@ public:
                 }
                 case EventKind::slip: {
                     carry(mode, i, t, x);
-                    const Within state(mode, t, x);
-                    const Holding h = laws_->holding(i, state.t, state.x, mode.slip);
-                    const signed char s = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
+                    const signed char s = escape(mode, i, t, x, holding(mode, i, t, x));
                     after.slip[at(i)] = s;
                     happenings.push_back({EventKind::slip, i, s > 0 ? Direction::rising : Direction::falling, {}});
                     break;
@@ -282,7 +280,9 @@ public:
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_->body(i);
             const PointState<double>& p = all[at(i)];
-            if (!is_finite(p.r) || !is_finite(p.v)) return "the curve or the motion of the rail of " + b.name;
+            if (!is_finite(p.r) || !is_finite(p.v))
+                return "the curve or the motion of the rail of " + b.name +
+                       (b.curve ? " at u = " + text(laws_->map().value(b.first, x)) : "");
             const Vector3 r = laws_->in_world<double>(p.r), v = laws_->view().axes * p.v;
             for (const auto& load : b.functions) {
                 const Vector3 f = force_of<double>(load, t, r, v);
@@ -300,11 +300,9 @@ public:
             }
             if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
             if (b.curve && mode.slip[at(i)] != flies) {
-                // a rate of the parameter that is beyond all measure beside a finite speed
-                const double slow = std::sqrt(p.curve.speed_squared), u = laws_->map().value(b.first, x),
-                             usual = b.curve->first(u - 0.125).norm();
-                if (slow < 1e-6 * usual)
-                    return "the rail of " + b.name + " at u = " + text(u) + ", where it has a cusp";
+                const double u = laws_->map().value(b.first, x);
+                if (std::string what = singular_at(*b.curve, u); !what.empty())
+                    return "the rail of " + b.name + " at u = " + text(u) + ", where " + what;
             }
             const PointReport report = laws_->report(i, mode.slip, t, x);
             if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
@@ -318,6 +316,19 @@ private:
 
     /// A variable that is simulated.
     double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
+
+    /// What is singular in a curve near a parameter, in words; empty if nothing is.
+    static std::string singular_at(const Curve& curve, double u) {
+        const double speed = curve.first(u).norm(), before = curve.first(u - 0.125).norm(),
+                     usual = std::isfinite(before) ? before : curve.first(u + 0.125).norm();
+        curves::RegularStretch stretch(curve, u);
+        const double near = 1e-6 * std::max(1.0, std::abs(u));
+        // a rate of the parameter that is beyond all measure beside a finite speed, or none of the speed
+        if (speed < 1e-6 * usual) return "it has a cusp or its parameter stands still, r' = 0, and no tangent";
+        if (speed > 1e6 * usual) return "it becomes vertical, |r'| = " + text(speed) + " and growing";
+        const bool is_singular = stretch.end_above(u + near) || stretch.end_below(u - near);
+        return is_singular ? "its tangent jumps or is not defined" : "";
+    }
 
     static std::string title(const Load& load) {
         if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
@@ -406,23 +417,40 @@ private:
         variable(x, b.first_rate) = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
     }
 
+    /// What a bead without slip needs to stay so; a bit of rounding in the time may be all there is of it.
+    Holding holding(const Mode& mode, int i, double t, std::span<const double> x) const {
+        const Within state(mode, t, x);
+        Holding h = laws_->holding(i, state.t, state.x, mode.slip);
+        const double later = state.t + 16.0 * epsilon * std::abs(state.t);
+        if (later == state.t) return h;
+        const Holding then = laws_->holding(i, later, state.x, mode.slip);
+        h.rounding += std::abs(then.tangential - h.tangential) + std::abs(then.across - h.across);
+        return h;
+    }
+
+    /// Which way a bead starts that a mode cannot hold: that of the load along its rail, or of its first change where
+    /// it is zero.
+    signed char escape(const Mode& stuck, int i, double t, std::span<const double> x, const Holding& h) const {
+        const bool is_zero = std::abs(h.tangential) <= h.rounding && stuck.equations->pulls >= 0;
+        const double pull = is_zero ? leading_sign(stuck, t, x, stuck.equations->pulls + i) : h.tangential;
+        return static_cast<signed char>(pull < 0.0 ? 1 : -1);
+    }
+
     /// What a bead without slip does: sticks (0), or starts to slip with the sign returned. Sets w exactly.
     signed char settle(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_->body(i);
         carry(mode, i, t, x);
-        const Within state(mode, t, x);
-        const Holding h = laws_->holding(i, state.t, state.x, mode.slip);
+        const Holding h = holding(mode, i, t, x);
         const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
-        const signed char escape = static_cast<signed char>(h.tangential < 0.0 ? 1 : -1);
-        if (needed > limit * (1.0 + 8.0 * epsilon)) return escape;
-        if (needed < limit * (1.0 - 8.0 * epsilon) || needed == 0.0) return sticks;
-        // on the edge of the cone: it holds unless the next moment asks for more
+        if (needed > limit * (1.0 + 8.0 * epsilon) && needed > h.rounding) return h.tangential < 0.0 ? 1 : -1;
+        if (needed < limit * (1.0 - 8.0 * epsilon) && h.across > h.rounding) return sticks;
+        // on the edge of the cone, or with neither load nor reaction: it holds unless the next moment asks for more
         Mode stuck = mode;
         stuck.slip[at(i)] = sticks;
         choose(stuck, t, x, {});
         for (const Guard& guard : stuck.equations->guards)
             if (guard.kind == EventKind::slip && guard.subject == i)
-                return leading_sign(stuck, t, x, guard.output) < 0 ? escape : sticks;
+                return leading_sign(stuck, t, x, guard.output) < 0 ? escape(stuck, i, t, x, h) : sticks;
         return sticks;
     }
 

@@ -131,7 +131,12 @@ inline Placement view_of(const Scene& scene) {
                 case EventKind::slip: line += "the static limit while it sticks (slip)"; break;
                 case EventKind::normal_zero: line += "its normal reaction through zero (normal-zero)"; break;
                 case EventKind::rail_end: line += "an end of its rail (rail-end)"; break;
-                case EventKind::detach: line += "what its rail would have to pull (detach)"; break;
+                case EventKind::detach:
+                    line += "what its rail, which pushes along " +
+                            curves::vector_text(model.laws().body(guard.subject).one_side->normal()) +
+                            " where it starts, would have to pull (detach)";
+                    break;
+                case EventKind::singular: line += "a place of its rail without a tangent (ends the run)"; break;
                 case EventKind::land: line += "its way back to the rail (land)"; break;
                 case EventKind::watch: line += "\"" + guard.name + "\" (watch)"; break;
                 case EventKind::switching:

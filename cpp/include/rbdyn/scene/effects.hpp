@@ -161,7 +161,8 @@ inline Rail Scene::without(const Rail& rail, const std::string& name, const std:
                 {.drive = is_gone("drive") ? TimeFunction() : rail.drive(),
                  .motion = is_gone("moving rail") ? RigidMotion() : rail.motion(),
                  .side = rail.side(),
-                 .ends = rail.ends()});
+                 .ends = rail.ends(),
+                 .up = rail.up()});
 }
 
 /// Free bodies become particles at their centres of mass.

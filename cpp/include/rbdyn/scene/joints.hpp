@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/one_side.hpp"
 #include "rbdyn/expression/time_function.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
@@ -104,9 +105,10 @@ enum class RailEnds { stop, release };
 
 /// On which side a rail holds its bead: on both, or only by pushing it along the curve's normal, or against it.
 ///
-/// The normal is that of Frenet's axes where the bead starts, carried on along the curve without a jump at points of
-/// inflection: n = b x t with one binormal b, so the curve lies in a plane. Pulled away, the bead leaves the rail and
-/// flies; where its path meets the curve again from the same side it lands, its velocity across the curve lost.
+/// The normal is the one on the side of `up` where the bead starts, or else that of Frenet's axes there, carried on
+/// along the curve without a jump at points of inflection (curve/one_side.hpp), so the curve lies in a plane. Pulled
+/// away, the bead leaves the rail and flies; where its path meets the curve again from the same side it lands, its
+/// velocity across the curve lost. A path that leaves the plane of the curve misses it.
 enum class RailSide { both, plus, minus };
 
 /// Options of a rail beside its curve and friction.
@@ -115,6 +117,7 @@ struct RailOptions {
     RigidMotion motion = {};   // of the rail itself, prescribed; its curve is where it is for R = 1, d = 0
     RailSide side = RailSide::both;
     RailEnds ends = RailEnds::stop;
+    std::optional<Vector3> up = std::nullopt;  // a direction on the plus side of a rail that holds on one side, world
 };
 
 /// A guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26), fixed or moving.
@@ -130,6 +133,14 @@ public:
             throw InvalidInput(
                 "Rail: side is given, and motion too; where a bead lands on a rail that moves is not known here: use "
                 "side \"both\", or a rail at rest");
+        if (!options_.up) return;
+        joints::require_finite("Rail", "up", *options_.up);
+        require(options_.up->norm() > 0.0, "Rail", "length of up", options_.up->norm(),
+                "up is a direction; its length is free");
+        if (options_.side == RailSide::both)
+            throw InvalidInput(
+                "Rail: up is given, and side is \"both\"; up says which side of a rail is \"+\": give side \"+\", or "
+                "\"-\" for the other");
     }
 
     const Curve& curve() const { return curve_; }
@@ -139,6 +150,14 @@ public:
     const RigidMotion& motion() const { return options_.motion; }
     RailSide side() const { return options_.side; }
     RailEnds ends() const { return options_.ends; }
+    const std::optional<Vector3>& up() const { return options_.up; }
+    /// The way it pushes a bead that starts at u, a unit vector in the world; none if it holds on both sides. Throws
+    /// InvalidInput unless the curve is plane and `up` says a side there. `name`: what messages call it.
+    std::optional<Vector3> pushes(double u, const std::string& name = "Rail") const {
+        if (options_.side == RailSide::both) return std::nullopt;
+        const Vector3 normal = curves::one_side(curve_, u, options_.up, name).normal();
+        return options_.side == RailSide::plus ? normal : Vector3(-normal);
+    }
     /// Whether the bead may come to fly.
     bool may_release() const {
         const Domain d = curve_.domain();
@@ -163,7 +182,7 @@ public:
 
     bool operator==(const Rail& other) const {
         return curve_ == other.curve_ && friction() == other.friction() && drive() == other.drive() &&
-               motion() == other.motion() && side() == other.side() && ends() == other.ends();
+               motion() == other.motion() && side() == other.side() && ends() == other.ends() && up() == other.up();
     }
 
 private:
