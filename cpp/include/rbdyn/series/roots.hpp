@@ -144,9 +144,7 @@ private:
 
     /// What rounding of coefficients and sums makes of g at x.
     double noise(double x) const {
-        double sum = std::abs(g_[degree_]);
-        for (int k = degree_ - 1; k >= 0; --k) sum = sum * x + std::abs(g_[k]);
-        return 4.0 * std::numeric_limits<double>::epsilon() * sum;
+        return 4.0 * std::numeric_limits<double>::epsilon() * value_of_sizes(g_, degree_, x);
     }
     /// Whether a size that is met at x and beyond is rounding there; noise grows with x.
     bool is_noise(double size, double x) const { return size <= noise_ && size <= noise(x); }
@@ -204,7 +202,8 @@ private:
     double located(const Flat& about) const {
         const double half = 0.5 * (about.hi - about.lo);
         double x = 0.5 * (about.lo + about.hi);
-        for (int iteration = 0; iteration < 4; ++iteration) {
+        // the middle is off, and a term of lower order rules until it is less so
+        for (int iteration = 0; iteration < 100; ++iteration) {
             Coefficients c;
             std::copy_n(g_, degree_ + 1, c.begin());
             shift(c.data(), degree_, x);
@@ -216,7 +215,11 @@ private:
                 largest = std::abs(c[m]) * power;
                 ruling = m;
             }
-            x = std::clamp(x - c[ruling - 1] / (static_cast<double>(ruling) * c[ruling]), about.lo, about.hi);
+            const double next =
+                std::clamp(x - c[ruling - 1] / (static_cast<double>(ruling) * c[ruling]), about.lo, about.hi);
+            const bool is_there = std::abs(next - x) <= 4.0 * std::numeric_limits<double>::epsilon() * x;
+            x = next;
+            if (is_there) break;
         }
         return x;
     }
