@@ -285,7 +285,11 @@ def turning(r: random.Random) -> Motion:
     w = abs(decimal(speed)) / decimal(radius)
     functions = [
         (lambda now: now[bead].position[0], Oscillation(0.0, radius, 0.0, w, radius), radius),
-        (lambda now: now[bead].position[1], Oscillation(0.0, 0.0, math.copysign(float(w) * radius, speed), w, 0.0), radius),
+        (
+            lambda now: now[bead].position[1],
+            Oscillation(0.0, 0.0, math.copysign(float(w) * radius, speed), w, 0.0),
+            radius,
+        ),
         (
             lambda now: now[bead].parameter,
             Quadratic(Fraction(0), Fraction(speed) / Fraction(radius), Fraction(0), 0.0),
@@ -293,7 +297,9 @@ def turning(r: random.Random) -> Motion:
         ),
     ]
     until = min(log_uniform(r, 1e-9, 1e9), r.choice([1e1, 1e2, 1e3]) / float(w))
-    return Motion(scene, functions, False, 1 / float(w), until, start_for(r, until), "turning", ["auto", "taylor", "dop853"])
+    return Motion(
+        scene, functions, False, 1 / float(w), until, start_for(r, until), "turning", ["auto", "taylor", "dop853"]
+    )
 
 
 MOTIONS = [free_fall, free_fall, oscillator, drag, turning]
@@ -323,36 +329,60 @@ def watches_for(r: random.Random, motion: Motion, noise: float, accuracy: float)
         roots = single.roots(until, noise, spread)
         kind = r.choice(["plain", "plain", "plain", "scaled", "power", "square", "abs", "product", "called back"])
         if kind == "plain":
-            asked = lambda now, of=of, c=level: of(now) - c
+
+            def asked(now, of=of, c=level):
+                return of(now) - c
         elif kind == "scaled":
             factor = r.choice([-1.0, 2.0**-20, 3.0, -7e9])
-            asked = lambda now, of=of, c=level, f=factor: f * (of(now) - c)
+
+            def asked(now, of=of, c=level, f=factor):
+                return f * (of(now) - c)
+
             if factor < 0:
                 roots = [Root(x.time, opposite(x.direction), x.doubt, x.certain) for x in roots]
         elif kind == "power":
             power = r.choice([3, 5, 7])
-            asked = lambda now, of=of, c=level, p=power, e=extent: ((of(now) - c) / e) ** p
+
+            def asked(now, of=of, c=level, p=power, e=extent):
+                return ((of(now) - c) / e) ** p
+
             # all of a power is rounding in an interval as wide as its root
             wide = (64 * noise + accuracy) ** (1 / power) if not motion.exact else (64 * noise) ** (1 / power)
             wider = single.roots(until, noise, spread + wide * extent)
-            roots = [
-                Root(x.time, x.direction if y.certain else "?", y.doubt, y.certain)
-                for x, y in zip(roots, wider, strict=False)
-            ] if len(roots) == len(wider) else [Root(y.time, "?", y.doubt, False) for y in wider]
+            roots = (
+                [
+                    Root(x.time, x.direction if y.certain else "?", y.doubt, y.certain)
+                    for x, y in zip(roots, wider, strict=False)
+                ]
+                if len(roots) == len(wider)
+                else [Root(y.time, "?", y.doubt, False) for y in wider]
+            )
         elif kind == "square":
-            asked = lambda now, of=of, c=level, e=extent: ((of(now) - c) / e) ** 2
+
+            def asked(now, of=of, c=level, e=extent):
+                return ((of(now) - c) / e) ** 2
+
             roots = []
         elif kind == "abs":
-            asked = lambda now, of=of, c=level: abs(of(now) - c)
+
+            def asked(now, of=of, c=level):
+                return abs(of(now) - c)
+
             roots = []
         elif kind == "product":
             other = level_for(r, function, motion, extent)
             second = function.shifted(other)
-            asked = lambda now, of=of, c=level, d=other: (of(now) - c) * (of(now) - d)
+
+            def asked(now, of=of, c=level, d=other):
+                return (of(now) - c) * (of(now) - d)
+
             more = second.roots(until, noise, spread)
             roots = product_of(roots, more, single, second, abs(level - other), noise, spread)
         else:
-            asked = lambda now, of=of, c=level: float(of(now)) - c
+
+            def asked(now, of=of, c=level):
+                return float(of(now)) - c
+
             noise_here = max(noise, 1e-13)
             roots = single.roots(until, noise_here, spread)
         direction = r.choice(["either", "either", "either", "rising", "falling"])

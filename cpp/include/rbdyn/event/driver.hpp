@@ -2,7 +2,7 @@
 // model what comes next.
 //
 // Contract: an event fires at t* in (t0, t1]; nothing fires at the start (search.hpp). Events closer than rounding are
-// simultaneous: all are handled together, watched functions first, then by kind and subject. The number of events is
+// simultaneous: all are handled together, watched functions first, then by kind and name. The number of events is
 // bounded. What a function of the user's throws ends the run and is kept with it.
 #pragma once
 

@@ -2,8 +2,9 @@
 //
 // A guard of a mode is valid while it is not negative; one that is watched may have either sign, and its side is kept
 // from mode to mode, so that what passes zero together with a change of mode is not lost. A guard at zero where a mode
-// begins (just handled, or starting there) is disarmed: its known root is divided out with its multiplicity, and the
-// side it leaves to is the sign of its first coefficient that is not zero.
+// begins (just handled, or starting there) is disarmed: the side it leaves to is the first on which it is more than
+// rounding (passages.hpp). What reaches zero where a distinction switches waits for the next mode to say whether it
+// passes or turns back.
 #pragma once
 
 #include <algorithm>
