@@ -115,36 +115,26 @@ inline bool may_stop(const Scene& scene) {
 }
 
 /// The events of all parts up to a time, in order; of several parts closer together than rounding in the order that
-/// those of one part have: watched functions first, then by kind, then by body.
+/// those of one part have: watched functions first, then by kind, then by name.
 [[gnu::cold]] inline std::vector<Event> events_of(const std::vector<Solved>& parts, const SceneParts& apart,
                                                   double end) {
-    struct Placed {
-        Event event;
-        std::size_t part;
-    };
-    std::vector<Placed> all;
+    std::vector<Event> all;
     for (std::size_t i = 0; i < parts.size(); ++i)
         for (Event e : parts[i].data.record.events) {
             if (e.time > end) break;
             if (e.subject >= 0) e.subject = apart.parts[i].bodies[static_cast<std::size_t>(e.subject)];
-            all.push_back({std::move(e), i});
+            all.push_back(std::move(e));
         }
     std::stable_sort(all.begin(), all.end(),
-                     [](const Placed& a, const Placed& b) { return a.event.instant - b.event.instant < 0.0; });
-    const auto together = [](const Placed& a, const Placed& b) {
-        return b.event.instant - a.event.instant <=
-               8.0 * std::numeric_limits<double>::epsilon() * std::abs(b.event.time);
+                     [](const Event& a, const Event& b) { return a.instant - b.instant < 0.0; });
+    const auto together = [](const Event& a, const Event& b) {
+        return b.instant - a.instant <= 8.0 * std::numeric_limits<double>::epsilon() * std::abs(b.time);
     };
     for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
         for (last = first + 1; last < all.size() && together(all[last - 1], all[last]);) ++last;
-        sort_few(std::span(all).subspan(first, last - first), [](const Placed& a, const Placed& b) {
-            return a.part != b.part &&
-                   std::tie(a.event.kind, a.event.subject, a.part) < std::tie(b.event.kind, b.event.subject, b.part);
-        });
+        sort_few(std::span(all).subspan(first, last - first), comes_before);
     }
-    std::vector<Event> events;
-    for (Placed& p : all) events.push_back(std::move(p.event));
-    return events;
+    return all;
 }
 
 /// Solves a scene of several parts. Throws InvalidInput if the engine asked for cannot do one of them.

@@ -74,6 +74,37 @@ TEST(Roots, one_of_odd_multiplicity_is_found_once_and_one_of_even_multiplicity_i
     EXPECT_NEAR(both[2], 0.875, 1e-14);
 }
 
+TEST(Roots, are_found_at_every_scale_of_the_step) {
+    // (y - 1)(y - 3), and 1 - y^2, of y = s x: what is found does not depend on where the step ends
+    for (double s = 4.0; s < 1e40; s *= 10.0) {
+        for (const double scale : {1.0, -1e-100, 1e100}) {
+            const auto two = roots_of({3.0 * scale, -4.0 * s * scale, s * s * scale});
+            ASSERT_EQ(two.size(), 2u) << s;
+            EXPECT_NEAR(two[0] * s, 1.0, 1e-15) << s;
+            EXPECT_NEAR(two[1] * s, 3.0, 3e-15) << s;
+            const auto one = roots_of({scale, 0.0, -s * s * scale});
+            ASSERT_EQ(one.size(), 1u) << s;
+            EXPECT_NEAR(one[0] * s, 1.0, 1e-15) << s;
+        }
+    }
+}
+
+TEST(Roots, of_every_multiplicity_are_found_at_every_scale) {
+    for (int m = 1; m <= 15; ++m)
+        for (const double s : {1.0, 1.05, 1.5, 2.0, 3.0, 10.0, 1e3, 1e6, 1e12}) {
+            // (y - 1)^m of y = s x
+            std::vector<double> g;
+            double binomial = m % 2 == 0 ? 1.0 : -1.0;
+            for (int k = 0; k <= m; ++k) {
+                g.push_back(binomial * std::pow(s, k));
+                binomial *= -static_cast<double>(m - k) / (k + 1);
+            }
+            const auto found = roots_of(g);
+            ASSERT_EQ(found.size(), m % 2 == 0 ? 0u : 1u) << m << ' ' << s;
+            for (const double root : found) EXPECT_NEAR(root * s, 1.0, 1e-12) << m << ' ' << s;
+        }
+}
+
 TEST(Roots, a_root_at_the_end_counts_and_one_at_the_beginning_does_not) {
     EXPECT_EQ(roots_of({-1.0, 1.0}), std::vector{1.0});
     EXPECT_EQ(roots_of({1.0, -1.0}), std::vector{1.0});

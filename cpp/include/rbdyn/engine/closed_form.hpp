@@ -26,6 +26,10 @@ public:
     void state(double tau, std::span<double> x) const override {
         form_->state(exact_difference(piece_.at(tau), start_), x);
     }
+    /// The closed form is asked again.
+    void rest(double tau, std::span<const double> x, std::span<double> low) const override {
+        Engine::rest(tau, x, low);
+    }
     bool refines() const override { return true; }
 
 private:

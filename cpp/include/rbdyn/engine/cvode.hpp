@@ -124,6 +124,7 @@ public:
         return integrator_->guards.coefficients(index);
     }
     int guard_order() const override { return integrator_->guards.order(); }
+    void guard_sizes(int index, double* sizes) override { integrator_->guards.sizes(index, sizes); }
 
 private:
     /// Guards with a singularity near the motion, 1 / (1.1 + sin u) on a pendulum through sin u = -1, are then cut off

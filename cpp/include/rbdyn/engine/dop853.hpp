@@ -136,6 +136,7 @@ public:
         return workshop_->guards.coefficients(index);
     }
     int guard_order() const override { return workshop_->guards.order(); }
+    void guard_sizes(int index, double* sizes) override { workshop_->guards.sizes(index, sizes); }
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();

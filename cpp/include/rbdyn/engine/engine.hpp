@@ -46,11 +46,16 @@ public:
     virtual StepStatus step(double limit) = 0;
 
     const Piece& piece() const { return piece_; }
-    /// The length, in units, that the last step would have had without a limit.
+    /// The length, in units, that the last step would have had without a limit; infinite if it holds at any.
     virtual double natural_length() const { return piece_.length; }
 
     /// The state at tau on the current piece, as exactly as the engine knows it.
     virtual void state(double tau, std::span<double> x) const { piece_.state(tau, x); }
+
+    /// What x, the state at tau on the current piece in doubles, is short of; zeros where the engine knows no more.
+    virtual void rest(double /*tau*/, std::span<const double> /*x*/, std::span<double> low) const {
+        for (double& digit : low) digit = 0.0;
+    }
 
     /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
     virtual bool refines() const { return false; }
@@ -58,6 +63,8 @@ public:
     /// Coefficients 0 .. guard_order() of a guard on the current piece, in the piece's unit of time, unsigned.
     virtual const double* guard(int index) = 0;
     virtual int guard_order() const = 0;
+    /// Sizes of the terms that these are made of: their rounding is epsilon times that, or a little more.
+    virtual void guard_sizes(int index, double* sizes) = 0;
 
     const Work& work() const { return work_; }
 

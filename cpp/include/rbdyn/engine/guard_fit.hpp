@@ -68,6 +68,17 @@ public:
         return coefficients_.data() + static_cast<std::ptrdiff_t>(guard) * Fit::points;
     }
 
+    /// Makes the sizes of a guard's coefficients those of the terms they are made of, as far as values tell: where the
+    /// piece begins, and for a variable the first of its rate.
+    void widen_at_start(const Piece& piece, int output, double* sizes) {
+        evaluate(piece, 0.0);
+        const int slot = equations_->program.output(output);
+        if (slot >= equations_->program.inputs())
+            sizes[0] = std::max(sizes[0], evaluator_.magnitude(output));
+        else
+            sizes[1] = std::max(sizes[1], evaluator_.magnitude(slot) * piece.unit);
+    }
+
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 

@@ -12,6 +12,7 @@
 
 #include "rbdyn/engine/guard_fit.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/series/step_length.hpp"
 
@@ -59,6 +60,20 @@ public:
             return row_.data();
         }
         return fit_ ? fit_->coefficients(guard) : series_->output(g.output);
+    }
+
+    /// Sizes of the terms that these are made of.
+    void sizes(int guard, double* s) {
+        const Guard& g = equations_->guards[static_cast<std::size_t>(guard)];
+        if (series_) {
+            if (!need_more_) expand();
+            const TermSizes::Sizes known = TermSizes(*series_, order_)(equations_->program.output(g.output));
+            std::copy_n(known.begin(), order_ + 1, s);
+            return;
+        }
+        const double* c = coefficients(guard);
+        for (int k = 0; k <= order_; ++k) s[k] = std::abs(c[k]);
+        fit_->widen_at_start(piece_, g.output, s);
     }
 
 private:

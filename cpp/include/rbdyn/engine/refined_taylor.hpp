@@ -34,23 +34,32 @@ public:
     }
 
     StepStatus step(double limit) override {
-        const std::vector<double> before(rest().begin(), rest().end());
         const StepStatus status = TaylorEngine::step(limit);
-        if (status == StepStatus::ok && find_missing(before)) {
+        is_refined_ = status == StepStatus::ok && find_missing(low_before());
+        if (is_refined_) {
             const std::span<double> x = replace_state();
             for (std::size_t i = 0; i < x.size(); ++i) {
-                const Real change = increment(i) + end_[i];
+                const Real change = increment(i, piece_.length) + end_[i];
                 const auto high = static_cast<double>(change);
                 const Instant sum = exact_sum(piece_.variable(static_cast<int>(i))[0], high);
                 const Instant whole = exact_sum(sum.hi, sum.lo + static_cast<double>(change - static_cast<Real>(high)));
                 x[i] = whole.hi;
-                rest()[i] = whole.lo;
+                low()[i] = whole.lo;
             }
             // no rounded coefficient left anything out
             hold(0.0);
         }
         if (!equations_->start_flags.empty()) set_parameters();
         return status;
+    }
+
+    void rest(double tau, std::span<const double> x, std::span<double> low) const override {
+        if (!is_refined_) return TaylorEngine::rest(tau, x, low);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const Real start = piece_.variable(static_cast<int>(i))[0];
+            low[i] = static_cast<double>((start - x[i]) + increment(i, tau) +
+                                         missing(i, static_cast<Real>(tau) / static_cast<Real>(piece_.length)));
+        }
     }
 
 private:
@@ -117,16 +126,31 @@ private:
         evaluator_->set_parameters(std::vector<Real>(p.begin(), p.end()), rounding());
     }
 
-    /// Of the polynomial over the step.
-    Real increment(std::size_t i) const {
+    /// Of the polynomial from the start of the step.
+    Real increment(std::size_t i, double tau) const {
         const double* c = piece_.variable(static_cast<int>(i));
         Real sum = 0.0L;
-        for (int k = piece_.order; k > 0; --k) sum = (sum + c[k]) * static_cast<Real>(piece_.length);
+        for (int k = piece_.order; k > 0; --k) sum = (sum + c[k]) * static_cast<Real>(tau);
+        return sum;
+    }
+
+    /// What is missing at a part of the step: through its values at the start and at the points.
+    Real missing(std::size_t i, Real part) const {
+        const Rule& r = rule();
+        const std::size_t n = low_before().size();
+        const auto place = [&](std::size_t j) { return j == 0 ? 0.0L : r.at[j - 1]; };
+        Real sum = 0.0L;
+        for (std::size_t j = 0; j <= points; ++j) {
+            Real product = j == 0 ? static_cast<Real>(low_before()[i]) : missing_[(j - 1) * n + i];
+            for (std::size_t m = 0; m <= points; ++m)
+                if (m != j) product *= (part - place(m)) / (place(j) - place(m));
+            sum += product;
+        }
         return sum;
     }
 
     /// What the last step is short of at its end. Returns whether it was found: it settles, and is rounding.
-    bool find_missing(const std::vector<double>& before) {
+    bool find_missing(std::span<const double> before) {
         const Rule& r = rule();
         const std::size_t n = before.size();
         const Real length = piece_.length, unit = piece_.unit;
@@ -179,13 +203,14 @@ private:
             Real missing = 0.0L, size = 0.0L;
             for (int i = group.first; i < group.first + group.count; ++i) {
                 missing += std::abs(end_[index(i)]);
-                size += std::abs(state_[index(i)]) + std::abs(increment(index(i)));
+                size += std::abs(state_[index(i)]) + std::abs(increment(index(i), piece_.length));
             }
             if (!(missing <= 1e-8L * size)) return false;
         }
         return true;
     }
 
+    bool is_refined_ = false;  // the last step
     const Equations* equations_ = nullptr;
     std::optional<Evaluator<Real>> evaluator_;
     std::vector<Real> value_, slope_, missing_, residual_, end_, state_;

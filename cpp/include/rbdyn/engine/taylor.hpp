@@ -15,6 +15,7 @@
 
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/series/step_length.hpp"
 
 namespace rbdyn {
@@ -48,16 +49,17 @@ public:
         x_.assign(x.begin(), x.end());
         low_.assign(x.size(), 0.0);
         scales_.widen(x_);
-        project();
-        set_parameters();
+        is_ready_ = false;
     }
 
-    void carry(std::span<const double> rest) override {
-        low_.assign(rest.begin(), rest.end());
-        project();
-    }
+    void carry(std::span<const double> rest) override { low_.assign(rest.begin(), rest.end()); }
 
     StepStatus step(double limit) override {
+        if (!is_ready_) {
+            projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr;
+            set_parameters();
+            is_ready_ = true;
+        }
         const int n = equations_->variables();
         const double span = limit - t_;
         if (!(unit_ > 0.0)) unit_ = power_of_two(span);
@@ -91,6 +93,7 @@ public:
         }
         piece_ = {t_, unit_, h / unit_, n, order_, series_->coefficients(0), series_->stride()};
         ++work_.steps;
+        start_low_ = low_;
         // go on from the end, the sum compensated
         std::array<double, max_order + 1> power;
         power[0] = 1.0;
@@ -110,13 +113,26 @@ public:
         return StepStatus::ok;
     }
 
+    void rest(double tau, std::span<const double> x, std::span<double> low) const override {
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const double* c = piece_.variable(static_cast<int>(i));
+            const Instant sum = exact_sum(c[0], tau * series::value(c + 1, order_ - 1, tau));
+            low[i] = (sum.hi - x[i]) + (sum.lo + start_low_[i]);
+        }
+    }
+
     const double* guard(int index) override {
         const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
         ++work_.guard_evaluations;
         return series_->output(g.output);
     }
     int guard_order() const override { return order_; }
-    double natural_length() const override { return std::isfinite(natural_) ? natural_ : piece_.length; }
+    void guard_sizes(int index, double* sizes) override {
+        const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
+        const TermSizes::Sizes s = TermSizes(*series_, order_)(equations_->program.output(g.output));
+        std::copy_n(s.begin(), order_ + 1, sizes);
+    }
+    double natural_length() const override { return natural_; }
 
 protected:
     /// The state to go on from, for one who knows it better.
@@ -128,8 +144,9 @@ protected:
     void hold(double time) {
         if (projection_) projection_->apply(x_, low_, time);
     }
-    /// What the state is short of.
-    std::span<double> rest() { return low_; }
+    /// What the state is short of, and was where the last step began.
+    std::span<double> low() { return low_; }
+    std::span<const double> low_before() const { return start_low_; }
     std::span<const double> parameters() const { return parameters_; }
     Program::Rounding rounding() const { return rounding_; }
     Instant t_;
@@ -141,7 +158,6 @@ private:
         const bool is_made_up = projection_ && projection_->makes_up_for_rounding();
         series_->set_parameters(parameters_, is_made_up ? Program::Rounding::nearest : rounding_);
     }
-    void project() { projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr; }
 
     /// 2^round(log2 x)
     static double power_of_two(double x) {
@@ -187,11 +203,23 @@ private:
         for (const Guard& guard : equations_->guards) {
             if (guard.output < 0 || equations_->is_variable(guard)) continue;
             const double* c = series_->output(guard.output);
+            if (is_polynomial(c, guard)) continue;
             size.fill(0.0);
             series::widen(size.data(), c, order_);
             log_length = std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance));
         }
         return std::exp2(log_length);
+    }
+
+    /// Whether a guard is a polynomial, exact at any length: of a high degree that is no rounding (a power of a
+    /// distance would else be cut shorter and shorter towards its zero).
+    bool is_polynomial(const double* c, const Guard& guard) const {
+        if (c[order_] != 0.0 || c[order_ - 1] != 0.0 || c[order_ - 2] != 0.0 || c[order_ - 3] != 0.0) return false;
+        int k = order_ - 4;
+        while (k > order_ / 2 && c[k] == 0.0) --k;
+        if (k == order_ / 2) return false;
+        const TermSizes::Sizes sizes = TermSizes(*series_, order_)(equations_->program.output(guard.output));
+        return std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[at(k)];
     }
 
     /// Makes steps a little uneven where rounding is the error: steps that come at the same phases of every period
@@ -212,7 +240,8 @@ private:
     SeriesEvaluator* series_ = nullptr;
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
     double unit_ = 0.0, natural_ = 0.0;
-    std::vector<double> x_, low_, parameters_;
+    std::vector<double> x_, low_, start_low_, parameters_;
+    bool is_ready_ = false;  // for the first step of a mode
     MotionScales scales_;
     std::unique_ptr<const Projection> projection_;
 };

@@ -2,7 +2,7 @@
 // model what comes next.
 //
 // Contract: an event fires at t* in (t0, t1]; nothing fires at the start (search.hpp). Events closer than rounding are
-// simultaneous: all are handled together, watched functions first, then by kind and subject. The number of events is
+// simultaneous: all are handled together, watched functions first, then by kind and name. The number of events is
 // bounded. What a function of the user's throws ends the run and is kept with it.
 #pragma once
 
@@ -12,7 +12,6 @@
 #include <functional>
 #include <limits>
 
-#include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
@@ -75,7 +74,7 @@ private:
         const double least = 2.0 * epsilon * std::abs(until);
         while (until - t > least) {
             if (mode.still) {
-                search_.examine_still(record, mode, t, x);
+                if (search_.examine_still(record, mode, t, x)) return finish(record, t, Status::stopped_by_event);
                 rest(record, t, x, until);
                 t = {until, 0.0};
                 break;
@@ -104,6 +103,14 @@ private:
             const Instant at = cut < piece.length ? piece.at(cut) : piece.at(piece.length);
             store(record, piece, cut, fresh);
             engine_.state(cut, x);
+            low_.resize(x.size());
+            engine_.rest(cut, x, low_);
+            for (std::size_t i = 0; i < x.size(); ++i) {
+                const Instant sum = exact_sum(x[i], low_[i]);
+                x[i] = sum.hi;
+                low_[i] = sum.lo;
+            }
+            const std::vector<double> reached = x;
             crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
             search_.set_crowded(crowded);
             t = at;
@@ -137,16 +144,18 @@ private:
                     if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
             }
             mode = std::move(after);
-            sort_few<Happening>(happenings, [](const Happening& a, const Happening& b) {
-                return std::pair(a.kind, a.subject) < std::pair(b.kind, b.subject);
-            });
             for (const Happening& h : happenings) note(record, h, t);
             if (crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_)
                 return finish(record, t, Status::inconsistent);
             enter(record, mode, t, x, std::move(handled));
+            // the digits beyond doubles of what the event did not set
+            for (std::size_t i = 0; i < x.size(); ++i)
+                if (x[i] != reached[i]) low_[i] = 0.0;
+            if (!mode.still) engine_.carry(low_);
             fresh = true;
         }
-        return finish(record, {until, 0.0}, Status::reached_end);
+        const bool stops = search_.settle(record, mode, t, x);
+        return finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
     }
 
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -222,7 +231,7 @@ private:
     }
 
     static void note(Record& record, const Happening& h, Instant t) {
-        record.events.push_back({t.hi, h.kind, h.subject, h.name, h.direction, h.impulse, t});
+        record.note({t.hi, h.kind, h.subject, h.name, h.direction, h.impulse, t});
     }
 
     const HybridModel& model_;
@@ -231,6 +240,7 @@ private:
     Keep keep_;
     Monitor monitor_;
     EventSearch search_;
+    std::vector<double> low_;  // what the state at an event is short of
     mutable std::size_t kept_ = 0;
 };
 

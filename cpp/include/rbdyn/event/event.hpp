@@ -5,6 +5,7 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
@@ -34,6 +35,11 @@ struct Event {
     double impulse = 0.0;                     // N s, of an impact
     Instant instant;                          // the time to more digits than a double holds
 };
+
+/// The order of two events of one instant.
+inline bool comes_before(const Event& a, const Event& b) {
+    return std::tie(a.kind, a.name, a.subject) < std::tie(b.kind, b.name, b.subject);
+}
 
 inline std::ostream& operator<<(std::ostream& out, const Event& event) {
     out << "t = " << text(event.time) << " s  " << name_of(event.kind);

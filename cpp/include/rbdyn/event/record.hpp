@@ -60,6 +60,21 @@ public:
         entries_.push_back(
             {piece.start, piece.unit, length, piece.order, mode, blocks_.size() - 1, offset, after_event});
     }
+    /// Adds an event after those before it. Events of one instant, closer than rounding, have one time, and an order
+    /// that is theirs and not that of the scene's text: watched functions first, then by kind, then by name.
+    void note(Event event) {
+        const auto is_together = [&](const Event& e) {
+            return event.instant - e.instant <= 8.0 * std::numeric_limits<double>::epsilon() * std::abs(event.time);
+        };
+        auto place = events.end();
+        if (place != events.begin() && is_together(*std::prev(place))) {
+            event.instant = std::prev(place)->instant;
+            event.time = event.instant.hi;
+        }
+        while (place != events.begin() && is_together(*std::prev(place)) && comes_before(event, *std::prev(place)))
+            --place;
+        events.insert(place, std::move(event));
+    }
     /// The state at the end of the last piece.
     void last_state(std::span<double> x) const { piece(entries_.size() - 1).state(entries_.back().length, x); }
     /// Forgets all pieces.

@@ -2,22 +2,27 @@
 //
 // A guard of a mode is valid while it is not negative; one that is watched may have either sign, and its side is kept
 // from mode to mode, so that what passes zero together with a change of mode is not lost. A guard at zero where a mode
-// begins (just handled, or starting there) is disarmed: its known root is divided out with its multiplicity, and the
-// side it leaves to is the sign of its first coefficient that is not zero.
+// begins (just handled, or starting there) is disarmed: the side it leaves to is the first on which it is more than
+// rounding (passages.hpp). What reaches zero where a distinction switches waits for the next mode to say whether it
+// passes or turns back.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/passages.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/series/fit.hpp"
 #include "rbdyn/series/roots.hpp"
 
@@ -36,12 +41,13 @@ public:
         ends_.assign(mode.equations->guards.size(), 0.0);
     }
     /// A watched function whose zero changed the state may be on any side from here.
-    void forget_side(const Guard& guard) { watch_sides_[static_cast<std::size_t>(guard.watch)] = 0; }
-    /// Events that follow each other at one instant are made by rounding: look less closely.
-    void set_crowded(int crowded) {
-        significant_ = std::ldexp(4e-12, 2 * std::min(crowded, 10));
-        rounding_ = std::ldexp(64.0 * epsilon, 2 * std::min(crowded, 10));
+    void forget_side(const Guard& guard) {
+        Watched& w = watched(guard);
+        w.side = 0;
+        w.reached = 0;
     }
+    /// Events that follow each other at one instant are made by rounding: look less closely.
+    void set_crowded(int crowded) { passages_.set_looseness(std::ldexp(1.0, 2 * std::min(crowded, 10))); }
 
     /// Looks for events on the engine's piece. Records watched ones; returns tau of the first change of mode or stop,
     /// or a negative number.
@@ -56,33 +62,34 @@ public:
         double power = 1.0;
         for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
         for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
-        double first = 2.0;
-        for (const Found& f : found_)
-            if (interrupts(guards[f.guard], f)) first = std::min(first, f.place);
-        const double together = first + 1e-13 + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
+        if (found_.empty()) return -1.0;
         sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
+        const auto first =
+            std::find_if(found_.begin(), found_.end(), [&](const Found& f) { return interrupts(guards[f.guard], f); });
+        double together = std::numeric_limits<double>::infinity();
+        if (first != found_.end()) {
+            together = first->place + first->doubt + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
+            fire(guards, *first, together);
+        }
+        const double cut = first != found_.end() ? polished(mode, first->place * piece.length) : -1.0;
         for (const Found& f : found_) {
+            // what comes after the end of the mode is found again in the next one, by its side
             const Guard& guard = guards[f.guard];
-            if (guard.is_watched()) {
-                // what comes after the end of the mode is found again in the next one, by its side
-                if (f.place > together) continue;
-                side_of(guard) = f.rising ? 1 : -1;
-                if (!matches(guard, f)) continue;
-                if (guard.role == GuardRole::record) {
-                    const Instant at = piece.at(std::min(f.place, first) * piece.length);
-                    note_watched(record, {at.hi, guard.kind, guard.subject, guard.name, f.direction(), 0.0, at});
-                    continue;
-                }
-            } else if (f.place > together) {
+            if (f.place - f.doubt > together || !guard.is_watched()) continue;
+            if (f.waits) {
+                watched(guard).reached = f.rising ? 1 : -1;
                 continue;
             }
-            if (std::find(fired_.begin(), fired_.end(), static_cast<int>(f.guard)) != fired_.end()) continue;
-            fired_.push_back(static_cast<int>(f.guard));
-            directions_.resize(guards.size());
-            directions_[f.guard] = f.direction();
-            stops_ = stops_ || guard.role == GuardRole::stop;
+            side_of(guard) = f.rising ? 1 : -1;
+            if (guard.role != GuardRole::record || !matches(guard, f)) continue;
+            const double place = f.place * piece.length;
+            note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
         }
-        return first <= 1.0 ? polished(mode, first * piece.length) : -1.0;
+        // what a guard that fired is where it did, so that it is known again
+        for (const int g : fired_)
+            if (const Guard& guard = guards[static_cast<std::size_t>(g)]; guard.watch >= 0)
+                watched(guard).zero = value_at(mode, guard, cut);
+        return cut;
     }
 
     /// The guards that end the mode, and whether they end the run.
@@ -91,47 +98,91 @@ public:
     /// In which a guard that fired passed zero.
     Direction direction(int guard) const { return directions_[static_cast<std::size_t>(guard)]; }
 
-    /// Watched functions in a mode in which nothing moves: those that jumped where it began.
-    void examine_still(Record& record, const Mode& mode, Instant t, std::span<const double> x) {
+    /// Watched functions in a mode in which nothing moves: those that jumped where it began, or stay at zero.
+    /// Returns whether one of them stops the run.
+    bool examine_still(Record& record, const Mode& mode, Instant t, std::span<const double> x) {
         const auto& guards = mode.equations->guards;
-        if (guards.empty()) return;
+        bool stops = false;
+        if (guards.empty()) return stops;
         Evaluator<double> values(mode.equations->program);
         values.set_parameters(mode.parameters);
         values(t.hi, x);
         for (const Guard& guard : guards) {
             if (guard.watch < 0 || guard.output < 0) continue;
             const double value = values.output(guard.output);
-            const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
+            const int reached = std::exchange(watched(guard).reached, 0);
+            const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : reached;
             int& before = side_of(guard);
             if (side == 0 || side == before) continue;
-            const Found f{0.0, 0, side > 0};
-            if (before != 0 && matches(guard, f))
-                note_watched(record, {t.hi, guard.kind, guard.subject, guard.name, f.direction(), 0.0, t});
+            const Found f{0.0, 0.0, 0, side > 0};
+            if (before != 0 && matches(guard, f)) {
+                note(record, guard, f.direction(), t);
+                stops = stops || guard.role == GuardRole::stop;
+            }
             before = side;
         }
+        return stops;
+    }
+
+    /// The run ends where a mode begins: watched functions that reached zero there have passed it if they go on to the
+    /// other side, or stay. Returns whether one of them stops the run.
+    bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x) {
+        bool stops = false;
+        for (const Guard& guard : mode.equations->guards) {
+            if (guard.watch < 0 || watched(guard).reached == 0) continue;
+            const int reached = std::exchange(watched(guard).reached, 0);
+            const Found f{0.0, 0.0, 0, reached > 0};
+            if (!matches(guard, f)) continue;
+            const int after = guard.output >= 0 && !mode.still ? leading_sign(mode, t.hi, x, guard.output) : 0;
+            if (after != 0 && after != reached) continue;
+            note(record, guard, f.direction(), t);
+            stops = stops || guard.role == GuardRole::stop;
+        }
+        return stops;
     }
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
     struct Found {
-        double place;
+        double place, doubt;  // on [0, 1] of the piece
         std::size_t guard;
         bool rising;
+        bool waits = false;  // the mode ends there too, and what follows decides whether it passes
         Direction direction() const { return rising ? Direction::rising : Direction::falling; }
     };
+    /// A watched function, kept through the modes.
+    struct Watched {
+        int side = 0;                               // it is on; 0: not known yet
+        int reached = 0;                            // the side it would go to from the zero where the mode began
+        std::optional<double> zero = std::nullopt;  // its value where it fired last
+    };
 
-    /// Watched functions come before the other events of an instant, also where they are found after them.
-    static void note_watched(Record& record, Event event) {
-        auto place = record.events.end();
-        while (place != record.events.begin()) {
-            const Event& before = *std::prev(place);
-            if (before.kind == EventKind::watch ||
-                event.instant - before.instant > 8.0 * epsilon * std::abs(event.time))
-                break;
-            --place;
+    static void note(Record& record, const Guard& guard, Direction direction, Instant at) {
+        record.note({at.hi, guard.kind, guard.subject, guard.name, direction, 0.0, at});
+    }
+
+    /// Takes what happens together with the first event that changes the mode or stops the run.
+    void fire(const std::vector<Guard>& guards, const Found& first, double together) {
+        const auto is_together = [&](const Found& f) { return f.place - f.doubt <= together; };
+        // a watched function of what switches there (an absolute value) may have a corner and turn back
+        const bool switches = std::any_of(found_.begin(), found_.end(), [&](const Found& f) {
+            return is_together(f) && guards[f.guard].kind == EventKind::switching && !guards[f.guard].is_watched();
+        });
+        for (Found& f : found_) {
+            const Guard& guard = guards[f.guard];
+            if (!is_together(f)) continue;
+            if (guard.watch >= 0 && switches && f.place + f.doubt >= first.place) {
+                f.waits = true;
+                continue;
+            }
+            if (!interrupts(guard, f)) continue;
+            if (std::find(fired_.begin(), fired_.end(), static_cast<int>(f.guard)) != fired_.end()) continue;
+            fired_.push_back(static_cast<int>(f.guard));
+            directions_.resize(guards.size());
+            directions_[f.guard] = f.direction();
+            stops_ = stops_ || guard.role == GuardRole::stop;
         }
-        record.events.insert(place, std::move(event));
     }
 
     static bool matches(const Guard& guard, const Found& f) {
@@ -147,9 +198,12 @@ private:
             const auto* first = current_->data();
             return sides_[static_cast<std::size_t>(&guard - first)];
         }
-        const auto index = static_cast<std::size_t>(guard.watch);
-        if (watch_sides_.size() <= index) watch_sides_.resize(index + 1, 0);
-        return watch_sides_[index];
+        return watched(guard).side;
+    }
+    Watched& watched(const Guard& guard) {
+        const std::size_t index = guard.watch >= 0 ? static_cast<std::size_t>(guard.watch) : 0;
+        if (watched_.size() <= index) watched_.resize(index + 1);
+        return watched_[index];
     }
 
     /// A root of the first guard in fired_, whose series was cut off, at a root of the guard itself: what is done at an
@@ -204,55 +258,68 @@ private:
         const double* c = engine_.guard(static_cast<int>(g));
         const double sign =
             guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
-        int degree = degree_;
         // the guard on the unit interval
         series::Coefficients q;
-        for (int k = 0; k <= degree; ++k)
+        for (int k = 0; k <= degree_; ++k)
             q[static_cast<std::size_t>(k)] = c[k] * powers_[static_cast<std::size_t>(k)] * sign;
         const bool is_watch = guard.is_watched();
         int& side = side_of(guard);
-        const double* p = q.data();
-        const double q0 = q[0];
-        const int starts = q0 > 0.0 ? 1 : q0 < 0.0 ? -1 : 0;
-        if (!fresh && !is_last && starts == side && !is_watch && series::keeps_sign(q.data(), degree)) return;
-        double size = 0.0;
-        for (int k = 1; k <= degree; ++k) size = std::max(size, std::abs(q[static_cast<std::size_t>(k)]));
-        // at zero where a mode begins, just handled or within rounding; or where two pieces meet, within their gap
-        bool at_zero = false;
-        if (fresh)
-            at_zero = (handled(g) && !is_watch) || starts == 0 || std::abs(q0) <= (handled(g) ? 1e-9 : 1e-12) * size;
-        else if (starts != side)
-            at_zero = std::abs(q0) <= 2.0 * std::abs(ends_[g] - q0) + 1e-13 * size;
-        int leaves = starts;
-        if (at_zero) {
-            const int m = leading(q.data(), degree, is_watch && handled(g));
-            if (m > degree || size == 0.0) return;  // stays at zero
-            p += m;
-            degree -= m;
-            leaves = p[0] > 0.0 ? 1 : -1;
-        }
-        if (is_watch) ends_[g] = series::value(q.data(), static_cast<int>(engine_.guard_order()), 1.0);
-        if (is_watch && side == 0) side = leaves;
+        const double end = ends_[g];
+        if (is_watch) ends_[g] = series::value(q.data(), degree_, 1.0);
         if (fresh && !is_watch) side = 1;
-        if (leaves != side) {
-            if (is_rounding(mode, guard, std::max(std::abs(q0), size))) return;
-            found_.push_back({0.0, g, leaves > 0});
-            if (!is_watch) return;
+        const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
+        if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) return;
+        Passages::Arrival arrival{.side = side};
+        if (fresh && handled(g)) {
+            arrival.at_zero = !is_watch;
+            if (is_watch && guard.watch >= 0) arrival.zero = watched(guard).zero;
         }
-        roots_.clear();
-        finder_.find(p, degree, roots_);
-        if (is_last && roots_.empty()) at_the_end(mode, guard, sign, p, degree);
-        if (!roots_.empty() && is_rounding(mode, guard, std::max(std::abs(q0), size))) return;
-        for (double place : roots_) {
+        // two pieces meet within the error of the first
+        if (!fresh && is_watch && starts != side) arrival.gap = 2.0 * std::abs(end - q[0]);
+        if (is_last) {
+            const Piece& piece = engine_.piece();
+            arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / piece.duration();
+            arrival.reach = std::clamp(engine_.natural_length() / piece.length - 1.0, arrival.reach, 1.0);
+        }
+        passages_.find(
+            q.data(), degree_, arrival,
+            [&](double* sizes) {
+                engine_.guard_sizes(static_cast<int>(g), sizes);
+                for (int k = 0; k <= degree_; ++k) sizes[k] *= powers_[static_cast<std::size_t>(k)];
+            },
+            [&] {
+                return mode.equations->is_variable(guard)
+                           ? series::value(q.data(), degree_, 1.0)
+                           : sign * evaluated(mode, engine_.piece().length).output(guard.output);
+            });
+        take(guard, g, fresh, 0.0, 1.0);
+    }
+
+    /// Takes the passages of a guard on [lo, hi] of the piece.
+    void take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi) {
+        int& side = side_of(guard);
+        int leaves = passages_.leaves();
+        if (fresh && guard.watch >= 0) {
+            // one that stays at zero where the last mode ended has reached it
+            const int reached = std::exchange(watched(guard).reached, 0);
+            if (leaves == 0) leaves = reached;
+        }
+        if (leaves == 0) return;
+        if (guard.is_watched() && side == 0) side = leaves;
+        if (leaves != side) {
+            found_.push_back({lo, 0.0, g, leaves > 0});
+            if (!guard.is_watched()) return;
+        }
+        for (const Passages::Place& p : passages_.places()) {
             leaves = -leaves;
-            found_.push_back({place, g, leaves > 0});
-            if (!is_watch) break;
+            found_.push_back({lo + p.x * (hi - lo), p.doubt * (hi - lo), g, leaves > 0});
+            if (!guard.is_watched()) return;
         }
     }
 
     void locate(const Guard& guard, std::size_t g, bool fresh) {
         const auto tau = guard.locator->first(engine_.piece(), fresh);
-        if (tau) found_.push_back({*tau / engine_.piece().length, g, false});
+        if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, g, false});
     }
 
     /// A guard that has values only: on [lo, hi] of the piece as a polynomial through them, on halves where it does not
@@ -288,82 +355,30 @@ private:
             seek_by_values(mode, guard, g, middle, hi, false, is_last, depth + 1);
             return;
         }
-        int& side = side_of(guard);
         // the side so far, with what was already found on this piece
-        int now = side;
+        int now = side_of(guard);
         for (const Found& f : found_)
             if (f.guard == g) now = f.rising ? 1 : -1;
-        const double* p = q.data();
-        int degree = Fit::degree, leaves = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
-        if (leaves == 0 || (fresh && std::abs(q[0]) <= (handled(g) ? 1e-9 : 1e-12) * size)) {
-            const int m = leading(q.data(), degree, handled(g));
-            if (m > degree) return;
-            p += m;
-            degree -= m;
-            leaves = p[0] > 0.0 ? 1 : -1;
-        }
-        if (now == 0) side = now = leaves;
-        if (leaves != now) found_.push_back({lo, g, leaves > 0});
-        roots_.clear();
-        finder_.find(p, degree, roots_);
-        if (is_last && roots_.empty()) {
-            // at the very end of the run, within rounding and the engine's error
-            double sum = 0.0, slope = 0.0;
-            for (int k = degree; k >= 0; --k) {
-                sum += std::abs(p[k]);
-                slope += k * p[k];
-            }
-            const double late =
-                (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
-            const double end = series::value(p, degree, 1.0);
-            if (std::abs(end) <= 1e-15 * size + late * std::abs(slope) && end * slope <= 0.0 && end * leaves >= 0.0)
-                roots_.push_back(1.0);
-        }
-        for (const double place : roots_) {
-            leaves = -leaves;
-            found_.push_back({lo + place * (hi - lo), g, leaves > 0});
-        }
+        Passages::Arrival arrival{.side = now};
+        if (fresh && handled(g) && guard.watch >= 0) arrival.zero = watched(guard).zero;
+        if (is_last)
+            arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
+        passages_.find(
+            q.data(), Fit::degree, arrival,
+            [&](double* sizes) {
+                for (int k = 0; k <= Fit::degree; ++k) sizes[k] = std::abs(q[static_cast<std::size_t>(k)]);
+            },
+            [&] { return values[Fit::degree]; });
+        take(guard, g, fresh, lo, hi);
     }
 
-    /// Whether a guard is nothing but the rounding of its terms on the piece: a reaction that dies away, say.
-    bool is_rounding(const Mode& mode, const Guard& guard, double size) {
-        if (mode.equations->is_variable(guard)) return size == 0.0;
-        return size <= rounding_ * evaluated(mode, 0.0).magnitude(guard.output);
-    }
-
-    /// The order of the first term that is not rounding. A piece cut short by the end of a run tells too little, so the
-    /// terms are weighed over the length that the engine would have gone. Where the user has set the state anew, every
-    /// term is meant (the last small bounces of a ball).
-    int leading(const double* q, int degree, bool is_set) const {
-        const double stretch = std::max(1.0, engine_.natural_length() / engine_.piece().length);
-        series::Coefficients sizes;
-        double size = 0.0, power = 1.0;
-        for (int k = 1; k <= degree; ++k) {
-            sizes[static_cast<std::size_t>(k)] = std::abs(q[k]) * (power *= stretch);
-            size = std::max(size, sizes[static_cast<std::size_t>(k)]);
-        }
-        int m = 1;
-        const double rounding = is_set ? 0.0 : significant_ * size;
-        while (m <= degree && !(sizes[static_cast<std::size_t>(m)] > rounding)) ++m;
-        return m;
-    }
-
-    /// A root at the very end of the run that rounding or the engine's error put just beyond it.
-    void at_the_end(const Mode& mode, const Guard& guard, double sign, const double* p, int degree) {
-        double sum = 0.0, slope = 0.0;
-        for (int k = degree; k >= 0; --k) {
-            sum += std::abs(p[k]);
-            slope += k * p[k];
-        }
+    /// A watched function at a place of the piece.
+    double value_at(const Mode& mode, const Guard& guard, double place) {
+        if (guard.output >= 0) return evaluated(mode, place).output(guard.output);
         const Piece& piece = engine_.piece();
-        const double late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / piece.duration();
-        const double value = series::value(p, degree, 1.0), bound = 4.0 * epsilon * sum + late * std::abs(slope);
-        if (std::abs(value) > 1e-3 * sum || value * slope > 0.0) return;
-        if (std::abs(value) <= bound) return roots_.push_back(1.0);
-        // the series of the guard is cut off sooner than the state's: the guard itself decides
-        if (mode.equations->is_variable(guard)) return;
-        const double g = sign * evaluated(mode, piece.length).output(guard.output);
-        if (std::abs(g) <= bound && g * slope <= 0.0) roots_.push_back(1.0);
+        state_.resize(static_cast<std::size_t>(piece.variables));
+        engine_.state(place, state_);
+        return model_.guard_value(guard, mode, piece.at(place).hi, state_);
     }
 
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
@@ -376,21 +391,19 @@ private:
     double slack_;
     const std::vector<Guard>* current_ = nullptr;
     std::vector<int> sides_;
-    std::vector<int> watch_sides_;  // by watched function; 0: not known yet
+    std::vector<Watched> watched_;  // by watched function
     std::vector<double> ends_;      // values of watched guards at the end of the last piece
     std::vector<bool> handled_;     // guards whose zero began the mode
     std::vector<int> fired_;
     std::vector<Direction> directions_;
     std::vector<Found> found_;
-    std::vector<double> roots_, state_;
-    series::RootFinder finder_;
+    std::vector<double> state_;
+    Passages passages_;
     const Equations* evaluated_ = nullptr;
     std::unique_ptr<Evaluator<double>> evaluator_;
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false;
-    double rounding_ = 64.0 * epsilon;  // of the terms of a guard: one of this size is zero
-    double significant_ = 4e-12;        // of the largest term of a guard: less is rounding
 };
 
 }  // namespace rbdyn

@@ -93,6 +93,9 @@ public:
     /// Coefficients of an output, of a switch, of any slot.
     const double* output(int index) const { return coefficients(program_->output(index)); }
     const double* switch_value(int index) const { return coefficients(program_->switch_output(index)); }
+    /// Of a term of a combination, for the parameters given.
+    double weight(int index) const { return scalars_[static_cast<std::size_t>(index)]; }
+    double unit() const { return unit_; }
     const double* coefficients(int slot_index) const {
         return storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
     }

@@ -9,58 +9,67 @@
 
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn {
 
 namespace leading {
 
-/// The time in which a state changes by as much as its first derivative says, from its series in seconds, so that no
-/// unit matters.
-inline double time_scale(const SeriesEvaluator& series, int variables, int order) {
-    double log_time = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < variables; ++i) {
-        const double* c = series.coefficients(i);
-        for (int k = 2; k <= order && c[1] != 0.0; ++k)
-            if (c[k] != 0.0) log_time = std::min(log_time, std::log2(std::abs(c[1] / c[k])) / (k - 1));
-    }
-    return std::isfinite(log_time) ? std::exp2(log_time) : 1.0;
-}
-
-/// By values alone, for equations that call back: the sign a short way on, along a step of Heun's method.
+/// By values alone, for equations that call back: the first sign that is more than rounding, along steps of Runge and
+/// Kutta's method from the present state, each four times as long as the one before. What Heun's method would have
+/// made of it tells their error.
 inline int by_values(const Mode& mode, double t, std::span<const double> x, int output) {
     Evaluator<double> f(mode.equations->program);
     f.set_parameters(mode.parameters);
     const std::size_t n = x.size();
-    std::vector<double> slope(n), y(n), moved(n);
-    const auto rates = [&](double time, const std::vector<double>& state, std::vector<double>& out) {
+    using State = std::vector<double>;
+    const auto rates = [&](double time, const State& state) {
         f(time, state);
-        for (std::size_t i = 0; i < n; ++i) out[i] = f.output(static_cast<int>(i));
+        State slope(n);
+        for (std::size_t i = 0; i < n; ++i) slope[i] = f.output(static_cast<int>(i));
+        return slope;
     };
-    y.assign(x.begin(), x.end());
-    rates(t, y, slope);
+    const State y(x.begin(), x.end());
+    const auto moved = [&](double h, const State& slope) {
+        State z = y;
+        for (std::size_t i = 0; i < n; ++i) z[i] += h * slope[i];
+        return z;
+    };
+    const State a = rates(t, y);
     // positions change by their velocities, velocities by accelerations: the time in which they do so as much as they
     // are
     double time = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < n; ++i)
-        if (slope[i] != 0.0 && y[i] != 0.0) time = std::min(time, std::abs(y[i] / slope[i]));
-    const double h = 1e-4 * (std::isfinite(time) ? time : std::max(1.0, std::abs(t)));
-    for (std::size_t i = 0; i < n; ++i) moved[i] = y[i] + h * slope[i];
-    std::vector<double> later(n);
-    rates(t + h, moved, later);
-    for (std::size_t i = 0; i < n; ++i) moved[i] = y[i] + 0.5 * h * (slope[i] + later[i]);
-    f(t + h, moved);
-    const double g = f.output(output);
-    return std::abs(g) <= 1e-13 * f.magnitude(output) ? 0 : g > 0.0 ? 1 : -1;
+        if (a[i] != 0.0 && y[i] != 0.0) time = std::min(time, std::abs(y[i] / a[i]));
+    if (!std::isfinite(time)) time = std::max(1.0, std::abs(t));
+    // where nothing moves no time is special: from the rounding of times to far ones
+    for (int k = -40; k <= 30; k += 2) {
+        const double h = std::ldexp(time, k);
+        const State b = rates(t + 0.5 * h, moved(0.5 * h, a)), c = rates(t + 0.5 * h, moved(0.5 * h, b)),
+                    d = rates(t + h, moved(h, c)), e = rates(t + h, moved(h, a));
+        State mean(n), rough(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            mean[i] = (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0;
+            rough[i] = 0.5 * (a[i] + e[i]);
+        }
+        f(t + h, moved(h, rough));
+        const double other = f.output(output);
+        f(t + h, moved(h, mean));
+        const double g = f.output(output);
+        const double noise = 64.0 * std::numeric_limits<double>::epsilon() * f.magnitude(output);
+        if (std::abs(g) > noise + 4.0 * std::abs(g - other)) return g > 0.0 ? 1 : -1;
+    }
+    return 0;
 }
 
 }  // namespace leading
 
-/// The sign an output of a mode's equations takes just after t: that of its first coefficient that is not zero. 0: it
-/// stays zero.
+/// The sign an output of a mode's equations takes just after t: that of its first coefficient that is more than the
+/// rounding of its own terms. 0: it stays zero.
 /// `known_zeros`: how many of the first are zero but for rounding.
 inline int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0) {
-    constexpr int order = 8;
+    constexpr int order = 24;
     const Program& program = mode.equations->program;
     if (program.has_calls()) return leading::by_values(mode, t, x, output);
     SeriesEvaluator series(program, order);
@@ -72,18 +81,11 @@ inline int leading_sign(const Mode& mode, double t, std::span<const double> x, i
         if (k < order)
             for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
     }
-    const double time = leading::time_scale(series, program.inputs(), order);
     const double* g = series.output(output);
-    double size = 0.0;
-    for (int k = known_zeros; k <= order; ++k) size = std::max(size, std::abs(g[k]) * std::pow(time, k));
-    // a function that is zero always has the rounding of its terms for coefficients
-    Evaluator<double> values(program);
-    values.set_parameters(mode.parameters);
-    values(t, x);
-    const double nothing =
-        std::max(1e-13 * size, 64.0 * std::numeric_limits<double>::epsilon() * values.magnitude(output));
+    const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::all)(program.output(output));
     for (int k = known_zeros; k <= order; ++k)
-        if (std::abs(g[k]) * std::pow(time, k) > nothing) return g[k] > 0.0 ? 1 : -1;
+        if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
+            return g[k] > 0.0 ? 1 : -1;
     return 0;
 }
 

@@ -5,6 +5,9 @@
 // (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", SIAM 2009, sec. 6.2 and 8.1). Around a root of
 // higher multiplicity all values are rounding: there the signs on both sides tell whether g passes zero, and the
 // derivative that is not rounding where.
+//
+// Invariant: no length of [0, 1] matters. A root x is told from others and from rounding by distances relative to x
+// and by the sizes of the terms g_k x^k at x, so that roots of g(s x) are those of g divided by s.
 #pragma once
 
 #include <algorithm>
@@ -96,23 +99,31 @@ class RootFinder {
 public:
     /// Appends the roots in increasing order. `g` holds degree + 1 coefficients.
     void find(const double* g, int degree, std::vector<double>& roots) {
+        // roots at zero belong to what came before
+        while (degree > 0 && g[0] == 0.0) {
+            ++g;
+            --degree;
+        }
         while (degree > 0 && g[degree] == 0.0) --degree;
         if (degree == 0 || bounds(g, degree).exclude_zero()) return;
         g_ = g;
         degree_ = degree;
         visits_ = 0;
-        noise_ = 0.0;
         flats_.clear();
         const std::size_t known = roots.size();
-        for (int k = 0; k <= degree; ++k) noise_ += 4.0 * std::numeric_limits<double>::epsilon() * std::abs(g[k]);
-        search(g, 0.0, 1.0, 0, roots);
+        noise_ = noise(1.0);
+        search(g, 0.0, 1.0, roots);
         // what g alone does not tell sharply is a root by the signs on both sides, and found by a derivative
         std::size_t kept = known;
+        double settled = 0.0;  // up to here
         for (std::size_t k = known; k < roots.size(); ++k) {
+            const double x = roots[k];
+            if (x <= settled) continue;
             std::optional<Flat> about;
-            if (std::abs(slope(roots[k])) * sharp <= noise_) about = surroundings({roots[k], roots[k]});
+            if (std::abs(slope(x)) * sharp * x <= noise(x)) about = surroundings({x, x});
+            if (about) settled = about->hi;
             if (about && !changes(*about)) continue;
-            roots[kept++] = about ? located(*about) : roots[k];
+            roots[kept++] = about ? located(*about) : x;
         }
         roots.resize(kept);
         for (const Flat& flat : flats_) {
@@ -131,15 +142,22 @@ private:
         double lo, hi;
     };
 
-    void search(const double* d, double lo, double width, int depth, std::vector<double>& roots) {
+    /// What rounding of coefficients and sums makes of g at x.
+    double noise(double x) const {
+        return 4.0 * std::numeric_limits<double>::epsilon() * value_of_sizes(g_, degree_, x);
+    }
+    /// Whether a size that is met at x and beyond is rounding there; noise grows with x.
+    bool is_noise(double size, double x) const { return size <= noise_ && size <= noise(x); }
+
+    void search(const double* d, double lo, double width, std::vector<double>& roots) {
         const Bounds b = bounds(d, degree_);
         if (b.exclude_zero()) return;
-        if (std::max(-b.low, b.high) <= noise_) return add_flat(lo, lo + width);
-        if (depth >= max_depth || ++visits_ > max_visits || slope_bounds(d, degree_).exclude_zero()) {
+        if (is_noise(std::max(-b.low, b.high), lo)) return add_flat(lo, lo + width);
+        if (width <= narrowest * lo || ++visits_ > max_visits || slope_bounds(d, degree_).exclude_zero()) {
             // monotone, or too narrow to tell: a change of sign is one root, unless all of g here is rounding
             const double hi = lo + width;
             const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
-            if (std::max(std::abs(at_lo), std::abs(at_hi)) <= noise_) return add_flat(lo, hi);
+            if (is_noise(std::max(std::abs(at_lo), std::abs(at_hi)), lo)) return add_flat(lo, hi);
             if (at_hi == 0.0 && at_lo != 0.0) {
                 if (sign_after(hi) * at_lo < 0.0) roots.push_back(hi);
             } else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
@@ -148,9 +166,9 @@ private:
         }
         Coefficients half;
         left_half(d, degree_, half.data());
-        search(half.data(), lo, 0.5 * width, depth + 1, roots);
+        search(half.data(), lo, 0.5 * width, roots);
         right_half(half.data(), degree_);
-        search(half.data(), lo + 0.5 * width, 0.5 * width, depth + 1, roots);
+        search(half.data(), lo + 0.5 * width, 0.5 * width, roots);
     }
 
     /// Intervals come in order.
@@ -161,13 +179,18 @@ private:
             flats_.push_back({lo, hi});
     }
 
-    /// As far about an interval where g is rounding as it takes until g is none; none if that is not within the step.
+    /// As far about an interval where g is rounding as it takes until g is none; none if that is not within the step
+    /// or a little beyond. At x = 0 no more than g_0 is left, which is none.
     std::optional<Flat> surroundings(const Flat& flat) const {
-        for (double margin = std::max(flat.hi - flat.lo, sharp); margin <= widest_flat; margin *= 2.0) {
-            const Flat about{flat.lo - margin, flat.hi + margin};
-            if (about.lo <= 0.0) break;
-            if (std::min(std::abs(value(g_, degree_, about.lo)), std::abs(value(g_, degree_, about.hi))) > noise_)
-                return about;
+        const double least = std::max(flat.hi - flat.lo, sharp * flat.hi);
+        Flat about = flat;
+        for (double margin = least; about.lo > 0.0; margin *= 2.0) {
+            about.lo = std::max(0.0, flat.lo - margin);
+            if (std::abs(value(g_, degree_, about.lo)) > noise(about.lo)) break;
+        }
+        for (double margin = least; margin <= widest_flat * flat.hi; margin *= 2.0) {
+            about.hi = flat.hi + margin;
+            if (std::abs(value(g_, degree_, about.hi)) > noise(about.hi)) return about;
         }
         return std::nullopt;
     }
@@ -179,7 +202,8 @@ private:
     double located(const Flat& about) const {
         const double half = 0.5 * (about.hi - about.lo);
         double x = 0.5 * (about.lo + about.hi);
-        for (int iteration = 0; iteration < 4; ++iteration) {
+        // the middle is off, and a term of lower order rules until it is less so
+        for (int iteration = 0; iteration < 100; ++iteration) {
             Coefficients c;
             std::copy_n(g_, degree_ + 1, c.begin());
             shift(c.data(), degree_, x);
@@ -191,7 +215,11 @@ private:
                 largest = std::abs(c[m]) * power;
                 ruling = m;
             }
-            x = std::clamp(x - c[ruling - 1] / (static_cast<double>(ruling) * c[ruling]), about.lo, about.hi);
+            const double next =
+                std::clamp(x - c[ruling - 1] / (static_cast<double>(ruling) * c[ruling]), about.lo, about.hi);
+            const bool is_there = std::abs(next - x) <= 4.0 * std::numeric_limits<double>::epsilon() * x;
+            x = next;
+            if (is_there) break;
         }
         return x;
     }
@@ -215,19 +243,19 @@ private:
         return c[static_cast<std::size_t>(degree_)] > 0.0 ? 1.0 : -1.0;
     }
 
-    // two roots 2^-40 of a step apart are told apart; closer ones, where g is rounding, are a graze
-    static constexpr int max_depth = 40;
-    // 40 roots, each 40 halvings deep, never need more; only rounding noise around zero does
-    static constexpr int max_visits = 4000;
-    // a root is known to this from g alone, or its derivatives tell more
+    // two roots 2^-40 of their place apart are told apart; closer ones, where g is rounding, are a graze
+    static constexpr double narrowest = 0x1p-40;
+    // 40 roots, each 40 halvings deep and as far from zero as doubles go, need no more; only rounding around zero does
+    static constexpr int max_visits = 6000;
+    // a root is known to this part of its place from g alone, or its derivatives tell more
     static constexpr double sharp = 0x1p-30;
-    // a root of multiplicity 20 is as wide as this
-    static constexpr double widest_flat = 0.25;
+    // beyond a flat by this part of its place; a root of multiplicity 30 is as wide
+    static constexpr double widest_flat = 1.0;
 
     const double* g_ = nullptr;
     int degree_ = 0;
     int visits_ = 0;
-    double noise_ = 0.0;  // of the values of g
+    double noise_ = 0.0;  // of the values of g at 1
     std::vector<Flat> flats_;
 };
 

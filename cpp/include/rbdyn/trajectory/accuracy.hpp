@@ -156,9 +156,7 @@ private:
         for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
             for (last = first + 1; last < events.size(); ++last)
                 if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - r.start)) break;
-            sort_few(std::span(events).subspan(first, last - first), [](const Event& a, const Event& b) {
-                return std::tie(a.kind, a.subject, a.name) < std::tie(b.kind, b.subject, b.name);
-            });
+            sort_few(std::span(events).subspan(first, last - first), comes_before);
         }
         return events;
     }

@@ -1,0 +1,162 @@
+// Where a guard passes zero on a piece: its polynomial's changes of sign, but for those that rounding makes.
+//
+// Between two roots a guard rises to some height; one that is nothing but the rounding of its own terms is no lobe of
+// the motion, and the roots beside it are none, or one. So what touches zero does not pass it, what begins at zero
+// leaves it to the side of its first lobe, and what stays at zero passes nothing, whatever the step.
+//
+// Conventions: the guard is q on (0, 1]; its rounding at x is at most the sum of noise_k x^k.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "rbdyn/series/roots.hpp"
+
+namespace rbdyn {
+
+class Passages {
+public:
+    /// How a guard comes to a piece.
+    struct Arrival {
+        int side = 0;                               // it has been on; 0: not known
+        bool at_zero = false;                       // what the piece begins with is known to be zero
+        std::optional<double> zero = std::nullopt;  // the value known to be zero, if that may be what it begins with
+        double gap = 0.0;                           // between the last piece and this one
+        std::optional<double> late = std::nullopt;  // how far beyond 1 is met at 1: the run ends there
+        double reach = 0x1p-4;                      // how far beyond 1 the polynomial holds
+    };
+    /// Where it passes zero, and how far from there it cannot tell itself from zero.
+    struct Place {
+        double x, doubt;
+    };
+
+    /// More than 1: what is taken for rounding, in units of the rounding of a guard's terms.
+    void set_looseness(double looseness) { looseness_ = looseness; }
+
+    /// `sizes(double*)`: of the terms of the coefficients, asked for where rounding may matter. `at_end()`: the guard
+    /// itself at 1.
+    template <class Sizes, class AtEnd>
+    void find(const double* q, int degree, const Arrival& a, const Sizes& sizes, const AtEnd& at_end) {
+        places_.clear();
+        roots_.clear();
+        has_noise_ = false;
+        degree_ = degree;
+        std::copy_n(q, degree + 1, q_.begin());
+        bool at_zero = a.at_zero;
+        if (!at_zero && a.zero) {
+            weigh(sizes, a.gap);
+            at_zero = std::abs(q[0] - *a.zero) <= 16.0 * noise_[0];
+        }
+        if (at_zero) q_[0] = 0.0;
+        int first = 0;
+        while (first <= degree && q_[at(first)] == 0.0) ++first;
+        leaves_ = first > degree ? 0 : q_[at(first)] > 0.0 ? 1 : -1;
+        if (leaves_ == 0) return;
+        finder_.find(q_.data() + first, degree - first, roots_);
+        // far from zero at the end of the run, too
+        const bool ends = !a.late || std::abs(value(1.0)) > 1e-3 * series::value_of_sizes(q_.data(), degree_, 1.0);
+        if (roots_.empty() && leaves_ == a.side && ends) return;
+        if (!has_noise_) weigh(sizes, a.gap);
+        at_start_ = at_zero ? 0.0 : noise_[0];
+        keep_lobes(a, at_end);
+    }
+
+    /// The side it leaves its beginning to; 0: it is rounding all along.
+    int leaves() const { return leaves_; }
+    /// In order; its side changes at each.
+    const std::vector<Place>& places() const { return places_; }
+
+private:
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+    template <class Sizes>
+    void weigh(const Sizes& sizes, double gap) {
+        sizes(noise_.data());
+        for (int k = 0; k <= degree_; ++k)
+            noise_[at(k)] = 4.0 * epsilon * looseness_ * std::max(noise_[at(k)], std::abs(q_[at(k)]));
+        noise_[0] = std::max(noise_[0], gap);
+        has_noise_ = true;
+    }
+
+    double value(double x) const { return series::value(q_.data(), degree_, x); }
+    double noise(double x, bool at_start) const {
+        const double rest = degree_ > 0 ? series::value(noise_.data() + 1, degree_ - 1, x) * x : 0.0;
+        return rest + (at_start ? at_start_ : noise_[0]);
+    }
+    /// The sign at x; 0: rounding.
+    int sign(double x, bool at_start = false) const {
+        const double g = value(x);
+        return std::abs(g) <= noise(x, at_start) ? 0 : g > 0.0 ? 1 : -1;
+    }
+
+    /// Whether the guard is more than rounding anywhere between two roots, or a root and an end.
+    bool is_lobe(double a, double b) const {
+        for (const double part : {0.5, 0.75, 0.25, 0.9375, 0.0625})
+            if (sign(a + part * (b - a), a == 0.0) != 0) return true;
+        return (a == 0.0 && sign(0.0, true) != 0) || (b == 1.0 && sign(1.0, a == 0.0) != 0);
+    }
+
+    template <class AtEnd>
+    void keep_lobes(const Arrival& a, const AtEnd& at_end) {
+        const int starts = leaves_;
+        const std::size_t count = roots_.size();
+        int now = 0;
+        std::size_t since = 0;  // the root that ends the last lobe
+        leaves_ = 0;
+        const auto pass = [&](int side, std::size_t before) {
+            if (now == 0) {
+                leaves_ = side;
+            } else if (side != now) {
+                // of several roots with nothing between them the middle one
+                add(before > since ? roots_[(since + before - 1) / 2] : 1.0);
+            }
+            now = side;
+            since = before;
+        };
+        for (std::size_t i = 0; i <= count; ++i) {
+            const int side = i % 2 == 0 ? starts : -starts;
+            if (is_lobe(i == 0 ? 0.0 : roots_[i - 1], i == count ? 1.0 : roots_[i])) pass(side, i);
+        }
+        if (a.late && now != 0)
+            if (const int after = beyond(*a.late, a.reach, at_end); after != 0) pass(after, count);
+    }
+
+    /// The side beyond the end of the run; 0: not to be told.
+    template <class AtEnd>
+    int beyond(double late, double reach, const AtEnd& at_end) {
+        const double end = value(1.0);
+        int after = sign(1.0 + late);
+        // rounding there: the next side that is none
+        for (double more = std::max(late, 0x1p-40); after == 0 && more <= reach; more *= 2.0) after = sign(1.0 + more);
+        if (after == 0 || sign(1.0) != after) return after;
+        // the series is cut off sooner than the state's: the guard itself decides, on its way to zero
+        const double ahead = value(1.0 + late) - end;
+        if (ahead * after > 0.0 || !(std::abs(end) <= 1e-3 * noise(1.0, false) / (4.0 * epsilon * looseness_)))
+            return after;
+        const double itself = at_end();
+        return std::abs(itself) <= noise(1.0, false) + std::abs(ahead) ? -after : after;
+    }
+
+    void add(double x) {
+        double slope = 0.0;
+        for (int k = degree_; k >= 1; --k) slope = slope * x + k * q_[at(k)];
+        const double doubt = slope != 0.0 ? noise(x, false) / std::abs(slope) : x;
+        places_.push_back({x, std::min(doubt, x) + 4.0 * epsilon * x});
+    }
+
+    series::RootFinder finder_;
+    std::vector<double> roots_;
+    std::vector<Place> places_;
+    series::Coefficients q_{}, noise_{};
+    int degree_ = 0, leaves_ = 0;
+    double looseness_ = 1.0, at_start_ = 0.0;
+    bool has_noise_ = false;
+};
+
+}  // namespace rbdyn

@@ -1,0 +1,120 @@
+// Sizes of the terms that make up the coefficients of a series: the rounding of a coefficient is epsilon times its size
+// here, or a little more, whatever cancels in it.
+//
+// To first order, an operation passes on the sizes of its operands by its derivatives (Higham, Accuracy and Stability
+// of Numerical Algorithms, 3.3), a few operations deep; from there on a coefficient is as large as its terms. A state
+// variable's coefficients are those of its rate.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/series_evaluator.hpp"
+
+namespace rbdyn {
+
+class TermSizes {
+public:
+    static constexpr int max_order = 40;
+    using Sizes = std::array<double, max_order + 1>;
+
+    // a guard, the forces in it, what these are made of
+    static constexpr int few = 3;
+    static constexpr int all = 1 << 20;
+
+    /// Of a series whose coefficients 0 .. order are known; `depth`: operations looked back.
+    TermSizes(const SeriesEvaluator& series, int order, int depth = few)
+        : series_(series), program_(series.program()), order_(order), depth_(depth) {}
+
+    /// Of the coefficients 0 .. order of a slot.
+    Sizes operator()(int slot) { return sizes(slot, depth_); }
+
+private:
+    static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+    Sizes own(int slot) const {
+        Sizes s{};
+        const double* c = series_.coefficients(slot);
+        for (int k = 0; k <= order_; ++k) s[at(k)] = std::abs(c[k]);
+        return s;
+    }
+
+    /// sum += weight * |a| * |b|, as series.
+    void add_product(Sizes& sum, double weight, const Sizes& a, const Sizes& b) const {
+        for (int k = 0; k <= order_; ++k)
+            for (int j = 0; j <= k; ++j) sum[at(k)] += weight * a[at(j)] * b[at(k - j)];
+    }
+
+    Sizes sizes(int slot, int deep) {
+        for (const auto& [done, s] : known_)
+            if (done == slot) return s;
+        Sizes s = own(slot);
+        if (deep == 0) return s;
+        // what a rate depends on by itself is as large as it is
+        const std::size_t place = known_.size();
+        known_.emplace_back(slot, s);
+        if (slot < program_.inputs()) {
+            if (slot >= program_.outputs()) return s;
+            const Sizes rate = sizes(program_.output(slot), deep - 1);
+            for (int k = 0; k < order_; ++k)
+                s[at(k + 1)] = std::max(s[at(k + 1)], rate[at(k)] * series_.unit() / (k + 1));
+        } else {
+            for (const Instruction& i : program_.instructions())
+                if (i.out == slot || (i.out2 == slot && i.code == Code::sine_cosine)) {
+                    pass_on(i, slot, deep - 1, s);
+                    break;
+                }
+        }
+        known_[place].second = s;
+        return s;
+    }
+
+    /// Adds to the sizes of a result those of the operands.
+    void pass_on(const Instruction& i, int slot, int deep, Sizes& s) {
+        switch (i.code) {
+            case Code::combine: {
+                s.fill(0.0);
+                if (i.weight >= 0) s[0] = std::abs(series_.weight(i.weight));
+                for (int k = 0; k < i.terms; ++k) {
+                    const Term& t = program_.terms(i)[k];
+                    const Sizes a = sizes(t.slot, deep);
+                    const double weight = std::abs(series_.weight(t.weight));
+                    for (int j = 0; j <= order_; ++j) s[at(j)] += weight * a[at(j)];
+                }
+                for (int k = 0; k < i.products; ++k) {
+                    const ProductTerm& t = program_.products(i)[k];
+                    const double weight = std::abs(series_.weight(t.weight));
+                    add_product(s, weight, sizes(t.a, deep), own(t.b));
+                    add_product(s, weight, own(t.a), sizes(t.b, deep));
+                }
+                break;
+            }
+            case Code::divide: {
+                Sizes sum = sizes(i.a, deep);
+                add_product(sum, 1.0, own(slot), sizes(i.b, deep));
+                add(s, sum, 1.0 / series_.coefficients(i.b)[0]);
+                break;
+            }
+            case Code::square_root: add(s, sizes(i.a, deep), 0.5 / series_.coefficients(slot)[0]); break;
+            case Code::sine_cosine: add_product(s, 1.0, sizes(i.a, deep), own(slot == i.out ? i.out2 : i.out)); break;
+            case Code::exponential: add_product(s, 1.0, sizes(i.a, deep), own(slot)); break;
+            default: break;
+        }
+    }
+
+    void add(Sizes& s, const Sizes& other, double factor) const {
+        if (!std::isfinite(factor)) return;
+        for (int k = 0; k <= order_; ++k) s[at(k)] += std::abs(factor) * other[at(k)];
+    }
+
+    const SeriesEvaluator& series_;
+    const Program& program_;
+    int order_, depth_;
+    std::vector<std::pair<int, Sizes>> known_;  // by slot
+};
+
+}  // namespace rbdyn
