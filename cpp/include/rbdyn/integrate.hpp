@@ -155,6 +155,23 @@ inline std::string culprit(const HybridModel& model, const Record& record) {
     return model.grown(record.modes.front(), record.start, record.first_state, record.modes.back(), t, x);
 }
 
+/// What of two runs that are compared is kept: all, or without all the times wanted and many in between, the same of
+/// both.
+inline Keep compared_pieces(const SimulateOptions& options) {
+    Keep compared;
+    if (options.keep.what == Keep::What::all) return compared;
+    compared.what = Keep::What::times;
+    compared.times = options.keep.times;
+    // spread by the golden section, so that no period of the motion hides from them
+    for (int i = 0; i < compared_times; ++i) {
+        const double place = (i + std::fmod(0.6180339887498949 * i, 1.0)) / compared_times;
+        compared.times.push_back(options.start + (options.until - options.start) * place);
+    }
+    compared.times.push_back(options.until);
+    std::sort(compared.times.begin(), compared.times.end());
+    return compared;
+}
+
 /// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until it agrees with
 /// the closed form, if there is one, or with a better run of the engine `judge`.
 inline Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
@@ -203,20 +220,8 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
     double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
     Manner manner;
     const bool is_judge = !form && engine == judge;
-    // without all pieces kept, the two are compared at the times wanted and at many in between
     const bool keeps_all = options.keep.what == Keep::What::all;
-    Keep compared;
-    if (!keeps_all) {
-        compared.what = Keep::What::times;
-        compared.times = options.keep.times;
-        // spread by the golden section, so that no period of the motion hides from them
-        for (int i = 0; i < compared_times; ++i) {
-            const double place = (i + std::fmod(0.6180339887498949 * i, 1.0)) / compared_times;
-            compared.times.push_back(options.start + (options.until - options.start) * place);
-        }
-        compared.times.push_back(options.until);
-        std::sort(compared.times.begin(), compared.times.end());
-    }
+    const Keep compared = compared_pieces(options);
     Timed run = run_with(engine, tolerance, compared);
     // a closed form is not wrong itself
     AccuracyCheck check(model, options.error, compared.times, options.monitor, form ? 1.25 : 2.0);
@@ -325,8 +330,10 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
     const auto before = std::chrono::steady_clock::now();
     Solution result;
     result.runs = 1;
-    // pieces say when events are, not where things are: they are kept if all of a run is
-    const Keep keep{.what = options.keep.what == Keep::What::all ? Keep::What::all : Keep::What::end};
+    // pieces say when events are, not where things are: they are kept if all of a run is, or while two are compared
+    const bool keeps_all = options.keep.what == Keep::What::all;
+    const Keep keep =
+        keeps_all || !options.rtol ? compared_pieces(options) : Keep{.what = Keep::What::end, .times = {}};
     const auto run = [&](double tolerance, int order) {
         return integrate(model, x, options, "", tolerance, keep, {.order = order}, form).record;
     };
@@ -346,7 +353,8 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
             const Record better = run(0.1 * least_tolerance("taylor"), other_order);
             ++result.runs;
             if (!better.thrown && !result.record.thrown)
-                events = AccuracyCheck(model, options.error, {}, options.monitor)(result.record, better);
+                events = AccuracyCheck(model, options.error, keep.times, options.monitor)(result.record, better);
+            if (!keeps_all) result.record.keep_last();
         }
     }
     Record& record = result.record;

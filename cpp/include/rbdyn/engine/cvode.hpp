@@ -8,7 +8,10 @@
 // Conventions: CVODE's clock is zero where smooth motion starts, so that short steps late in a run keep their digits.
 // Error weights follow the scales of the motion itself (extent of positions, largest velocities); nothing here has a
 // unit, and the same motion in units that differ by powers of two takes the same steps to the last bit.
-// CVODE's root finder is not used: guards are series on the pieces, as for every engine.
+// CVODE's root finder is not used: guards are series on the pieces, as for every engine. What begins at a zero of its
+// guards (a bead that leaves its rail leaves it with the third power of time) tells them apart by more orders than
+// CVODE's first steps have: the first piece after an event is a step of a Taylor series, of dop853 where functions are
+// called back, and CVODE goes on from its end.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +26,10 @@
 #include <vector>
 
 #include "rbdyn/engine/cvode_integrator.hpp"
+#include "rbdyn/engine/dop853.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 
 namespace rbdyn {
@@ -57,7 +62,10 @@ public:
         running_ = false;
         pending_ = false;
         offset_ = 0.0;
+        is_restart_ = has_started_;
+        has_started_ = true;
         is_first_ = true;
+        starter_ = nullptr;
         std::fill(estimates_.begin(), estimates_.end(), 0.0);
         widen();
     }
@@ -65,6 +73,8 @@ public:
     StepStatus step(double limit) override {
         if (pending_ && offset_ + piece_.length < 1.0 - 1e-12) return next_part();
         if (!(limit - t_ > 0.0)) return StepStatus::stalled;
+        if (is_first_ && is_restart_ && set_off(limit)) return StepStatus::ok;
+        starter_ = nullptr;
         if (!is_first_ && drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
         if (!running_ && !begin(limit)) return StepStatus::not_finite;
         void* memory = integrator_->memory.get();
@@ -108,25 +118,84 @@ public:
         widen();
         whole_ = piece_;
         pending_ = true;
-        shorten();
+        shorten(false);
         return StepStatus::ok;
     }
 
     void state(double tau, std::span<double> x) const override {
+        if (starter_ != nullptr) return starter_->state(tau * starter_->piece().length, x);
         if (tau == 0.0) return piece_.state(tau, x);
         const int row = piece_.order + 1;
         for (int i = 0; i < piece_.variables; ++i)
             x[at(i)] = series::value(from_end_.data() + i * row, piece_.order, offset_ + tau - 1.0);
     }
 
+    double natural_length() const override {
+        return starter_ != nullptr ? starter_->natural_length() / starter_->piece().length : piece_.length;
+    }
+    bool refines() const override { return starter_ != nullptr && starter_->refines(); }
+
     const double* guard(int index) override {
         ++work_.guard_evaluations;
-        return integrator_->guards.coefficients(index);
+        if (starter_ == nullptr) return integrator_->guards.coefficients(index);
+        const double* c = starter_->guard(index);
+        double power = 1.0;
+        guard_row_.resize(at(starter_->guard_order() + 1));
+        for (std::size_t k = 0; k < guard_row_.size(); ++k, power *= starter_->piece().length)
+            guard_row_[k] = c[k] * power;
+        return guard_row_.data();
     }
-    int guard_order() const override { return integrator_->guards.order(); }
-    void guard_sizes(int index, double* sizes) override { integrator_->guards.sizes(index, sizes); }
+    int guard_order() const override {
+        return starter_ != nullptr ? starter_->guard_order() : integrator_->guards.order();
+    }
+    bool is_rough(int guard) const override {
+        return starter_ != nullptr ? starter_->is_rough(guard) : integrator_->guards.is_rough(guard);
+    }
+    void guard_sizes(int index, double* sizes) override {
+        if (starter_ == nullptr) return integrator_->guards.sizes(index, sizes);
+        starter_->guard_sizes(index, sizes);
+        double power = 1.0;
+        for (int k = 0; k <= starter_->guard_order(); ++k, power *= starter_->piece().length) sizes[k] *= power;
+    }
+    void rest(double tau, std::span<const double> x, std::span<double> low) const override {
+        if (starter_ == nullptr) return Engine::rest(tau, x, low);
+        starter_->rest(tau * starter_->piece().length, x, low);
+    }
 
 private:
+    /// The first piece of a mode, by the engine for that. Returns whether there is one.
+    bool set_off(double limit) {
+        const bool has_series = series_are_known(*equations_);
+        std::unique_ptr<Engine>& engine = has_series ? by_series_ : by_values_;
+        if (!engine && has_series) engine = std::make_unique<TaylorEngine>(rtol_);
+        if (!engine) engine = std::make_unique<Dop853Engine>(rtol_);
+        const Work before = engine->work();
+        engine->start(*equations_, parameters_, t_, x_);
+        const StepStatus status = engine->step(limit);
+        const Work& after = engine->work();
+        work_.rejected += after.rejected - before.rejected;
+        work_.right_hand_sides += after.right_hand_sides - before.right_hand_sides;
+        if (status != StepStatus::ok) return false;
+        ++work_.steps;
+        starter_ = engine.get();
+        // as every piece here, of length 1
+        const Piece& made = engine->piece();
+        const int row = made.order + 1;
+        part_.resize(at(made.variables * row));
+        for (int i = 0; i < made.variables; ++i) {
+            double power = 1.0;
+            for (int k = 0; k < row; ++k, power *= made.length) part_[at(i * row + k)] = made.variable(i)[k] * power;
+        }
+        const Instant end = made.at(made.length);
+        piece_ = {made.start, end - made.start, 1.0, made.variables, made.order, part_.data()};
+        while (end - piece_.at(1.0) > 0.0) piece_.unit = std::nextafter(piece_.unit, 2.0 * piece_.unit);
+        engine->state(made.length, x_);
+        t_ = end;
+        is_first_ = false;
+        widen();
+        return true;
+    }
+
     /// Guards with a singularity near the motion, 1 / (1.1 + sin u) on a pendulum through sin u = -1, are then cut off
     /// below the error of the method for tolerances from 1e-6 on, smooth ones at rounding.
     int series_order() const { return rtol_ > 1e-8 ? 18 : 14; }
@@ -303,10 +372,11 @@ private:
 
     /// Cuts the piece where the coefficients of its guards hold no longer: CVODE's steps know nothing of guards, and a
     /// bead that is carried at a constant speed takes very long ones.
-    void shorten() { piece_.length = integrator_->guards.begin(piece_); }
+    void shorten(bool is_rest) { piece_.length = integrator_->guards.begin(piece_, is_rest); }
 
-    /// The next part of a step that was cut.
+    /// The next part of a step that was cut; it counts for max_steps, for its guards cost as much.
     StepStatus next_part() {
+        ++work_.parts;
         offset_ += piece_.length;
         if (drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
         const int n = piece_.variables, row = piece_.order + 1;
@@ -319,7 +389,7 @@ private:
         }
         piece_ = {whole_.at(offset_), whole_.unit, 1.0 - offset_, n, row - 1, part_.data()};
         while (whole_.at(1.0) - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
-        shorten();
+        shorten(true);
         return StepStatus::ok;
     }
 
@@ -355,6 +425,10 @@ private:
     double clock_ = 0.0;    // the same on CVODE's clock
     bool running_ = false;  // CVODE goes on from there
     bool is_first_ = true;  // no step since start()
+    bool has_started_ = false, is_restart_ = false;
+    std::unique_ptr<Engine> by_series_, by_values_;
+    std::vector<double> guard_row_;
+    Engine* starter_ = nullptr;  // made the piece; none: CVODE did
     int order_ = 0;
     long steps_ = 0, rejected_ = 0;  // CVODE's counts since it was set off
     std::vector<double> x_, from_end_, coefficients_, parameters_;

@@ -137,6 +137,7 @@ public:
     }
     int guard_order() const override { return workshop_->guards.order(); }
     void guard_sizes(int index, double* sizes) override { workshop_->guards.sizes(index, sizes); }
+    bool is_rough(int guard) const override { return workshop_->guards.is_rough(guard); }
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -409,19 +410,22 @@ private:
         piece_ = whole_;
         offset_ = 0.0;
         natural_ = natural;
-        cut();
+        cut(false);
     }
 
     /// Shortens the piece to where the coefficients of its guards hold.
-    void cut() {
-        const double holds = workshop_->guards.begin(piece_);
+    void cut(bool is_rest) {
+        PieceGuards& guards = workshop_->guards;
+        const double holds = guards.begin(piece_, is_rest);
         is_cut_ = holds < piece_.length;
-        // the rest in equal parts
-        if (is_cut_) natural_ = piece_.length /= std::ceil(piece_.length / holds);
+        // the rest of a series in equal parts
+        if (is_cut_)
+            natural_ = piece_.length = guards.fits() ? holds : piece_.length / std::ceil(piece_.length / holds);
     }
 
-    /// The next part of a step that was cut.
+    /// The next part of a step that was cut; it counts for max_steps, for its guards cost as much.
     StepStatus next_part() {
+        ++work_.parts;
         const Instant start = piece_.at(piece_.length);
         offset_ += piece_.length;
         for (int i = 0; i < n(); ++i) {
@@ -433,7 +437,7 @@ private:
         piece_ = {start, whole_.unit, (end - start) / whole_.unit, n(), order, part_.data()};
         while (end - piece_.at(piece_.length) > 0.0) piece_.length = std::nextafter(piece_.length, 2.0);
         natural_ = piece_.length;
-        cut();
+        cut(true);
         return StepStatus::ok;
     }
 

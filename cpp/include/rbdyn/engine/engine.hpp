@@ -16,6 +16,7 @@ namespace rbdyn {
 /// The work an engine has done.
 struct Work {
     std::int64_t steps = 0;
+    std::int64_t parts = 0;  // more than one of a step, handed out for its guards' sake
     std::int64_t rejected = 0;
     std::int64_t right_hand_sides = 0;  // for Taylor series: orders computed
     std::int64_t jacobians = 0;
@@ -65,6 +66,9 @@ public:
     virtual int guard_order() const = 0;
     /// Sizes of the terms that these are made of: their rounding is epsilon times that, or a little more.
     virtual void guard_sizes(int index, double* sizes) = 0;
+    /// Whether these say nothing of the guard all along the piece: it is not finite where that begins, or has a
+    /// singularity too near. Its values do.
+    virtual bool is_rough(int /*guard*/) const { return false; }
 
     const Work& work() const { return work_; }
 

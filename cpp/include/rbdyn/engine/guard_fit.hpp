@@ -29,6 +29,7 @@ public:
           values_(equations.guards.size() * Fit::points),
           coefficients_(equations.guards.size() * Fit::points),
           allowed_(equations.guards.size()),
+          largest_(equations.guards.size()),
           rounding_(equations.guards.size()) {
         for (std::size_t g = 0; g < equations.guards.size(); ++g)
             if (equations.guards[g].output >= 0 && !equations.is_variable(equations.guards[g])) fitted_.push_back(g);
@@ -38,29 +39,36 @@ public:
         evaluator_.set_parameters(parameters, rounding);
     }
 
-    /// Fits all guards but those that are variables on [0, length] of the piece, in its unit of time. Whether each is
-    /// met within `tolerance` times its largest value there, or within rounding of its terms; one that is not finite at
-    /// the start is not weighed.
-    bool operator()(const Piece& piece, double length, double tolerance) {
-        std::fill(allowed_.begin(), allowed_.end(), 0.0);
+    /// How far a fit is from the guards: by the largest error over what is allowed, and over the guard's largest value.
+    /// What is not a number anywhere is as far as can be.
+    struct Miss {
+        double allowed = 0.0, value = 0.0;
+        bool holds() const { return allowed <= 1.0; }
+    };
+
+    /// Fits all guards but those that are variables on [0, length] of the piece, in its unit of time. Allowed is
+    /// `tolerance` times the largest value there, or the rounding of its terms; one that is not finite at the start is
+    /// not weighed.
+    Miss operator()(const Piece& piece, double length, double tolerance) {
+        std::fill(largest_.begin(), largest_.end(), 0.0);
         for (int j = 0; j < Fit::points; ++j) {
             evaluate(piece, Fit::place(j) * length);
             for (const std::size_t g : fitted_) {
                 const int output = equations_->guards[g].output;
                 const double value = evaluator_.output(output);
                 values_[g * Fit::points + static_cast<std::size_t>(j)] = value;
-                allowed_[g] = std::max(allowed_[g], tolerance * std::abs(value));
+                largest_[g] = std::max(largest_[g], std::abs(value));
                 if (j == 0) rounding_[g] = 64.0 * epsilon * evaluator_.magnitude(output);
             }
         }
         for (const std::size_t g : fitted_) {
             double* c = coefficients_.data() + g * Fit::points;
-            allowed_[g] = std::max(allowed_[g], rounding_[g]);
+            allowed_[g] = std::max(tolerance * largest_[g], rounding_[g]);
             Fit::coefficients(values_.data() + g * Fit::points, std::max(1e-3 * allowed_[g], 0.25 * rounding_[g]), c);
             double power = 1.0;
             for (int k = 1; k < Fit::points; ++k) c[k] /= (power *= length);
         }
-        return holds(piece, length);
+        return miss(piece, length);
     }
 
     /// Coefficients 0 .. order of a guard.
@@ -87,23 +95,28 @@ private:
         evaluator_(piece.at(tau).hi, state_);
     }
 
-    bool holds(const Piece& piece, double length) {
+    Miss miss(const Piece& piece, double length) {
+        Miss worst;
         for (int j = 0; j < Fit::checks; ++j) {
             const double tau = Fit::check(j) * length;
             evaluate(piece, tau);
             for (const std::size_t g : fitted_) {
                 if (!std::isfinite(values_[g * Fit::points])) continue;
                 const double* c = coefficients_.data() + g * Fit::points;
-                const double error = evaluator_.output(equations_->guards[g].output) - series::value(c, order, tau);
-                if (!(std::abs(error) <= allowed_[g])) return false;
+                const double error =
+                    std::abs(evaluator_.output(equations_->guards[g].output) - series::value(c, order, tau));
+                if (error <= allowed_[g]) continue;
+                const double infinity = std::numeric_limits<double>::infinity();
+                worst.allowed = std::isnan(error) ? infinity : std::max(worst.allowed, error / allowed_[g]);
+                worst.value = std::isnan(error) ? infinity : std::max(worst.value, error / largest_[g]);
             }
         }
-        return true;
+        return worst;
     }
 
     const Equations* equations_;
     Evaluator<double> evaluator_;
-    std::vector<double> state_, values_, coefficients_, allowed_, rounding_;
+    std::vector<double> state_, values_, coefficients_, allowed_, largest_, rounding_;
     std::vector<std::size_t> fitted_;
 };
 

@@ -68,7 +68,7 @@ public:
             expand(n);
             if (!series_->is_finite(0)) return StepStatus::not_finite;
             const bool is_finite = series_->is_finite(order_ - 1);
-            length = is_finite ? step_length() * unevenness() : 0.0;
+            length = is_finite ? step_length(span) * unevenness() : 0.0;
             natural_ = length;
             if (length * unit_ > span) length = span / unit_;
             const bool capped = is_finite && length * unit_ >= span;
@@ -133,6 +133,7 @@ public:
         std::copy_n(s.begin(), order_ + 1, sizes);
     }
     double natural_length() const override { return natural_; }
+    bool is_rough(int guard) const override { return !rough_.empty() && rough_[at(guard)] != 0; }
 
 protected:
     /// The state to go on from, for one who knows it better.
@@ -186,7 +187,7 @@ private:
     }
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
-    double step_length() const {
+    double step_length(double span) {
         double log_length = std::numeric_limits<double>::infinity();
         Sizes size;
         for (const VariableGroup& group : equations_->groups) {
@@ -200,13 +201,27 @@ private:
         // The rounding of a speed's series grows by the distance from its zero, which must not keep a step from passing
         // there
         const double log_tolerance = std::max(log_tolerance_ + guard_slack, rounding_counts);
-        for (const Guard& guard : equations_->guards) {
+        // but for a guard that is singular here or so near that steps towards it would not end: a short one passes it
+        const double least =
+            std::max(std::min(log_length, series::rough_log2(span / unit_)) - most_halvings,
+                     series::rough_log2(64.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi) / unit_));
+        rough_.clear();
+        for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
+            const Guard& guard = equations_->guards[g];
             if (guard.output < 0 || equations_->is_variable(guard)) continue;
             const double* c = series_->output(guard.output);
             if (is_polynomial(c, guard)) continue;
             size.fill(0.0);
             series::widen(size.data(), c, order_);
-            log_length = std::min(log_length, series::log_step(size.data(), order_, size[0], log_tolerance));
+            double check = 0.0;
+            for (int k = 0; k <= order_; ++k) check += 0.0 * size[at(k)];
+            const double log_guard = series::log_step(size.data(), order_, size[0], log_tolerance);
+            if (check != 0.0 || log_guard < least) {
+                rough_.resize(equations_->guards.size(), 0);
+                rough_[g] = 1;
+            }
+            // what is not finite where the step begins says nothing of its length
+            if (check == 0.0) log_length = std::min(log_length, log_guard < least ? least + 4.0 : log_guard);
         }
         return std::exp2(log_length);
     }
@@ -231,6 +246,8 @@ private:
     }
 
     static constexpr double rounding_counts = -46.0;  // log2 of a tolerance
+    // of a step, on the way to a singularity of a guard: what is nearer to it than this cannot be told from it
+    static constexpr double most_halvings = 40.0;
     using Sizes = std::array<double, max_order + 1>;
 
     double log_tolerance_;
@@ -242,6 +259,7 @@ private:
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, start_low_, parameters_;
     bool is_ready_ = false;  // for the first step of a mode
+    std::vector<signed char> rough_;  // by guard; empty: none is
     MotionScales scales_;
     std::unique_ptr<const Projection> projection_;
 };

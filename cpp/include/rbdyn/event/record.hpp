@@ -77,6 +77,16 @@ public:
     }
     /// The state at the end of the last piece.
     void last_state(std::span<double> x) const { piece(entries_.size() - 1).state(entries_.back().length, x); }
+    /// Forgets all pieces but the last one.
+    void keep_last() {
+        if (entries_.size() < 2) return;
+        const Entry last = entries_.back();
+        const Piece piece = this->piece(entries_.size() - 1);
+        const std::vector<double> own(piece.coefficients, piece.coefficients + variables * piece.stride);
+        const Piece kept{piece.start, piece.unit, piece.length, variables, piece.order, own.data(), piece.stride};
+        clear();
+        append(kept, last.length, last.mode, last.after_event);
+    }
     /// Forgets all pieces.
     void clear() {
         entries_.clear();

@@ -70,7 +70,7 @@ public:
         }
         Mode after = mode;
         choose(after, t, x, flipped);
-        if (same_motion(mode, after)) happenings.clear();
+        if (same_motion(mode, after, flipped)) happenings.clear();
         return after;
     }
 

@@ -206,7 +206,7 @@ public:
         }
         choose(after, t, x, flipped, is_new);
         if (!flipped.empty()) follow_drives(mode, after, t, x, happenings);
-        if (same_motion(mode, after))
+        if (same_motion(mode, after, flipped))
             std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
         for (int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];

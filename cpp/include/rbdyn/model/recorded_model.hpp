@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/at_zero.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/model/sliding.hpp"
@@ -74,9 +75,17 @@ protected:
     /// Sets the parameters that are no signs of switches.
     virtual void own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const {}
 
-    /// Whether an event came to nothing: a surface left or met by rounding alone, and motion goes on as before.
-    static bool same_motion(const Mode& a, const Mode& b) {
-        return a.equations == b.equations && a.parameters == b.parameters && a.slip == b.slip;
+    /// Whether an event came to nothing: a surface left or met by rounding alone, and motion goes on as before. A
+    /// length that passes zero has no sides, so its event always came to something.
+    static bool same_motion(const Mode& a, const Mode& b, std::span<const int> flipped) {
+        if (a.equations != b.equations || a.slip != b.slip) return false;
+        for (const int index : flipped)
+            if (const Switch* s = a.equations->switch_of(a.equations->guards[at(index)]); s != nullptr && s->is_norm)
+                return false;
+        // what holds for a first step alone says nothing of the motion
+        std::vector<double> now = b.parameters;
+        for (const int flag : a.equations->start_flags) now[at(flag)] = a.parameters[at(flag)];
+        return now == a.parameters;
     }
 
     /// The structure for a state, recorded anew only if no earlier one makes the same choices, and holds for the same
@@ -185,9 +194,11 @@ private:
                 if (guard.sliding >= 0 && !std::isfinite(values.output(guard.output))) return false;
                 if (guard.branch < 0) continue;
                 const Branch& b = s->equations.branches[at(guard.branch)];
+                if (decided.forced.contains(b.id) || decided.sides.contains(b.surface)) continue;
                 const bool is_zero =
-                    std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output);
-                if (decided.forced.contains(b.id) || decided.sides.contains(b.surface) || !is_zero) continue;
+                    std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output) ||
+                    is_zero_at(mode, t, x, guard.output);
+                if (!is_zero) continue;
                 const bool leaves = leading_sign(mode, t, x, guard.output) < 0;
                 decided.forced[b.id] = b.choice + (leaves ? guard.step : 0);
                 changed = changed || leaves;
@@ -247,9 +258,10 @@ private:
             }
             const auto surface = surface_of(e, guard);
             if (!surface || refused.contains(*surface) || before.sides.contains(*surface)) continue;
-            if (touched != nullptr
-                    ? !touched->contains(*surface)
-                    : std::abs(evaluated().output(guard.output)) > 64.0 * epsilon * evaluated().magnitude(guard.output))
+            if (touched != nullptr ? !touched->contains(*surface)
+                                   : std::abs(evaluated().output(guard.output)) >
+                                             64.0 * epsilon * evaluated().magnitude(guard.output) &&
+                                         !is_zero_at(mode, t, x, guard.output))
                 continue;
             const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
             if (sign * leading_sign(mode, t, x, guard.output, 1) < 0.0) decided.sliding.insert(*surface);
@@ -304,7 +316,7 @@ private:
             const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
             if (settled[k] && (!is_variable || value * sign >= 0.0)) continue;
             // an event's own state, taken up again, is at its zero but for rounding
-            at_zero[k] = std::abs(value) <= 8.0 * epsilon * values.magnitude(program.outputs() + static_cast<int>(k));
+            at_zero[k] = is_zero_at(mode, t, x, program.outputs() + static_cast<int>(k));
             sign = value < 0.0 ? -1.0 : 1.0;
         }
         // what starts at zero takes the sign of its first change, which may depend on the signs of the others

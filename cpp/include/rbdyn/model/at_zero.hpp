@@ -1,0 +1,34 @@
+// Whether a function of the motion is zero at a state, but for rounding: that of its own terms, of the state it is
+// computed from, and of the time at which that was read. So a motion that is begun where another one had an event
+// begins there, and one that starts at a parameter of pi starts at pi.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/hybrid.hpp"
+
+namespace rbdyn {
+
+/// Of an output of a mode's equations at (t, x). Half a unit in the last place of each number, times a few for what is
+/// computed from it before it gets here (a speed along a rail is divided by |r'|).
+inline bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output) {
+    constexpr double few = 8.0 * std::numeric_limits<double>::epsilon();
+    JacobianEvaluator f(mode.equations->program);
+    f.set_parameters(mode.parameters);
+    f.differentiate(t, x);
+    const double value = std::abs(f.output(output));
+    if (value <= few * f.magnitude(output)) return true;
+    double by_state = 0.0, rate = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const int variable = static_cast<int>(i);
+        const double slope = f.derivative(output, variable);
+        by_state += std::abs(slope * x[i]);
+        rate += slope * f.output(variable);
+    }
+    return value <= few * (f.magnitude(output) + by_state + std::abs(t * rate));
+}
+
+}  // namespace rbdyn
