@@ -144,6 +144,7 @@ struct Solution {
 
 /// What is not finite where a run broke off, or just after.
 inline std::string culprit(const HybridModel& model, const Record& record) {
+    if (!record.not_finite.empty()) return record.not_finite;
     if (record.modes.empty()) return {};
     std::vector<double> x = record.first_state;
     if (!record.empty()) record.last_state(x);
@@ -153,6 +154,14 @@ inline std::string culprit(const HybridModel& model, const Record& record) {
         if (std::string name = model.not_finite(record.modes.back(), t + step, x); !name.empty()) return name;
     }
     return model.grown(record.modes.front(), record.start, record.first_state, record.modes.back(), t, x);
+}
+
+/// How a run broke off, in a sentence.
+inline std::string broken_off(const HybridModel& model, const Record& record) {
+    std::string message = "simulate: " + std::string(name_of(record.status)) + " at t = " + text(record.end.hi) + " s";
+    if (record.status == Status::not_finite)
+        if (const std::string name = culprit(model, record); !name.empty()) message += ": " + name;
+    return message + ". " + std::string(advice(record.status));
 }
 
 /// What of two runs that are compared is kept: all, or without all the times wanted and many in between, the same of
@@ -200,10 +209,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         } else if (status == Status::not_finite || status == Status::inconsistent) {
             result.outcome = Outcome::broken;
             result.certain_until = record.end.hi;
-            result.message = "simulate: " + std::string(name_of(status)) + " at t = " + text(record.end.hi) + " s";
-            if (status == Status::not_finite)
-                if (const std::string name = culprit(model, record); !name.empty()) result.message += ": " + name;
-            result.message += ". " + std::string(advice(status));
+            result.message = broken_off(model, record);
         }
         return true;
     };
@@ -365,6 +371,11 @@ inline Solution solve_closed(const HybridModel& model, std::vector<double> x, co
         result.outcome = Outcome::thrown;
         result.thrown = record.thrown;
         result.certain_until = record.start;
+        return result;
+    }
+    if (record.status == Status::not_finite || record.status == Status::inconsistent) {
+        result.outcome = Outcome::broken;
+        result.message = broken_off(model, record);
         return result;
     }
     if (options.rtol) return result;

@@ -258,7 +258,7 @@ private:
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, start_low_, parameters_;
-    bool is_ready_ = false;  // for the first step of a mode
+    bool is_ready_ = false;           // for the first step of a mode
     std::vector<signed char> rough_;  // by guard; empty: none is
     MotionScales scales_;
     std::unique_ptr<const Projection> projection_;

@@ -75,6 +75,7 @@ private:
         while (until - t > least) {
             if (mode.still) {
                 if (search_.examine_still(record, mode, t, x)) return finish(record, t, Status::stopped_by_event);
+                if (search_.broken() != nullptr) return break_off(record, t);
                 rest(record, t, x, until);
                 t = {until, 0.0};
                 break;
@@ -110,6 +111,7 @@ private:
                 x[i] = sum.hi;
                 low_[i] = sum.lo;
             }
+            if (search_.broken() != nullptr) return break_off(record, at);
             const std::vector<double> reached = x;
             crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
             search_.set_crowded(crowded);
@@ -166,6 +168,17 @@ private:
         record.end = t;
         record.status = status;
         record.work = engine_.work();
+    }
+
+    /// A guard is not finite any more.
+    void break_off(Record& record, Instant t) const {
+        const Guard& guard = *search_.broken();
+        record.not_finite = guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
+                            : !guard.name.empty()          ? guard.name
+                                                           : "what tells of " + std::string(name_of(guard.kind));
+        if (guard.kind != EventKind::watch && guard.subject >= 0)
+            record.not_finite += " (body " + std::to_string(guard.subject + 1) + ")";
+        finish(record, t, Status::not_finite);
     }
 
     void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x, std::vector<bool> handled) {

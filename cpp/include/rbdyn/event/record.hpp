@@ -35,6 +35,7 @@ public:
     double start = 0.0;
     Instant end;
     Status status = Status::reached_end;
+    std::string not_finite;  // what is that, if it is known where it came up
     std::vector<Mode> modes;
     std::vector<Event> events;
     Work work;

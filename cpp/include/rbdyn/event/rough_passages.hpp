@@ -42,6 +42,13 @@ public:
         return broken_;
     }
 
+    /// Whether a function has a pole, and not a root or a jump, between a and b, where its signs are `known` and the
+    /// other.
+    template <class Value>
+    static bool is_pole(const Value& value, double a, double b, int known, double finest) {
+        return closed(value, a, b, known, finest).is_pole;
+    }
+
 private:
     using Fit = series::Fit;
     static constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -111,8 +118,10 @@ private:
             if (sign != 0 && sign != known) {
                 if (known == 0 || seen_ < 0.0)
                     passed(x, 0.0, sign > 0, known == 0 || x > 0.0);
-                else
-                    close(value, passed, seen_, x, known);
+                else {
+                    const Change c = closed(value, seen_, x, known, finest_);
+                    passed(c.b, c.b - c.a, known < 0, c.is_pole);
+                }
             }
             seen_ = x;
         }
@@ -128,19 +137,19 @@ private:
         return a;
     }
 
-    /// Between a, on side `known` or zero, and b, on the other: a root, a jump or a pole.
-    template <class Value, class Passed>
-    void close(const Value& value, const Passed& passed, double a, double b, int known) const {
+    /// Where a function changes its sign, between a and b, and whether by a pole.
+    struct Change {
+        double a, b;
+        bool is_pole;
+    };
+    /// Between a, on side `known` or zero, and b, on the other.
+    template <class Value>
+    static Change closed(const Value& value, double a, double b, int known, double finest) {
         double low = std::abs(value(a)), high = std::abs(value(b));
-        const double first = std::max(low, high), width = b - a;
-        bool is_pole = false;
-        for (int k = 0; k < 60 && b - a > finest_; ++k) {
+        const double first = std::max(low, high), width = b - a, begin = a, end = b;
+        for (int k = 0; k < 60 && b - a > finest; ++k) {
             const double middle = 0.5 * (a + b), v = value(middle);
-            if (!std::isfinite(v)) {
-                is_pole = true;
-                a = b = middle;
-                break;
-            }
+            if (!std::isfinite(v)) return {middle, middle, true};
             if (v * known > 0.0) {
                 a = middle;
                 low = std::abs(v);
@@ -149,16 +158,12 @@ private:
                 high = std::abs(v);
             }
         }
+        if (b - a <= 0x1p-6 * width) return {a, b, std::min(low, high) > 4.0 * first};
         // a bracket that could not be made much smaller is held against its surroundings
-        if (b - a > 0x1p-6 * width) {
-            const double away = 64.0 * (b - a);
-            const double before = std::abs(value(std::max(a - away, 0.0))),
-                         after = std::abs(value(std::min(b + away, 1.0)));
-            is_pole = is_pole || std::min(low, high) > 2.0 * std::max(before, after);
-        } else {
-            is_pole = is_pole || std::min(low, high) > 4.0 * first;
-        }
-        passed(b, b - a, known < 0, is_pole);
+        const double away = 64.0 * (b - a);
+        const double before = std::abs(value(std::max(a - away, std::min(begin, 0.0)))),
+                     after = std::abs(value(std::min(b + away, std::max(end, 1.0))));
+        return {a, b, std::min(low, high) > 2.0 * std::max(before, after)};
     }
 
     double finest_ = 0.0;

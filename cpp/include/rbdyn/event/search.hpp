@@ -20,6 +20,7 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/passages.hpp"
 #include "rbdyn/event/record.hpp"
+#include "rbdyn/event/rough_passages.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/leading_sign.hpp"
@@ -55,6 +56,7 @@ public:
         const std::vector<Guard>& guards = mode.equations->guards;
         fired_.clear();
         stops_ = false;
+        broken_ = nullptr;
         if (guards.empty()) return -1.0;
         const Piece& piece = engine_.piece();
         found_.clear();
@@ -64,8 +66,8 @@ public:
         for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
         if (found_.empty()) return -1.0;
         sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
-        const auto first =
-            std::find_if(found_.begin(), found_.end(), [&](const Found& f) { return interrupts(guards[f.guard], f); });
+        const auto first = std::find_if(found_.begin(), found_.end(),
+                                        [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
         double together = std::numeric_limits<double>::infinity();
         if (first != found_.end()) {
             together = first->place + first->doubt + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
@@ -80,8 +82,9 @@ public:
                 watched(guard).reached = f.rising ? 1 : -1;
                 continue;
             }
+            if (f.breaks) continue;
             side_of(guard) = f.rising ? 1 : -1;
-            if (guard.role != GuardRole::record || !matches(guard, f)) continue;
+            if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
             const double place = f.place * piece.length;
             note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
         }
@@ -92,6 +95,8 @@ public:
         return cut;
     }
 
+    /// The guard that is not finite from there on, which ends the run; none if there is none.
+    const Guard* broken() const { return broken_; }
     /// The guards that end the mode, and whether they end the run.
     const std::vector<int>& fired() const { return fired_; }
     bool stops() const { return stops_; }
@@ -110,6 +115,7 @@ public:
         for (const Guard& guard : guards) {
             if (guard.watch < 0 || guard.output < 0) continue;
             const double value = values.output(guard.output);
+            if (!std::isfinite(value)) broken_ = &guard;
             const int reached = std::exchange(watched(guard).reached, 0);
             const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : reached;
             int& before = side_of(guard);
@@ -148,7 +154,8 @@ private:
         double place, doubt;  // on [0, 1] of the piece
         std::size_t guard;
         bool rising;
-        bool waits = false;  // the mode ends there too, and what follows decides whether it passes
+        bool is_pole = false, breaks = false;  // it changes its side and passes nothing; it ceases to be finite
+        bool waits = false;                    // the mode ends there too, and what follows decides whether it passes
         Direction direction() const { return rising ? Direction::rising : Direction::falling; }
     };
     /// A watched function, kept through the modes.
@@ -164,7 +171,13 @@ private:
 
     /// Takes what happens together with the first event that changes the mode or stops the run.
     void fire(const std::vector<Guard>& guards, const Found& first, double together) {
-        const auto is_together = [&](const Found& f) { return f.place - f.doubt <= together; };
+        if (first.breaks) {
+            broken_ = &guards[first.guard];
+            return;
+        }
+        const auto is_together = [&](const Found& f) {
+            return f.place - f.doubt <= together && !f.is_pole && !f.breaks;
+        };
         // a watched function of what switches there (an absolute value) may have a corner and turn back
         const bool switches = std::any_of(found_.begin(), found_.end(), [&](const Found& f) {
             return is_together(f) && guards[f.guard].kind == EventKind::switching && !guards[f.guard].is_watched();
@@ -189,7 +202,7 @@ private:
         return guard.direction == Direction::either || guard.direction == f.direction();
     }
     static bool interrupts(const Guard& guard, const Found& f) {
-        return guard.role != GuardRole::record && (!guard.is_watched() || matches(guard, f));
+        return !f.is_pole && guard.role != GuardRole::record && (!guard.is_watched() || matches(guard, f));
     }
 
     /// The side a watched function is on, kept through the modes; else that of the guard in this mode.
@@ -230,15 +243,15 @@ private:
         return cut;
     }
 
-    /// The equations themselves, evaluated on the engine's piece.
-    const Evaluator<double>& evaluated(const Mode& mode, double place) {
+    /// The equations themselves, evaluated on the engine's piece; `by_piece`: at the state its polynomial gives.
+    const Evaluator<double>& evaluated(const Mode& mode, double place, bool by_piece = false) {
         if (evaluated_ != mode.equations) {
             evaluator_ = std::make_unique<Evaluator<double>>(mode.equations->program);
             evaluated_ = mode.equations;
         }
         const Piece& piece = engine_.piece();
         state_.resize(static_cast<std::size_t>(piece.variables));
-        engine_.state(place, state_);
+        by_piece ? piece.state(place, state_) : engine_.state(place, state_);
         evaluator_->set_parameters(mode.parameters);
         (*evaluator_)(piece.at(place).hi, state_);
         return *evaluator_;
@@ -252,7 +265,7 @@ private:
             if (guard.locator)
                 locate(guard, g, fresh);
             else
-                seek_by_values(mode, guard, g, 0.0, 1.0, fresh, is_last, 0);
+                seek_by_values(mode, guard, g, 1.0, fresh, is_last);
             return;
         }
         const double* c = engine_.guard(static_cast<int>(g));
@@ -260,8 +273,16 @@ private:
             guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
         // the guard on the unit interval
         series::Coefficients q;
-        for (int k = 0; k <= degree_; ++k)
+        double check = 0.0;
+        for (int k = 0; k <= degree_; ++k) {
             q[static_cast<std::size_t>(k)] = c[k] * powers_[static_cast<std::size_t>(k)] * sign;
+            check += 0.0 * c[k];
+        }
+        if (check != 0.0 || engine_.is_rough(static_cast<int>(g))) {
+            if (fresh && !guard.is_watched()) side_of(guard) = 1;
+            ends_[g] = std::numeric_limits<double>::quiet_NaN();
+            return seek_by_values(mode, guard, g, sign, fresh, is_last);
+        }
         const bool is_watch = guard.is_watched();
         int& side = side_of(guard);
         const double end = ends_[g];
@@ -269,13 +290,14 @@ private:
         if (fresh && !is_watch) side = 1;
         const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
         if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) return;
+        if (!fresh && is_watch && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
         Passages::Arrival arrival{.side = side};
         if (fresh && handled(g)) {
             arrival.at_zero = !is_watch;
             if (is_watch && guard.watch >= 0) arrival.zero = watched(guard).zero;
         }
         // two pieces meet within the error of the first
-        if (!fresh && is_watch && starts != side) arrival.gap = 2.0 * std::abs(end - q[0]);
+        if (!fresh && is_watch && starts != side && std::isfinite(end)) arrival.gap = 2.0 * std::abs(end - q[0]);
         if (is_last) {
             const Piece& piece = engine_.piece();
             arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / piece.duration();
@@ -297,7 +319,10 @@ private:
 
     /// Takes the passages of a guard on [lo, hi] of the piece.
     void take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi) {
-        int& side = side_of(guard);
+        take(guard, g, fresh, lo, hi, side_of(guard));
+    }
+    /// `known`: the side it is on, with what was already found on the piece.
+    void take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi, int known) {
         int leaves = passages_.leaves();
         if (fresh && guard.watch >= 0) {
             // one that stays at zero where the last mode ended has reached it
@@ -305,8 +330,8 @@ private:
             if (leaves == 0) leaves = reached;
         }
         if (leaves == 0) return;
-        if (guard.is_watched() && side == 0) side = leaves;
-        if (leaves != side) {
+        if (guard.is_watched() && known == 0) known = side_of(guard) = leaves;
+        if (leaves != known) {
             found_.push_back({lo, 0.0, g, leaves > 0});
             if (!guard.is_watched()) return;
         }
@@ -322,59 +347,89 @@ private:
         if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, g, false});
     }
 
-    /// A guard that has values only: on [lo, hi] of the piece as a polynomial through them, on halves where it does not
-    /// hold.
-    void seek_by_values(const Mode& mode, const Guard& guard, std::size_t g, double lo, double hi, bool fresh,
-                        bool is_last, int depth) {
-        using series::Fit;
+    /// Times closer than this on the piece, in its length, are one.
+    double finest() const {
         const Piece& piece = engine_.piece();
-        state_.resize(static_cast<std::size_t>(piece.variables));
-        const auto value = [&](double x) {
-            const double tau = (lo + x * (hi - lo)) * piece.length;
-            engine_.state(tau, state_);
-            return model_.guard_value(guard, mode, piece.at(tau).hi, state_);
-        };
-        std::array<double, Fit::points> values;
-        double size = 0.0;
-        bool is_finite = true;
-        for (int j = 0; j < Fit::points; ++j) {
-            values[static_cast<std::size_t>(j)] = value(Fit::place(j));
-            is_finite = is_finite && std::isfinite(values[static_cast<std::size_t>(j)]);
-            size = std::max(size, std::abs(values[static_cast<std::size_t>(j)]));
-        }
-        if (!is_finite || size == 0.0) return;
-        series::Coefficients q{};
-        Fit::coefficients(values.data(), 1e-15 * size, q.data());
-        bool holds = true;
-        for (int j = 0; j < Fit::checks && holds; ++j)
-            holds =
-                std::abs(value(Fit::check(j)) - series::value(q.data(), Fit::degree, Fit::check(j))) <= 1e-10 * size;
-        if (!holds && depth < max_halvings) {
-            const double middle = 0.5 * (lo + hi);
-            seek_by_values(mode, guard, g, lo, middle, fresh, false, depth + 1);
-            seek_by_values(mode, guard, g, middle, hi, false, is_last, depth + 1);
-            return;
-        }
-        // the side so far, with what was already found on this piece
-        int now = side_of(guard);
-        for (const Found& f : found_)
-            if (f.guard == g) now = f.rising ? 1 : -1;
-        Passages::Arrival arrival{.side = now};
-        if (fresh && handled(g) && guard.watch >= 0) arrival.zero = watched(guard).zero;
-        if (is_last)
-            arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
-        passages_.find(
-            q.data(), Fit::degree, arrival,
-            [&](double* sizes) {
-                for (int k = 0; k <= Fit::degree; ++k) sizes[k] = std::abs(q[static_cast<std::size_t>(k)]);
-            },
-            [&] { return values[Fit::degree]; });
-        take(guard, g, fresh, lo, hi);
+        return 4.0 * epsilon * std::abs(piece.at(piece.length).hi) / piece.duration();
     }
 
-    /// A watched function at a place of the piece.
-    double value_at(const Mode& mode, const Guard& guard, double place) {
-        if (guard.output >= 0) return evaluated(mode, place).output(guard.output);
+    /// A guard, `sign` times it, that is no series all along the piece, or has values only.
+    void seek_by_values(const Mode& mode, const Guard& guard, std::size_t g, double sign, bool fresh, bool is_last) {
+        using series::Fit;
+        const Piece& piece = engine_.piece();
+        const auto value = [&](double x) { return sign * value_at(mode, guard, x * piece.length, true); };
+        // the side so far, with what was already found on this piece
+        const auto side = [&] {
+            for (std::size_t i = found_.size(); i-- > 0;)
+                if (found_[i].guard == g) return found_[i].rising ? 1 : -1;
+            return side_of(guard);
+        };
+        const auto fitted = [&](const series::Coefficients& q, double lo, double hi) {
+            Passages::Arrival arrival{.side = side()};
+            if (fresh && lo == 0.0 && handled(g)) {
+                arrival.at_zero = !guard.is_watched();
+                if (guard.watch >= 0) arrival.zero = watched(guard).zero;
+            }
+            if (is_last && hi == 1.0)
+                arrival.late =
+                    (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
+            passages_.find(
+                q.data(), Fit::degree, arrival,
+                [&](double* sizes) {
+                    for (int k = 0; k <= Fit::degree; ++k) sizes[k] = std::abs(q[static_cast<std::size_t>(k)]);
+                },
+                [&] { return value(hi); });
+            const std::size_t before = found_.size();
+            take(guard, g, fresh && lo == 0.0, lo, hi, arrival.side);
+            for (std::size_t i = before; i < found_.size(); ++i) improve(found_[i], q, lo, hi, value);
+        };
+        const auto passed = [&](double x, double doubt, bool rising, bool is_pole) {
+            if (side() == 0 && side_of(guard) == 0 && is_pole) {
+                side_of(guard) = rising ? 1 : -1;
+                return;
+            }
+            // a mode ends where its sign does, by a pole too
+            found_.push_back({x, doubt, g, rising, is_pole && guard.is_watched()});
+        };
+        if (const auto end = rough_.find(finest(), value, side, fitted, passed)) {
+            Found f{*end, 0.0, g, false};
+            f.breaks = true;
+            found_.push_back(f);
+        }
+    }
+
+    /// A root of the polynomial q on [lo, hi] at one of the values it was made through: Newton's method, slope by the
+    /// polynomial, while it gets better.
+    template <class Value>
+    static void improve(Found& f, const series::Coefficients& q, double lo, double hi, const Value& value) {
+        const double place = (f.place - lo) / (hi - lo);
+        double slope = 0.0;
+        for (int k = series::Fit::degree; k >= 1; --k) slope = slope * place + k * q[static_cast<std::size_t>(k)];
+        double best = std::numeric_limits<double>::infinity(), x = f.place;
+        for (int iteration = 0; iteration < 4 && f.place > lo; ++iteration) {
+            const double g = value(x);
+            if (!(std::abs(g) < best)) break;
+            best = std::abs(g);
+            f.place = x;
+            x = std::clamp(x - g / slope * (hi - lo), lo, hi);
+            if (!(std::abs(x - f.place) < 1e-3 * (hi - lo)) || x == f.place) break;
+        }
+    }
+
+    /// Whether a watched function whose side is another one where the piece begins, with a value, has passed a pole on
+    /// the way. Its values just before are those of the motion that the piece goes on with.
+    bool passed_pole(const Mode& mode, const Guard& guard, double begins) {
+        const double length = engine_.piece().length;
+        const auto value = [&](double x) { return value_at(mode, guard, x * length, true); };
+        for (double back = std::max(finest(), 0x1p-50); back <= 4.0; back *= 4.0)
+            if (const double before = value(-back); before * begins < 0.0)
+                return RoughPassages::is_pole(value, -back, 0.0, before > 0.0 ? 1 : -1, finest());
+        return false;
+    }
+
+    /// A guard at a place of the piece; `by_piece`: of one that is recorded, at the state the polynomial gives.
+    double value_at(const Mode& mode, const Guard& guard, double place, bool by_piece = false) {
+        if (guard.output >= 0) return evaluated(mode, place, by_piece).output(guard.output);
         const Piece& piece = engine_.piece();
         state_.resize(static_cast<std::size_t>(piece.variables));
         engine_.state(place, state_);
@@ -382,9 +437,6 @@ private:
     }
 
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
-
-    // a function with values only is looked at in 2^10 parts of a step where it is not smooth, and no closer
-    static constexpr int max_halvings = 10;
 
     const HybridModel& model_;
     Engine& engine_;
@@ -404,6 +456,8 @@ private:
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false;
+    const Guard* broken_ = nullptr;
+    RoughPassages rough_;
 };
 
 }  // namespace rbdyn

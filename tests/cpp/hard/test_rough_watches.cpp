@@ -1,0 +1,115 @@
+// Watched functions that are not finite, or have infinite slope, where a step begins; poles; ends.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numbers>
+
+#include "support.hpp"
+
+namespace rbdyn::test::test_rough_watches {
+namespace {
+
+constexpr double pi = std::numbers::pi, nan = std::numeric_limits<double>::quiet_NaN();
+
+/// A particle along x from 0 with a unit speed; with linear drag it is steps that carry it, x = 1 - exp(-t).
+struct Path {
+    Scene scene;
+    BodyHandle body;
+    bool is_slowed;
+    explicit Path(bool slowed) : body(scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {1, 0, 0}})), is_slowed(slowed) {
+        if (slowed) scene.apply(Drag{.linear = 1.0}, body);
+    }
+    double time(double x) const { return is_slowed ? -std::log1p(-x) : x; }
+};
+
+struct Case {
+    std::string name;
+    std::function<Expression(Expression)> recorded;
+    std::function<double(double)> called_back;
+    std::vector<double> roots;
+    double end = nan;  // of its numbers
+};
+
+template <class F>
+Case of(const std::string& name, F f, std::vector<double> roots, double end = nan) {
+    return {name, [=](Expression x) { return f(x); }, [=](double x) { return f(x); }, std::move(roots), end};
+}
+
+double root(double x) { return std::sqrt(x); }
+double logarithm(double x) { return std::log(x); }
+double tangent(double x) { return std::tan(x); }
+Expression root(const Expression& x) { return sqrt(x); }
+Expression logarithm(const Expression& x) { return log(x); }
+Expression tangent(const Expression& x) { return sin(x) / cos(x); }
+
+std::vector<Case> cases() {
+    return {
+        of("x^1.5", [](const auto& x) { return x * root(x) - 0.125; }, {0.25}),
+        of("sqrt", [](const auto& x) { return root(x) - 0.5; }, {0.25}),
+        of("log", [](const auto& x) { return logarithm(x) + 1.0; }, {std::exp(-1.0)}),
+        of("1/x", [](const auto& x) { return 1.0 / x - 4.0; }, {0.25}),
+        of("pole", [](const auto& x) { return 1.0 / (x - 0.3); }, {}),
+        of("pole and root", [](const auto& x) { return 1.0 / (x - 0.3) + 50.0; }, {0.28}),
+        of("tan", [](const auto& x) { return tangent(10.0 * x); }, {pi / 10.0, 2.0 * pi / 10.0}),
+        of(
+            "log to its end", [](const auto& x) { return logarithm(0.5 - x) + 2.0; }, {0.5 - std::exp(-2.0)}, 0.5),
+        of(
+            "log to its end, no root that doubles tell", [](const auto& x) { return logarithm(0.5 - x) + 100.0; }, {},
+            0.5),
+        of(
+            "sqrt to its end", [](const auto& x) { return root(0.5 - x) - 0.5; }, {0.25}, 0.5),
+        of(
+            "never a number", [](const auto& x) { return root(x - 2.0); }, {}, 0.0),
+    };
+}
+
+TEST(RoughWatches, find_roots_and_no_poles_and_say_where_they_end) {
+    std::vector<std::string> engines = simulating::engines();
+    engines.push_back("auto");
+    for (const Case& c : cases())
+        for (const std::string& engine : engines)
+            for (const bool is_slowed : {false, true})
+                for (const bool is_called : {false, true}) {
+                    Path path(is_slowed);
+                    const BodyHandle body = path.body;
+                    if (is_called)
+                        path.scene.watch("w", WatchFunction::called_back(
+                                                  [=](const Observe& now) {
+                                                      return c.called_back(now({Quantity::position, body.index, 0}));
+                                                  },
+                                                  "for the test"));
+                    else
+                        path.scene.watch("w", [=](const Now& now) { return c.recorded(now[body].position()[0]); });
+                    const std::string what = c.name + ", " + engine + (is_slowed ? ", slowed" : "") +
+                                             (is_called ? ", called back" : ", recorded");
+                    const Attempt run =
+                        attempt(path.scene, {.until = path.time(0.75), .error = 1e-8, .engine = engine});
+                    if (std::isnan(c.end)) {
+                        EXPECT_EQ(run.outcome, simulating::Solution::Outcome::good) << what << ": " << run.message;
+                    } else {
+                        EXPECT_EQ(run.outcome, simulating::Solution::Outcome::broken) << what;
+                        EXPECT_NE(run.message.find("watched function \"w\""), std::string::npos)
+                            << what << ": " << run.message;
+                        // where doubles of the place tell it, to the error asked for
+                        EXPECT_NEAR(run.run.end(), path.time(c.end), 1e-7) << what;
+                    }
+                    const auto found = run.run.events().times("w");
+                    EXPECT_EQ(found.size(), c.roots.size()) << what;
+                    for (std::size_t i = 0; i < std::min(found.size(), c.roots.size()); ++i)
+                        EXPECT_NEAR(found[i], path.time(c.roots[i]), 1e-7) << what;
+                }
+}
+
+TEST(RoughWatches, that_stop_being_numbers_while_nothing_moves_say_so_too) {
+    Scene scene(down);
+    scene.add(Particle{1.0}, Rail(along_x, Coulomb(0.3)), RailStart{.parameter = 0.0, .speed = 0.0});
+    scene.watch("w", WatchFunction::called_back(
+                         [](const Observe& now) { return now({Quantity::time}) > 0.5 ? nan : 1.0; }, "for the test"));
+    const Attempt run = attempt(scene, {.until = 2.0});
+    EXPECT_EQ(run.outcome, simulating::Solution::Outcome::broken);
+    EXPECT_NEAR(run.run.end(), 0.5, 1e-15);
+    EXPECT_NE(run.message.find("watched function \"w\""), std::string::npos) << run.message;
+}
+
+}  // namespace
+}  // namespace rbdyn::test::test_rough_watches
