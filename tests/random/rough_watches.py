@@ -10,7 +10,6 @@ import sys
 from collections import Counter
 
 import numpy as np
-
 import rbdyn as rb
 
 ENGINES = ("auto", "taylor", "dop853", "cvode-adams", "cvode-bdf")
