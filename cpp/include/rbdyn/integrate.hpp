@@ -312,15 +312,14 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
 /// What rounding makes of what is computed from the state of a closed form up to a time, over its scales there.
 inline double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form,
                             const SimulateOptions& options, double end) {
-    // enough to meet most of the extent of a motion
-    constexpr int times = 6;
+    // enough to meet most of the extent of a motion, and what it was before it died away
+    const double span = end - options.start, pace = std::min(form.pace(), span);
     std::vector<double> x(static_cast<std::size_t>(model.variables()));
     std::vector<Observed> seen;
     ErrorScales scales;
-    for (int i = 0; i < times; ++i) {
-        const double t = end - (end - options.start) * std::fmod(0.6180339887498949 * i, 1.0);
-        form.state({t - options.start, 0.0}, x);
-        model.observe(mode, t, x, seen);
+    for (const double since : {0.0, span, 0.618 * span, 0.236 * span, pace, 0.3 * pace}) {
+        form.state({since, 0.0}, x);
+        model.observe(mode, options.start + since, x, seen);
         scales.widen(seen);
     }
     scales.settle(options.error);

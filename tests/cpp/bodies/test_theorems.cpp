@@ -250,27 +250,6 @@ TEST(RandomBodies, move_as_an_integration_of_their_own_says_and_know_their_error
     EXPECT_LE(ratios[ratios.size() / 2], 30.0);
 }
 
-TEST(RandomBodies, closed_forms_are_as_good_as_they_say) {
-    Random random(77);
-    std::vector<double> ratios;
-    for (int k = 0; k < 240; ++k) {
-        const auto kind = std::array{Truth::Kind::free, Truth::Kind::spherical, Truth::Kind::revolute,
-                                     Truth::Kind::prismatic}[static_cast<std::size_t>(k % 4)];
-        const Truth truth = k % 8 == 1 ? Truth::top(random) : Truth::random(random, kind, false);
-        const double until = random.uniform(0.5, 6.0);
-        const Trajectory run = simulate(truth.scene(), {.until = until, .error = 1e-13});
-        if (run.engine() != "closed form") continue;
-        const double actual = truth.error(run, static_cast<int>(until / 0.04) + 1);
-        EXPECT_LE(actual, *run.error()) << k << " until " << until;
-        ratios.push_back(actual / *run.error());
-    }
-    std::sort(ratios.begin(), ratios.end());
-    ASSERT_GT(ratios.size(), 100u);
-    if (table)
-        std::cout << ratios.size() << " closed forms, true over told: median " << ratios[ratios.size() / 2] << ", 0.9 "
-                  << ratios[ratios.size() * 9 / 10] << ", largest " << ratios.back() << '\n';
-}
-
 TEST(RandomBodies, tops_and_free_bodies_have_the_digits_that_closed_forms_promise) {
     Random random(28);
     double worst = 0.0;

@@ -92,7 +92,7 @@ Found examined(std::uint64_t number) {
         const PointReport r = run[b].report(samples[0][k].time);
         take(beads::distance(r.position, p.position) / place, "position");
         take(beads::distance(r.velocity, p.velocity) / speed, "velocity");
-        take(beads::distance(r.reaction, p.reaction) / reaction, "reaction");
+        if (s.reaction > 1e-12 * effort) take(beads::distance(r.reaction, p.reaction) / reaction, "reaction");
     }
     std::vector<Real> expected = bead.reversals;
     if (bead.end != Bead::End::reached) expected.push_back(bead.time());
