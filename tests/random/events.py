@@ -490,7 +490,7 @@ def one(r: random.Random, count: Count) -> None:
         return
     keep = r.choice(["all", "all", "end", sorted(r.uniform(motion.start, until) for _ in range(3))])
     count.scenes += 1
-    text = f"{motion.label}, {engine}, error {error:g}, from {motion.start!r} to {until!r}, keep {type(keep).__name__}"
+    text = f"{motion.label}, {engine}, error {error:g}, from {motion.start!r} to {until!r}, keep {keep}"
     try:
         run = rb.simulate(motion.scene, until, start=motion.start, error=error, engine=engine, keep=keep)
     except (rb.AccuracyError, rb.IntegrationError, rb.InvalidInput) as e:

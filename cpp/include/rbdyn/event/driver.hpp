@@ -166,6 +166,11 @@ private:
 
     void finish(Record& record, Instant t, Status status) const {
         record.end = t;
+        // what was found at the end of the last piece is not later than the end by its rounding
+        for (auto e = record.events.rbegin(); e != record.events.rend() && e->instant - t > 0.0; ++e) {
+            e->instant = t;
+            e->time = t.hi;
+        }
         record.status = status;
         record.work = engine_.work();
     }

@@ -81,6 +81,9 @@ private:
         for (int k = 0; k <= degree_; ++k)
             noise_[at(k)] = 4.0 * epsilon * looseness_ * std::max(noise_[at(k)], std::abs(q_[at(k)]));
         noise_[0] = std::max(noise_[0], gap);
+        // what a series leaves out is less than its last terms
+        if (degree_ > 1)
+            noise_[at(degree_)] += std::max(std::abs(q_[at(degree_)]), 0.1 * std::abs(q_[at(degree_ - 1)]));
         has_noise_ = true;
     }
 
@@ -143,11 +146,11 @@ private:
         return std::abs(itself) <= noise(1.0, false) + std::abs(ahead) ? -after : after;
     }
 
+    /// Adds a passage; it cannot be told from places where the guard is rounding.
     void add(double x) {
-        double slope = 0.0;
-        for (int k = degree_; k >= 1; --k) slope = slope * x + k * q_[at(k)];
-        const double doubt = slope != 0.0 ? noise(x, false) / std::abs(slope) : x;
-        places_.push_back({x, std::min(doubt, x) + 4.0 * epsilon * x});
+        double doubt = 4.0 * epsilon * x;
+        while (doubt < x && (sign(x - doubt) == 0 || sign(x + doubt) == 0)) doubt *= 2.0;
+        places_.push_back({x, std::min(doubt, x)});
     }
 
     series::RootFinder finder_;
