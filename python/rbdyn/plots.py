@@ -56,31 +56,39 @@ def plot_motion(run: Trajectory, path: str | os.PathLike[str] | None = None, han
     if not isinstance(handle, BodyHandle):
         raise InvalidInput(f'Trajectory.plot: "{handle.name}" is not a body; use the handle that add() returned')
     motion = run[handle]
-    times = np.unique(np.concatenate([np.linspace(run.start, run.end, POINTS), [e.time for e in run.events]]))
+    # an event has two points at its time, for what jumps there
+    jumps = np.unique([event.time for event in run.events])
+    after = np.unique(np.concatenate([np.linspace(run.start, run.end, POINTS), jumps]))
+    places = np.searchsorted(after, jumps)
+    times = np.insert(after, places, jumps)
+
+    def sampled(quantity: Any) -> Any:
+        return np.insert(quantity(after), places, quantity(jumps, side="before"), axis=0)
+
     panels: list[tuple[str, dict[str, Any]]] = []
     if "parameter" in motion.quantities:
-        reaction = motion.reaction_frenet(times)
-        panels.append(("parameter u", {"": motion.parameter(times)}))
-        panels.append(("speed [m/s]", {"": motion.speed(times)}))
+        reaction = sampled(motion.reaction_frenet)
+        panels.append(("parameter u", {"": sampled(motion.parameter)}))
+        panels.append(("speed [m/s]", {"": sampled(motion.speed)}))
         names = ["tangent", "normal", "binormal"]
         panels.append(("reaction [N]", {name: reaction[:, i] for i, name in enumerate(names)}))
     elif "rate" in motion.quantities:
         names = ["angle [rad]", "rate [rad/s]"] if "angle" in motion.quantities else ["displacement [m]", "rate [m/s]"]
-        panels.append((names[0], {"": getattr(motion, names[0].split()[0])(times)}))
-        panels.append((names[1], {"": motion.rate(times)}))
-        reaction = motion.reaction(times)
+        panels.append((names[0], {"": sampled(getattr(motion, names[0].split()[0]))}))
+        panels.append((names[1], {"": sampled(motion.rate)}))
+        reaction = sampled(motion.reaction)
         panels.append(("reaction [N]", {name: reaction[:, i] for i, name in enumerate("xyz")}))
     elif "quaternion" in motion.quantities:
-        position, angles = motion.center_of_mass(times), motion.euler_angles(times)
-        omega = motion.angular_velocity(times)
+        position, angles = sampled(motion.center_of_mass), sampled(motion.euler_angles)
+        omega = sampled(motion.angular_velocity)
         panels.append(("centre of mass [m]", {name: position[:, i] for i, name in enumerate("xyz")}))
         panels.append(("angles [rad]", {name: angles[:, i] for i, name in enumerate(["theta", "psi", "phi"])}))
         panels.append(("ang. velocity, body [rad/s]", {str(i + 1): omega[:, i] for i in range(3)}))
     else:
-        position, velocity = motion.position(times), motion.velocity(times)
+        position, velocity = sampled(motion.position), sampled(motion.velocity)
         panels.append(("position [m]", {name: position[:, i] for i, name in enumerate("xyz")}))
         panels.append(("velocity [m/s]", {name: velocity[:, i] for i, name in enumerate("xyz")}))
-    energies = {"T": run.kinetic_energy(times), "V": run.potential_energy(times), "T + V": run.energy(times)}
+    energies = {"T": sampled(run.kinetic_energy), "V": sampled(run.potential_energy), "T + V": sampled(run.energy)}
     panels.append(("energy [J]", energies))
 
     figure = figure_class(figsize=(7.2, 1.9 * len(panels)), layout="constrained")

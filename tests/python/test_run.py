@@ -206,6 +206,21 @@ def test_a_sample_becomes_a_table_or_a_dataset(rough):
     np.testing.assert_array_equal(dataset["bead 1.speed"], sample[bead]["speed"])
 
 
+def test_a_figure_shows_what_jumps_with_both_values_at_the_time_of_the_event(rough):
+    run, bead = rough
+    stick = run.events.times("stick")[0]
+    axes = run.plot(handle=bead).axes
+    reaction = next(a for a in axes if a.get_ylabel().startswith("reaction"))
+    tangent = next(line for line in reaction.get_lines() if line.get_label() == "tangent")
+    times, values = tangent.get_data()
+    before, after = (run[bead].reaction_frenet(stick, side=side)[0] for side in ("before", "after"))
+    assert abs(after - before) > 0.1
+    np.testing.assert_array_equal(values[times == stick], [before, after])
+    # no slope anywhere: between other neighbours nothing jumps
+    apart = np.diff(times) > 0
+    assert np.abs(np.diff(values)[apart]).max() < 0.1 * abs(after - before)
+
+
 def test_figures_show_free_and_guided_bodies(rough, pair, tmp_path):
     run, bead = rough
     run.plot(tmp_path / "rough.png")
