@@ -211,6 +211,38 @@ TEST(Solid, a_density_that_jumps_is_refused_unless_a_larger_error_is_asked_for) 
     expect_same(shapes::solid(jumps, box, 3e-2), shapes::sphere(4.0 / 3.0 * pi, 1.0), 3e-2);
 }
 
+TEST(Solid, what_is_narrow_is_found_or_refused_never_passed_over) {
+    const SolidBounds cube{{0, 1}, {0, 1}, {0, 1}};
+    const double root = std::sqrt(pi);
+    for (const double w : {0.1, 0.01}) {
+        const auto peak = [w](double x, double at) { return std::exp(-(x - at) * (x - at) / (w * w)); };
+        const auto check = [&](const auto& density, double mass, const char* what) {
+            try {
+                EXPECT_NEAR(shapes::solid(density, cube).mass() / mass, 1.0, 1e-11) << what << w;
+            } catch (const InvalidInput& refusal) {
+                EXPECT_LT(w, 0.025) << what << refusal.what();
+            }
+        };
+        // its integral from 0 to 1
+        const auto all = [&](double at) { return 0.5 * w * root * (std::erf((1.0 - at) / w) + std::erf(at / w)); };
+        check([&](double x, double, double) { return 1.0 + 10.0 * peak(x, 0.3137); }, 1.0 + 10.0 * all(0.3137),
+              "plate ");
+        check([&](double x, double y, double) { return 1.0 + 100.0 * peak(x, 0.3137) * peak(y, 0.7113); },
+              1.0 + 100.0 * all(0.3137) * all(0.7113), "needle ");
+        check([&](double x, double y,
+                  double z) { return 1.0 + 100.0 * peak(x, 0.3137) * peak(y, 0.7113) * peak(z, 0.4321); },
+              1.0 + 100.0 * all(0.3137) * all(0.7113) * all(0.4321), "grain ");
+    }
+    // thinner still: the plate is found on lines
+    const auto thin = [](double x, double, double) { return 1.0 + 50.0 * std::exp(-std::pow((x - 0.3137) / 5e-4, 2)); };
+    EXPECT_NEAR(shapes::solid(thin, cube).mass() / (1.0 + 50.0 * 5e-4 * root), 1.0, 1e-11);
+    // a grain with edges
+    const auto grain = [](double x, double y, double z) {
+        return std::abs(x - 0.3) < 0.01 && std::abs(y - 0.6) < 0.01 && std::abs(z - 0.45) < 0.01 ? 50.0 : 1.0;
+    };
+    EXPECT_NE(refusal([&] { shapes::solid(grain, cube); }).find("solid: "), std::string::npos);
+}
+
 TEST(Solid, bounds_and_densities_that_are_none_are_refused) {
     const auto one = [](double, double, double) { return 1.0; };
     const auto solid = [](const auto& density, const SolidBounds& bounds) {
