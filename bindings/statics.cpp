@@ -40,6 +40,8 @@ a ball joint, quaternion (w, x, y, z); position [m] and attitude of a free body,
             "stable", &Equilibrium::stable,
             R"(Whether U has a strict maximum there, or friction holds it. False where it is indifferent; turns about `axes`
 are left aside.)")
+        .def_readonly("decided", &Equilibrium::decided,
+                      "Whether `stable` is known: not where rounding hides all that forces do nearby.")
         .def_readonly(
             "interval", &Equilibrium::interval,
             R"(The coordinates of one bead, hinge or slide between which all is equilibrium, or None: what friction holds
@@ -62,7 +64,8 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
             return "Equilibrium(coordinates=" + tuple_text(e.coordinates) +
                    ", stable=" + (e.stable ? "True" : "False") + ", interval=" +
                    (e.interval ? tuple_text({e.interval->first, e.interval->second}) : std::string("None")) +
-                   ", periods=" + tuple_text(e.periods) + (e.axes.empty() ? "" : ", axes=" + tuple_text(e.axes)) + ")";
+                   ", periods=" + tuple_text(e.periods) + (e.axes.empty() ? "" : ", axes=" + tuple_text(e.axes)) +
+                   (e.decided ? ")" : ", decided=False)");
         });
 
     m.def(
@@ -154,13 +157,14 @@ shape.)")
              R"(Where the motion with an energy [J] that passes the parameter `start` turns round next, either way.
 
 None where it passes on for ever or the curve ends; on a curve without end that is looked for as far as 1000 Taylor
-series go. At rest in equilibrium both are the start.)")
+series go. At rest in equilibrium both are the start. With the energy of a separatrix: the equilibrium that it only
+comes nearer to.)")
         .def("period", &RailPotential::period, py::arg("energy"), py::arg("start"),
              R"(The time there and back between the turning points [s] (eq. 7.22).
 
 On a closed curve round which it passes on: of the next round from `start`, the parameter growing. At rest in stable
-equilibrium that of small oscillations, at other equilibria infinite. Raises InvalidInput for a motion that does not
-come back.)")
+equilibrium that of small oscillations, at other equilibria and on a separatrix infinite. Raises InvalidInput for a
+motion that does not come back.)")
         .def("time", &RailPotential::time, py::arg("energy"), py::arg("u0"), py::arg("u1"),
              R"(The time of the motion with an energy [J] straight from u0 to u1 [s] (eq. 7.22), negative if u1 < u0.
 

@@ -2000,6 +2000,11 @@ class Equilibrium:
         a ball joint, quaternion (w, x, y, z); position [m] and attitude of a free body, seven numbers.
         """
     @property
+    def decided(self) -> bool:
+        """
+        Whether `stable` is known: not where rounding hides all that forces do nearby.
+        """
+    @property
     def interval(self) -> tuple[float, float] | None:
         """
         The coordinates of one bead, hinge or slide between which all is equilibrium, or None: what friction holds
@@ -2060,8 +2065,8 @@ class RailPotential:
         The time there and back between the turning points [s] (eq. 7.22).
 
         On a closed curve round which it passes on: of the next round from `start`, the parameter growing. At rest in stable
-        equilibrium that of small oscillations, at other equilibria infinite. Raises InvalidInput for a motion that does not
-        come back.
+        equilibrium that of small oscillations, at other equilibria and on a separatrix infinite. Raises InvalidInput for a
+        motion that does not come back.
         """
     @typing.overload
     def speed(self, u: _Numbers, energy: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
@@ -2090,7 +2095,8 @@ class RailPotential:
         Where the motion with an energy [J] that passes the parameter `start` turns round next, either way.
 
         None where it passes on for ever or the curve ends; on a curve without end that is looked for as far as 1000 Taylor
-        series go. At rest in equilibrium both are the start.
+        series go. At rest in equilibrium both are the start. With the energy of a separatrix: the equilibrium that it only
+        comes nearer to.
         """
     @typing.overload
     def value(self, u: _Numbers) -> numpy.typing.NDArray[numpy.float64]:

@@ -140,6 +140,56 @@ TEST(BodyEquilibria, an_upright_pendulum_on_a_spring_of_its_critical_stiffness_r
     }
 }
 
+TEST(BodyEquilibria, an_upright_rod_on_a_torsion_spring_is_stable_from_the_critical_stiffness_on_however_near) {
+    // k psi = m g d sin psi: 1e-k above the critical stiffness alone and stable, below it between two others
+    const RigidBody upright(2.0, {0.7, 0.875, 0.4}, {.com = {0, 0, 0.5}, .inertia_about = InertiaAbout::origin});
+    for (int k = 1; k <= 10; ++k)
+        for (const double sign : {-1.0, 1.0}) {
+            const double off = sign * std::pow(10.0, -k);
+            Scene scene(down);
+            const BodyHandle h = scene.add(upright, across, {});
+            scene.apply(TorsionSpring{.stiffness = (1.0 + off) * moment}, h);
+            const auto all = equilibria(scene);
+            ASSERT_EQ(all.size(), sign < 0.0 ? 3u : 1u) << off;
+            const Equilibrium& straight = all[all.size() / 2];
+            EXPECT_NEAR(straight.coordinates[0], 0.0, 1e-15) << off;
+            EXPECT_EQ(straight.stable, sign > 0.0) << off;
+            EXPECT_TRUE(straight.decided) << off;
+            if (sign > 0.0) continue;
+            // psi^2 = 6 off (1 + 3 off / 10 ...), from sin psi / psi = 1 + off
+            for (const std::size_t side : {0u, 2u}) {
+                const double psi = all[side].coordinates[0];
+                EXPECT_TRUE(all[side].stable) << off;
+                EXPECT_NEAR(psi * psi / (-6.0 * off), 1.0, -off + 1e-2 * std::pow(10.0, k - 10)) << off;
+            }
+        }
+}
+
+TEST(BodyEquilibria, a_rod_on_a_ball_joint_held_by_springs_is_judged_in_fourth_order_where_the_second_vanishes) {
+    // upright, from its tip four springs to points on a cross at its height; along x they are just strong enough
+    // against gravity, along y stronger; one along z across the rod keeps it from turning about itself
+    const RigidBody rod(1.0, {0.4, 0.375, 0.2}, {.com = {0, 0, 0.5}, .inertia_about = InertiaAbout::origin});
+    const double need = 1.0 * gravity * 0.5;
+    for (const double share : {0.75, 1.0, 1.25}) {
+        Scene scene(down);
+        const BodyHandle h = scene.add(rod, Spherical{}, {});
+        // F = -c x along x at the tip: torque c sin cos against m g d sin, so past the critical c the rod stands, at it
+        // it falls in fourth order, for the springs yield as the cosine
+        scene.apply(Potential([=](const auto& r) {
+                        return -0.5 * share * need * r[0] * r[0] - 0.5 * 3.0 * need * r[1] * r[1];
+                    }),
+                    h, Vector3(0, 0, 1));
+        scene.apply(Potential([=](const auto& r) { return -0.5 * 4.0 * r[1] * r[1]; }), h, Vector3(1, 0, 0));
+        const auto found = equilibria(scene, {1, 0, 0, 0});
+        ASSERT_FALSE(found.empty());
+        const auto straight = std::find_if(
+            found.begin(), found.end(), [](const Equilibrium& e) { return std::abs(e.coordinates[0]) > 1.0 - 1e-9; });
+        ASSERT_NE(straight, found.end()) << share;
+        EXPECT_TRUE(straight->decided) << share;
+        EXPECT_EQ(straight->stable, share > 1.0) << share;
+    }
+}
+
 TEST(BodyEquilibria, a_torque_holds_a_pendulum_aside_where_gravity_holds_against_it) {
     for (const Frame frame : {Frame::body, Frame::world}) {
         Scene scene(down);

@@ -193,6 +193,38 @@ TEST(Equilibria, higher_zeros_of_the_force_count_once_and_are_stable_by_their_fi
     EXPECT_FALSE(all[1].stable);
 }
 
+TEST(Equilibria, zeros_of_every_order_are_found_where_they_are_and_judged_by_their_first_derivative) {
+    // U = sign (x - a)^n at places and scales without any pattern: a maximum, a minimum, or an inflection
+    Random random(5);
+    for (int n = 2; n <= 11; ++n)
+        for (int trial = 0; trial < 12; ++trial) {
+            const double sign = random.uniform(-1.0, 1.0) > 0.0 ? 1.0 : -1.0, a = random.uniform(-2.0, 2.0);
+            const double scale = std::exp2(random.uniform(-20.0, 20.0)), start = a + random.uniform(-3.0, 3.0);
+            const auto all = equilibria(bead_under(
+                [=](const auto& x) { return sign * scale * n * pow(x - a, static_cast<double>(n - 1)); }, start));
+            ASSERT_EQ(all.size(), 1u) << n << " at " << a << " from " << start;
+            EXPECT_NEAR(all[0].coordinates[0], a, 1e-14) << n;
+            EXPECT_EQ(all[0].stable, n % 2 == 0 && sign < 0.0) << n << " at " << a << " from " << start;
+            EXPECT_TRUE(all[0].decided);
+        }
+}
+
+TEST(Equilibria, a_small_lower_order_rules_over_a_large_higher_one) {
+    // F = e (x - a) - (x - a)^3, e down to where the zeros beside it are rounding of what F is a unit away
+    for (const double e : {1e-3, 1e-7, 1e-9})
+        for (const double sign : {-1.0, 1.0})
+            for (const double a : {0.0, 0.375}) {
+                const auto all = equilibria(
+                    bead_under([=](const auto& x) { return sign * e * (x - a) - pow(x - a, 3.0); }, a + 1.0));
+                ASSERT_EQ(all.size(), sign > 0.0 ? 3u : 1u) << e << " at " << a;
+                EXPECT_EQ(all[all.size() / 2].stable, sign < 0.0) << e << " at " << a;
+                if (sign > 0.0) {
+                    EXPECT_NEAR((all[2].coordinates[0] - a) / std::sqrt(e), 1.0, 1e-4);
+                    EXPECT_TRUE(all[0].stable && all[2].stable);
+                }
+            }
+}
+
 TEST(Equilibria, above_its_critical_rate_a_hoop_that_turns_has_two_more) {
     Scene scene(down);
     const double radius = 0.5, rate2 = 1.5 * gravity / radius;

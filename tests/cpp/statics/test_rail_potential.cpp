@@ -237,6 +237,65 @@ TEST(RailPotential, on_a_separatrix_the_time_is_infinite) {
     EXPECT_LE(std::abs(release(p, 0.0) / exact - 1.0), 1e-15) << "small oscillations";
 }
 
+/// A bead of mass 2 on a line under a potential of its place along it.
+template <class U>
+RailPotential along_line(U&& u) {
+    Scene scene;
+    const auto bead = scene.add(Particle{.mass = 2.0}, Rail(along_x));
+    scene.apply(Potential([=](const auto& r) { return u(r[0]); }), bead);
+    return RailPotential(scene, bead);
+}
+
+TEST(RailPotential, on_a_separatrix_the_period_is_infinite_and_the_motion_ends_at_the_equilibrium) {
+    for (const double radius : {0.5, 0.453125, 1.7}) {
+        Scene scene(down);
+        const auto bead = scene.add(Particle{.mass = 0.7}, Rail(vertical_circle(radius)));
+        const RailPotential u(scene, bead);
+        const double top = u.energy(pi, 0.0);
+        for (const double start : {0.0, 0.3, -2.0}) {
+            EXPECT_EQ(u.period(top, start), std::numeric_limits<double>::infinity()) << radius;
+            const TurningPoints t = u.turning_points(top, start);
+            ASSERT_TRUE(t.below && t.above) << radius;
+            EXPECT_NEAR(*t.below, -pi, 1e-15);
+            EXPECT_NEAR(*t.above, pi, 1e-15);
+        }
+        EXPECT_EQ(u.time(top, 0.0, 4.0), std::numeric_limits<double>::infinity());
+        EXPECT_LT(u.period(top * (1.0 + 1e-10), 0.0), 1e3);
+    }
+    // two hills of one height, and a point between them
+    const RailPotential hills = along_line([](const auto& x) { return -pow(x * x - 1.0, 2.0) + 1.0; });
+    EXPECT_EQ(hills.period(-0.0, 0.5), std::numeric_limits<double>::infinity());
+    EXPECT_EQ(*hills.turning_points(0.0, 0.5).below, 0.0);
+    EXPECT_NEAR(*hills.turning_points(0.0, 0.5).above, std::sqrt(2.0), 1e-15);
+}
+
+TEST(RailPotential, a_bead_that_is_pushed_away_for_ever_does_not_turn) {
+    const RailPotential away = along_line([](const auto& x) { return x * x; });
+    EXPECT_EQ(away.turning_points(1.0, 0.0), (TurningPoints{}));
+    EXPECT_EQ(away.turning_points(1.0, -3.0), (TurningPoints{}));
+    // E = -1/4: it comes in to x = 1/2
+    EXPECT_NEAR(*away.turning_points(-0.25, 0.75).below, 0.5, 1e-15);
+    EXPECT_FALSE(away.turning_points(-0.25, 0.75).above);
+    const RailPotential cube = along_line([](const auto& x) { return pow(x, 3.0); });
+    EXPECT_NEAR(*cube.turning_points(1.0, 0.5).below, -1.0, 1e-15);
+    EXPECT_FALSE(cube.turning_points(1.0, 0.5).above);
+    const RailPotential slope = along_line([](const auto& x) { return exp(x); });
+    EXPECT_FALSE(slope.turning_points(0.0, 0.0).above);
+}
+
+TEST(RailPotential, in_a_flat_bottom_it_turns_where_the_walls_are) {
+    // U = -x^12: E = 1 turns at -1 and 1, T = 4 sqrt(m/2) Int_0^1 dx / sqrt(1 - x^12)
+    const RailPotential well = along_line([](const auto& x) { return -pow(x, 12.0); });
+    const double period = 4.0 * std::sqrt(pi) * std::tgamma(1.0 + 1.0 / 12.0) / std::tgamma(0.5 + 1.0 / 12.0);
+    for (const double start : {0.0, -1.0, 1.0, 0.3, -0.999}) {
+        const TurningPoints t = well.turning_points(1.0, start);
+        ASSERT_TRUE(t.below && t.above) << start;
+        EXPECT_NEAR(*t.below, -1.0, 1e-14);
+        EXPECT_NEAR(*t.above, 1.0, 1e-14);
+        EXPECT_NEAR(well.period(1.0, start) / period, 1.0, 1e-13);
+    }
+}
+
 TEST(RailPotential, the_end_of_a_rail_is_no_turning_point) {
     Scene scene(down);
     const auto bead = scene.add(

@@ -17,7 +17,8 @@ struct Equilibrium {
     /// it is all there is; the displacement of a slide; the attitude of a body on a ball joint, w, x, y, z; place and
     /// attitude of a free body, seven numbers.
     std::vector<double> coordinates;
-    /// U has a strict maximum there, or friction holds it; not where it is indifferent, turns about `axes` left aside.
+    /// U has a strict maximum there, or friction holds it; not where it is indifferent, turns about `axes` left aside,
+    /// nor where that is not decided.
     bool stable = false;
     /// Coordinates of one bead, hinge or slide between which all is equilibrium: on a rough rail, or where no force
     /// acts along it.
@@ -26,6 +27,8 @@ struct Equilibrium {
     /// Directions in the world of axes about which one body alone may be turned, and all stay at rest: a heavy body on
     /// a ball joint about the vertical. The coordinates are those of the one that the least turn leads to.
     std::vector<Vector3> axes = {};
+    /// Whether `stable` is known: not where all that forces do nearby is within their rounding.
+    bool decided = true;
 
     bool operator==(const Equilibrium&) const = default;
 };
@@ -33,7 +36,7 @@ struct Equilibrium {
 inline std::ostream& operator<<(std::ostream& out, const Equilibrium& e) {
     out << "Equilibrium at ";
     for (std::size_t k = 0; k < e.coordinates.size(); ++k) out << (k == 0 ? "" : ", ") << text(e.coordinates[k]);
-    out << (e.stable ? ", stable" : ", not stable");
+    out << (e.stable ? ", stable" : e.decided ? ", not stable" : ", stable or not (rounding hides it)");
     if (e.interval) out << ", from " << text(e.interval->first) << " to " << text(e.interval->second);
     for (std::size_t k = 0; k < e.periods.size(); ++k) out << (k == 0 ? ", periods " : ", ") << text(e.periods[k]);
     if (!e.periods.empty()) out << " s";

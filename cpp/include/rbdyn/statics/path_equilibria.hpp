@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/path_pieces.hpp"
+#include "rbdyn/statics/path_zero.hpp"
 
 namespace rbdyn {
 
@@ -59,6 +59,7 @@ public:
             if (inside(forces_.rough() ? held_ : flat_, p.u)) continue;
             if (forces_.one_sided() && !p.pushed) continue;
             Equilibrium e{{p.u}, p.stable};
+            e.decided = p.order > 0;
             if (forces_.rough()) e.interval = {p.u, p.u};
             if (p.stable && p.slope < 0.0)
                 e.periods = {2.0 * std::numbers::pi * std::sqrt(-forces_.inertia(p.u) / p.slope)};
@@ -81,7 +82,9 @@ private:
     struct Point {
         double u = 0.0, half = 0.0;
         bool stable = false, pushed = true;
-        double slope = 0.0;  // dQ/du of a simple zero
+        double slope = 0.0;   // dQ/du of a simple zero
+        int order = 1;        // 0: not decided
+        double radius = 0.0;  // within which rounding leaves it
     };
 
     /// Where the torsion springs of a hinge have no moment together, and how far from there anything else can be as
@@ -141,6 +144,9 @@ private:
                     if (degree == statics::order || std::abs(p.value(PathForces::along, x)) <= p.noise())
                         splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
             }
+            for (const double x : {-1.0, 0.0, 1.0})
+                if (std::abs(p.value(PathForces::along, x)) <= p.noise())
+                    splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
         }
         if (!splits) {
             path.push_back(p);
@@ -195,17 +201,27 @@ private:
                 for (const double x : statics::roots_about_middle(derivative.data(), degree))
                     if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
             }
-            for (const double x : {-1.0, 1.0})
+            // roots are sought on both sides of the middle: none shows within rounding of it, or of the ends
+            for (const double x : {-1.0, 0.0, 1.0})
                 if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
             if (i > 0) add_jump(path_[i - 1], p);
         }
         finish(flat_);
         for (Point& p : points_) p.u = in_window(p.u);
         std::sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) { return a.u < b.u; });
+        // those that rounding does not tell apart are one: that of the highest order
         std::vector<Point> apart;
-        for (const Point& p : points_)
-            if (apart.empty() || p.u - apart.back().u > 1e-9 * p.half) apart.push_back(p);
-        if (round_ > 0.0 && apart.size() > 1 && apart.front().u + round_ - apart.back().u <= 1e-9 * apart.back().half)
+        const auto is_one = [](const Point& p, const Point& q, double way) {
+            return way <= std::max({p.radius, q.radius, 1e-9 * q.half});
+        };
+        for (const Point& p : points_) {
+            if (apart.empty() || !is_one(apart.back(), p, p.u - apart.back().u))
+                apart.push_back(p);
+            else if (p.order > apart.back().order)
+                apart.back() = p;
+        }
+        if (round_ > 0.0 && apart.size() > 1 &&
+            is_one(apart.front(), apart.back(), apart.front().u + round_ - apart.back().u))
             apart.pop_back();
         points_ = std::move(apart);
     }
@@ -217,31 +233,12 @@ private:
             const bool is_cut = end < 0.0 ? piece.cut_below : piece.cut_above;
             if (is_cut && std::abs(x - end) <= 1e-9) return add_corner(piece.place(end), piece.half);
         }
-        const double noise = piece.noise();
-        int m = 0;
-        double lead = 0.0;
-        const Piece first = pieces_.about(point.u, piece.half);
-        // several zeros in one: where the derivative of their order less one is zero, if the lower ones are too
-        if (std::abs(first.output[along][1]) <= 1e-3 * first.bound())
-            for (int order = 4; order >= 2 && m == 0; --order) {
-                const double u = settled(point.u, piece.half, order);
-                const Piece& about = pieces_.about(u, piece.half);
-                bool vanish = std::abs(u - point.u) <= 1e-2 * piece.half &&
-                              std::abs(about.output[along][static_cast<std::size_t>(order)]) > noise;
-                for (int k = 0; k < order - 1; ++k)
-                    vanish = vanish && std::abs(about.output[along][static_cast<std::size_t>(k)]) <= noise;
-                if (!vanish) continue;
-                m = order;
-                point.u = u;
-                lead = about.output[along][static_cast<std::size_t>(order)];
-            }
-        if (m == 0) {
-            m = 1;
-            point.u = settled(point.u, piece.half, 1);
-            const Piece& about = pieces_.about(point.u, piece.half);
-            lead = about.output[along][1];
-            point.slope = lead / piece.half;
-        }
+        const auto zero = statics::PathZeros(pieces_).near(point.u, piece.half);
+        if (!zero) return;
+        point.u = zero->place;
+        point.order = zero->order;
+        point.radius = zero->radius;
+        if (zero->order == 1) point.slope = zero->lead / piece.half;
         // an end of the rail, within rounding
         for (const double end : {low_, high_})
             if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), piece.half))
@@ -251,7 +248,7 @@ private:
         const auto speed = [&](double u) { return forces_.speed(u); };
         const double aside = 0x1p-6 * piece.half;
         if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
-        point.stable = m % 2 == 1 && lead < 0.0;
+        point.stable = zero->is_stable();
         point.pushed = is_pushed(point.u);
         points_.push_back(point);
     }
@@ -268,13 +265,13 @@ private:
             (std::abs(from) > 1.5 * std::abs(from_before) || std::abs(to) > 1.5 * std::abs(to_after)))
             return;
         const double u = before.end() + 0.5 * gap;
-        points_.push_back({u, after.half, from > 0.0, is_pushed(u), 0.0});
+        points_.push_back({u, after.half, from > 0.0, is_pushed(u)});
     }
     /// A zero where the formula of the force changes.
     void add_corner(double u, double half) {
         const double step = 1e-6 * half;
         const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
-        Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u), 0.0};
+        Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u)};
         // no corner after all: the same slope on both sides
         const double left = -before / step, right = after / step;
         if (std::abs(left - right) <= 1e-4 * (std::abs(left) + std::abs(right))) {
@@ -282,19 +279,6 @@ private:
             point.slope = about.output[along][1] / half;
         }
         points_.push_back(point);
-    }
-    /// The zero of the derivative of Q of an order less one near u, by Newton's method.
-    double settled(double u, double half, int order) {
-        const auto k = static_cast<std::size_t>(order);
-        double last = std::numeric_limits<double>::infinity();
-        for (int iteration = 0; iteration < 8; ++iteration) {
-            const Piece& p = pieces_.about(u, half);
-            const double x = -p.output[along][k - 1] / (order * p.output[along][k]);
-            if (!(std::abs(x) < 0.5 * last) || !(std::abs(x) < 0.5)) break;
-            last = std::abs(x);
-            u += half * x;
-        }
-        return u;
     }
     bool is_pushed(double u) {
         if (!forces_.one_sided()) return true;

@@ -136,7 +136,7 @@ inline Effort effort(const PointLaws& laws, int body, const std::vector<PointSta
             c.spring.stiffness * (PointLaws::motion_of<double>(c.a, states).first.norm() +
                                   PointLaws::motion_of<double>(c.b, states).first.norm() + c.spring.rest_length);
         for (const PointLaws::SpringEnd* end : {&c.a, &c.b})
-            if (end->body == body) sum.add(size, end->is_on_rigid ? rounded(end->point) : zero);
+            if (end->body == body) sum.add(size, end->is_on_rigid ? rounded(end->point_on_rigid) : zero);
     }
     return sum;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/series_sizes.hpp"
 #include "rbdyn/series/roots.hpp"
 #include "rbdyn/series/step_length.hpp"
 #include "rbdyn/statics/path_forces.hpp"
@@ -75,6 +76,7 @@ public:
         const double way = to > from ? 1.0 : -1.0;
         double half = 0.5 * std::min(std::abs(to - from), 2.0 * natural(from));
         bool cut = false;
+        int closer = 0;
         for (int count = 0; count < most && from != to; ++count) {
             const double left = 0.5 * std::abs(to - from);
             const bool is_last = half >= left;
@@ -96,17 +98,24 @@ public:
                 cut = true;
                 continue;
             }
-            // a change of formula on the way ends the piece
-            const double change = first_change(way);
+            // a change of formula on the way ends the piece; that of its new middle may change before
             bool ends_at_cut = false;
             double next = is_last && reach == left ? to : from + way * 2.0 * reach;
-            if (change < 1.0) {
-                const double place = piece_.middle + way * reach * change;
+            for (double change = first_change(way); change < 1.0; change = first_change(way)) {
+                const double place = piece_.middle + way * piece_.half * change;
                 const double shorter = 0.5 * std::abs(place - from);
+                if (!(shorter < piece_.half)) break;
                 ends_at_cut = true;
                 next = place;
                 expand(from + way * shorter, shorter);
             }
+            // where the formula before the change has no series at its end, close to that
+            if (ends_at_cut && !holds_ && closer < most_closer) {
+                ++closer;
+                half = 0.5 * piece_.half;
+                continue;
+            }
+            if (ends_at_cut) closer = 0;
             (way > 0.0 ? piece_.cut_below : piece_.cut_above) = cut;
             (way > 0.0 ? piece_.cut_above : piece_.cut_below) = ends_at_cut;
             cut = ends_at_cut;
@@ -120,6 +129,14 @@ public:
     const statics::PathPiece& about(double u, double half) {
         expand(u, half);
         return piece_;
+    }
+
+    /// What the coefficients of Q looked at last are sums of.
+    std::array<double, statics::order + 1> sizes() {
+        (*sizes_)(*series_);
+        std::array<double, statics::order + 1> result;
+        std::copy_n(sizes_->output(PathForces::along), statics::order + 1, result.begin());
+        return result;
     }
 
     /// A power of two of the parameter over which the forces change about u.
@@ -142,6 +159,9 @@ public:
     }
 
 private:
+    // halvings of the way to a change of formula: the rest is a hundredth of it
+    static constexpr int most_closer = 6;
+
     static double power_of_two(double x) {
         int exponent = 0;
         std::frexp(x, &exponent);
@@ -152,6 +172,8 @@ private:
         series_->set_parameters(formula_.parameters);
         values_ = std::make_unique<Evaluator<double>>(formula_.program);
         values_->set_parameters(formula_.parameters);
+        sizes_ = std::make_unique<SeriesSizes>(formula_.program, statics::order);
+        sizes_->set_parameters(formula_.parameters);
     }
 
     /// The formula that is right at u.
@@ -170,6 +192,17 @@ private:
         statics::set_signs(formula_.program, formula_.parameters, std::span<const double>(&u, 1));
         series_->set_parameters(formula_.parameters);
         values_->set_parameters(formula_.parameters);
+        sizes_->set_parameters(formula_.parameters);
+    }
+
+    /// Whether a series is a polynomial: zero from some order on, and the last term before that no rounding.
+    bool ends(int output) {
+        const double* c = series_->output(output);
+        int last = statics::order;
+        while (last > 0 && c[last] == 0.0) --last;
+        if (last > statics::order - 4) return false;
+        (*sizes_)(*series_);
+        return std::abs(c[last]) > 64.0 * last * std::numeric_limits<double>::epsilon() * sizes_->output(output)[last];
     }
 
     int guards() const { return formula_.guards + static_cast<int>(formula_.program.switches().size()); }
@@ -203,8 +236,8 @@ private:
             for (int k = 0; k <= statics::order; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
             const double e = piece_.effort;
             const double scale = j >= outputs ? size[0] : j == PathForces::hold ? e * e : e;
-            const double length =
-                std::exp2(series::log_step(size.data(), statics::order, std::max(scale, size[0]), -53.0));
+            double length = std::exp2(series::log_step(size.data(), statics::order, std::max(scale, size[0]), -53.0));
+            if (std::isfinite(length) && j < outputs && ends(j)) length = std::numeric_limits<double>::infinity();
             stretch_ = std::min(stretch_, length);
             // of a polynomial: where its first two terms are equal, those that are not rounding
             const double largest = *std::max_element(size.begin(), size.end());
@@ -241,9 +274,15 @@ private:
         double first = 1.0;
         const double resolved =
             64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(piece_.middle) / piece_.half);
-        for (int j = formula_.outputs; j < formula_.outputs + guards(); ++j)
-            for (const double x : statics::roots_about_middle(series_->output(j), statics::order))
+        for (int j = formula_.outputs; j < formula_.outputs + guards(); ++j) {
+            const double* c = series_->output(j);
+            for (const double x : statics::roots_about_middle(c, statics::order))
                 if (way * x > -1.0 + resolved && way * x < first - resolved) first = way * x;
+            // the middle itself, within rounding
+            double size = 0.0;
+            for (int k = 1; k <= statics::order; ++k) size += std::abs(c[k]);
+            if (std::abs(c[0]) <= resolved * size && resolved < first) first = 0.0;
+        }
         return first;
     }
 
@@ -251,6 +290,7 @@ private:
     PathForces::Formula formula_;
     std::unique_ptr<SeriesEvaluator> series_;
     std::unique_ptr<Evaluator<double>> values_;
+    std::unique_ptr<SeriesSizes> sizes_;
     statics::PathPiece piece_;
     bool is_finite_ = true, holds_ = false;
     double stretch_ = 0.0;  // how much longer the piece could be

@@ -20,12 +20,13 @@
 #include <ostream>
 #include <string>
 
-#include "rbdyn/statics/path_pieces.hpp"
+#include "rbdyn/statics/path_zero.hpp"
 #include "rbdyn/statics/quadrature.hpp"
 
 namespace rbdyn {
 
 /// Where a motion along a rail turns round, as parameters, on either side; none where it passes on, or the rail ends.
+/// Also the equilibrium that it only comes nearer to, for ever.
 struct TurningPoints {
     std::optional<double> below, above;
     bool operator==(const TurningPoints&) const = default;
@@ -93,7 +94,7 @@ public:
     /// looked for on 1000 stretches of Taylor series. At rest in equilibrium both are the start.
     TurningPoints turning_points(double energy, double start) const {
         const double k = kinetic(energy, start);
-        return {turn(start, k, -1.0), turn(start, k, 1.0)};
+        return {turn(energy, start, k, -1.0), turn(energy, start, k, 1.0)};
     }
 
     /// The time there and back between the turning points [s]; of a small oscillation where the bead rests in stable
@@ -128,8 +129,12 @@ public:
         if (u1 < u0) return -time(energy, u1, u0);
         if (u0 == on_rail(u1)) return 0.0;
         const double k0 = kinetic(energy, u0), k1 = kinetic(energy, u1), way = u1 - u0;
-        const std::optional<double> turn_above = turn(u0, k0, 1.0);
+        const std::optional<double> turn_above = turn(energy, u0, k0, 1.0);
         const double slack = 1e-12 * way;
+        // not past an equilibrium that it only comes near
+        if (turn_above && *turn_above < u1 - slack &&
+            std::abs(forces_.along_path(*turn_above)) <= 16.0 * epsilon * forces_.effort(*turn_above))
+            return std::numeric_limits<double>::infinity();
         if (turn_above && *turn_above < u1 - slack)
             throw InvalidInput(user() + ": the motion with energy " + text(energy) + " J turns round at parameter " +
                                text(*turn_above) + ", before it comes from " + text(u0) + " to " + text(u1));
@@ -203,12 +208,17 @@ private:
     /// m s'^2/2 at u. Throws InvalidInput if it is negative beyond rounding.
     double kinetic(double energy, double u) const {
         require(std::isfinite(energy), user(), "energy", energy, "it is finite, in J");
-        const auto [closed, size] = closed_form(u);
-        const double potential = closed + work_(u), k = energy + potential;
-        const double rounding = 16.0 * epsilon * (std::abs(energy) + size + std::abs(potential));
+        const auto [k, rounding] = balance(energy, u);
         require(k >= -rounding, user(), "kinetic energy at parameter " + text(u), k,
                 "it is not negative: a motion of energy " + text(energy) + " J does not come there");
         return std::max(k, 0.0);
+    }
+
+    /// E + U at u, and its rounding.
+    std::pair<double, double> balance(double energy, double u) const {
+        const auto [closed, size] = closed_form(u);
+        const double potential = closed + work_(u);
+        return {energy + potential, 16.0 * epsilon * (std::abs(energy) + size + std::abs(potential))};
     }
 
     /// The integral of Q from a to b.
@@ -220,18 +230,34 @@ private:
         return statics::integral([&](double d) { return q(a + d); }, 0.0, way, epsilon * std::abs(way) * effort);
     }
 
-    /// The first turning point from `start`, where the kinetic energy is k, in one direction.
-    std::optional<double> turn(double start, double k, double way) const {
+    /// Whether a polynomial force along the whole way pushes on from the end of a piece for ever.
+    static bool pushes_on(const statics::PathPiece& p, double way) {
+        if (!p.endless) return false;
+        std::array<double, statics::order + 1> q = p.output[PathForces::along];
+        series::shift(q.data(), statics::order, way);
+        double size = 0.0, sign = way;
+        for (const double c : q) size += std::abs(c);
+        for (const double c : q) {
+            if (sign * c < -64.0 * epsilon * size) return false;
+            sign *= way;
+        }
+        return true;
+    }
+
+    /// The first turning point from `start`, where the kinetic energy is k, in one direction; or the equilibrium that
+    /// it does not come past.
+    std::optional<double> turn(double energy, double start, double k, double way) const {
         const double q0 = way * forces_.along_path(start);
         const double noise = 16.0 * epsilon * forces_.effort(start);
         if (k == 0.0 && q0 <= noise) return start;
         const Domain d = curve().domain();
         const double end = way > 0.0 ? d.end : d.begin;
         const double round = curve().period();
-        PathPieces pieces(forces_);
-        std::optional<double> found;
+        PathPieces pieces(forces_), further(forces_);
+        std::optional<double> found, nearest;
+        bool grown = false;
         double now = k, size = k, turn_over = round;
-        pieces.march(start, end, most_stretches, [&](const statics::PathPiece& p) {
+        const auto visit = [&](const statics::PathPiece& p) {
             // the kinetic energy about the middle, from what it is at the near end
             std::array<double, statics::order + 2> c{};
             double near = 0.0, far = 0.0, power = way;
@@ -246,9 +272,29 @@ private:
             for (const double term : c) size = std::max(size, std::abs(term));
             std::vector<double> roots = statics::roots_about_middle(c.data(), statics::order + 1);
             if (way < 0.0) std::reverse(roots.begin(), roots.end());
+            // where it is least, between slowing down and speeding up: within rounding of zero on a separatrix
+            std::vector<double> least = statics::roots_about_middle(p.output[PathForces::along].data(), statics::order);
+            if (way < 0.0) std::reverse(least.begin(), least.end());
+            for (const double x : least) {
+                const double aside = 1e-6, u = p.place(x);
+                if (way * (u - start) <= 0.0 || way * p.value(PathForces::along, x + way * aside) <= 0.0) continue;
+                const auto [rest, rounding] = balance(energy, u);
+                if (rest > rounding) continue;
+                if (rest >= -rounding) {
+                    statics::PathZeros zeros(further);
+                    const auto zero = zeros.near(u, p.half);
+                    nearest = zero ? zero->place : u;
+                }
+                break;
+            }
             for (const double x : roots) {
                 if (way * p.value(PathForces::along, x) >= 0.0) continue;
+                if (nearest && way * (p.place(x) - *nearest) > -0x1p-20 * p.half) break;
                 found = polished(start, k, p.place(x), p.half);
+                return false;
+            }
+            if (nearest) {
+                found = nearest;
                 return false;
             }
             now = c[0] + far;
@@ -257,9 +303,9 @@ private:
                 found = polished(start, k, p.place(way), p.half);
                 return false;
             }
-            // with constant force: never, or the next piece
-            const bool is_constant = p.endless && p.bound() <= std::abs(p.output[PathForces::along][0]);
-            if (is_constant && way * p.output[PathForces::along][0] >= 0.0) return false;
+            // never
+            if (now > 0.0 && pushes_on(p, way)) return false;
+            grown = way * p.value(PathForces::along, way) > 0.0 && now > 0x1p200 * k;
             // round a closed curve without loss, it goes on for ever
             const double gone = way * ((way > 0.0 ? p.end() : p.begin()) - start);
             if (round > 0.0 && gone >= turn_over) {
@@ -267,7 +313,13 @@ private:
                 turn_over = std::numeric_limits<double>::infinity();
             }
             return true;
-        });
+        };
+        try {
+            pieces.march(start, end, most_stretches, visit);
+        } catch (const InvalidInput&) {
+            // where forces overflow that have pushed it on for long it does not turn
+            if (!grown) throw;
+        }
         return found;
     }
     /// The zero of the kinetic energy near u, by Newton's method with the work from the start.

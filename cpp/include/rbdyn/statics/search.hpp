@@ -16,6 +16,7 @@
 
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/null_direction.hpp"
 
 namespace rbdyn::statics {
 
@@ -259,11 +260,25 @@ inline Judgement judged(Forces& forces, std::vector<double> q, const std::vector
         q = forces.turned(std::move(q), i, free->axis, free->point, -2.0 * half);
     }
     e.coordinates = forces.coordinates(q);
-    const std::vector<double> squares = symmetric_eigenvalues(stiffness.symmetric);
+    const SymmetricEigen modes = symmetric_eigen(stiffness.symmetric);
+    const std::vector<double>& squares = modes.values;
     const auto undecided = static_cast<std::size_t>(
         std::count_if(squares.begin(), squares.end(), [&](double x) { return std::abs(x) <= stiffness.rounding; }));
-    const bool is_decided = undecided == e.axes.size() && undecided < squares.size();
+    bool is_decided = undecided == e.axes.size() && undecided < squares.size();
     e.stable = is_decided && squares.front() >= -stiffness.rounding;
+    // a direction that goes down is enough; else one in which nothing is said so far may be looked at further
+    if (squares.front() >= -stiffness.rounding && undecided > e.axes.size() && undecided < squares.size()) {
+        e.decided = false;
+        if (undecided == 1 && stiffness.twist <= stiffness.rounding) {
+            std::vector<bool> stiff;
+            for (const double square : squares) stiff.push_back(std::abs(square) > stiffness.rounding);
+            const auto null = std::find(stiff.begin(), stiff.end(), false) - stiff.begin();
+            const AlongNull along = along_null(forces, q, modes, static_cast<int>(null), stiff);
+            e.stable = along == AlongNull::stable;
+            e.decided = along != AlongNull::not_decided;
+            is_decided = e.decided && along != AlongNull::indifferent;
+        }
+    }
     // without a potential the modes are not those of the symmetric part
     if (stiffness.twist <= stiffness.rounding)
         for (const double square : squares)

@@ -1,0 +1,124 @@
+"""States of rest of random scenes against what is known of them: python tests/random/equilibria.py [scenes] [seed].
+
+Potentials with a minimum, a maximum or an inflection of known order at a known place, of any scale; forces with known
+zeros of known orders, their signs in exact fractions; rods on torsion springs as near to their critical stiffness as
+1e-10. Prints what is missed, false, or judged wrongly; exits with their number.
+"""
+
+import math
+import sys
+from fractions import Fraction
+
+import numpy as np
+import rbdyn as rb
+
+
+def bead_under(potential, start):
+    scene = rb.Scene()
+    bead = scene.add(rb.Particle(mass=2.0), rb.Rail(rb.Line([1, 0, 0])), parameter=start)
+    scene.apply(rb.Potential(lambda r: potential(r[0])), bead)
+    return scene
+
+
+def one_power(random):
+    """U = s (x - a)^n: the field's sign, a maximum of U is stable."""
+    order = int(random.integers(2, 13))
+    sign, place = random.choice([-1.0, 1.0]), random.uniform(-2, 2)
+    scale = sign * 2.0 ** random.uniform(-30, 30)
+    scene = bead_under(lambda x: scale * (x - place) ** order, place + random.uniform(-3, 3))
+    expected = [(place, order % 2 == 0 and sign < 0)]
+    return f"{scale} (x - {place})^{order}", scene, expected, 1e-13
+
+
+def wells(random):
+    """F = -s prod (x - r_i)^m_i, zeros apart: stable where F changes from + to -."""
+    count = int(random.integers(1, 5))
+    roots = np.sort(random.uniform(-2, 2, count))
+    if count > 1 and np.diff(roots).min() < 0.3:
+        return wells(random)
+    orders = random.integers(1, 4, count)
+    scale = random.choice([-1.0, 1.0]) * 2.0 ** random.uniform(-20, 20)
+
+    def force(x):
+        product = scale
+        for root, order in zip(roots, orders, strict=True):
+            product = product * (x - root) ** int(order)
+        return product
+
+    scene = rb.Scene()
+    bead = scene.add(rb.Particle(mass=2.0), rb.Rail(rb.Line([1, 0, 0])), parameter=random.uniform(-3, 3))
+    scene.apply(rb.Force(lambda t, r, v: [force(r[0]), 0.0 * r[0], 0.0 * r[0]]), bead)
+
+    def sign_at(x):
+        product = Fraction(scale)
+        for root, order in zip(roots, orders, strict=True):
+            product *= (Fraction(x) - Fraction(root)) ** int(order)
+        return product > 0
+
+    expected = []
+    for root in roots:
+        expected.append((root, sign_at(root - 0.01) and not sign_at(root + 0.01)))
+    return f"{scale} prod (x - {roots.tolist()})^{orders.tolist()}", scene, expected, 1e-9
+
+
+def marginal(random):
+    """F = e (x - a) - (x - a)^3: one stable zero, or an unstable one between two stable ones."""
+    e = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-9, -1)
+    place = random.choice([0.0, random.uniform(-1, 1)])
+    scene = bead_under(lambda x: 0.5 * e * (x - place) ** 2 - 0.25 * (x - place) ** 4, place + random.uniform(-1, 1))
+    expected = [(place, e < 0)]
+    if e > 0:
+        expected = [(place - math.sqrt(e), True), *expected, (place + math.sqrt(e), True)]
+    return f"{e} (x - {place}) - (x - {place})^3", scene, expected, 3e-5 * math.sqrt(abs(e))
+
+
+def upright_rod(random):
+    """k psi = m g d sin psi, k = (1 + e) m g d, |e| from 1e-10 to 0.1."""
+    e = random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-10, -1)
+    length, mass = 2.0 ** random.integers(-8, 9, 2).astype(float)
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    rod = rb.shapes.rod(mass, length, along=[0, 0, 1]).shifted([0, 0, 0.5 * length])
+    hinge = scene.add(rod, rb.Revolute([0, 1, 0]), angle=random.uniform(-1, 1))
+    scene.apply(rb.TorsionSpring(stiffness=(1.0 + e) * mass * 9.8125 * 0.5 * length), hinge)
+    expected = [(0.0, e > 0)]
+    if e < 0:
+        # sin psi / psi = 1 + e
+        psi = math.sqrt(-6.0 * e) * (1.0 - 0.15 * e)
+        expected = [(-psi, True), *expected, (psi, True)]
+    slack = max(1e-15, abs(e) * math.sqrt(abs(e)), 5e-16 / math.sqrt(abs(e)))
+    return f"rod of {mass} kg, {length} m at 1 + {e} of its critical stiffness", scene, expected, slack
+
+
+def wrong(kind, random):
+    text, scene, expected, slack = kind(random)
+    found = rb.equilibria(scene)
+    if len(found) != len(expected):
+        return f"{text}: {len(found)} found, {len(expected)} are there: {[float(f.coordinates[0]) for f in found]}"
+    for state, (place, stable) in zip(found, expected, strict=True):
+        if abs(state.coordinates[0] - place) > slack:
+            return f"{text}: {state.coordinates[0]} instead of {place}"
+        if not state.decided:
+            return f"{text}: not decided at {place}"
+        if state.stable != stable:
+            return f"{text}: stable is {state.stable} at {place}"
+    return None
+
+
+KINDS = [one_power, wells, marginal, upright_rod]
+
+
+def main(scenes=2000, seed=1):
+    random = np.random.default_rng(seed)
+    faults = {kind.__name__: 0 for kind in KINDS}
+    for k in range(scenes):
+        kind = KINDS[k % len(KINDS)]
+        fault = wrong(kind, random)
+        if fault is not None:
+            faults[kind.__name__] += 1
+            print(kind.__name__, fault)
+    print(f"{scenes} scenes, seed {seed}; wrong: {faults}")
+    return sum(faults.values())
+
+
+if __name__ == "__main__":
+    sys.exit(min(main(*map(int, sys.argv[1:])), 255))
