@@ -130,6 +130,17 @@ private:
             return true;
         });
     }
+    /// Where a piece is rounding: a zero of high order has no sign that shows within a twentieth of the piece, one of
+    /// lower order is told by the roots unless it is at an end or in the middle.
+    static std::vector<double> flat_places(const Piece& p) {
+        std::vector<double> places;
+        constexpr int steps = 32;
+        for (int k = -steps; k <= steps; ++k) {
+            const double x = static_cast<double>(k) / steps;
+            if (std::abs(p.value(PathForces::along, x)) <= p.noise()) places.push_back(x);
+        }
+        return places;
+    }
     /// Halves a piece as long as the forces about its zeros of Q are small beside what they are elsewhere on it: there
     /// its polynomial knows them to few digits.
     void refine(const Piece& p, int depth, std::vector<Piece>& path) {
@@ -144,9 +155,7 @@ private:
                     if (degree == statics::order || std::abs(p.value(PathForces::along, x)) <= p.noise())
                         splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
             }
-            for (const double x : {-1.0, 0.0, 1.0})
-                if (std::abs(p.value(PathForces::along, x)) <= p.noise())
-                    splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
+            for (const double x : flat_places(p)) splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
         }
         if (!splits) {
             path.push_back(p);
@@ -201,9 +210,7 @@ private:
                 for (const double x : statics::roots_about_middle(derivative.data(), degree))
                     if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
             }
-            // roots are sought on both sides of the middle: none shows within rounding of it, or of the ends
-            for (const double x : {-1.0, 0.0, 1.0})
-                if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
+            for (const double x : flat_places(p)) add(p, x);
             if (i > 0) add_jump(path_[i - 1], p);
         }
         finish(flat_);
