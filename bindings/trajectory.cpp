@@ -338,12 +338,12 @@ InvalidInput for a time outside the run, and for what the body or its joint does
     define("parameter", &M::parameter, "The curve's parameter. On a rail.");
     define("arc_length", &M::arc_length,
            "From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.");
-    define("speed", &M::speed, "ds/dt along the curve as placed [m/s]. On a rail.");
+    define("speed", &M::speed, "ds/dt along the curve as placed [m/s], zero after a release. On a rail.");
     define("tangential_force", &M::tangential_force,
            "Q_s = F.t, the active force along the curve (eq. 7.15) [N]. On a rail.");
     define("reaction", &M::reaction, "Reaction of the rail or the joint on the body [N].");
     define("reaction_frenet", &M::reaction_frenet,
-           "That of a rail along tangent, normal, binormal (eqs. 7.12-7.14) [N].");
+           "That of a rail along tangent, normal, binormal, which turn with it (eqs. 7.12-7.14) [N].");
     define("center_of_mass", &M::center_of_mass, "[m]");
     define("center_of_mass_velocity", &M::center_of_mass_velocity, "[m/s]");
     define("center_of_mass_acceleration", &M::center_of_mass_acceleration, "[m/s^2]");
@@ -353,7 +353,7 @@ InvalidInput for a time outside the run, and for what the body or its joint does
     define("euler_angles", &M::euler_angles,
            R"(theta, psi, phi, continuous in time from the start of the run [rad]. Of a rigid body.
 
-R = Rz(psi) Rx(theta) Rz(phi).)");
+R = Rz(psi) Rx(theta) Rz(phi). An integrated run that keeps its end alone does not know their whole turns.)");
     define("euler_rates", &M::euler_rates,
            "Their rates [rad/s] (eq. 7.49); not finite where sin theta = 0. Of a rigid body.");
     define("angular_velocity", &M::angular_velocity, "In body axes [rad/s]. Of a rigid body.");
@@ -558,7 +558,8 @@ size of its terms.)")
            py::arg("t0"), py::arg("t1"), py::arg("of") = py::none(),
            R"(Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
 
-of: bodies, or loads and springs for theirs alone.)")
+of: bodies, or loads and springs for theirs alone. What jumps of the state (a landing, an action) make of the energy does
+not count. Raises InvalidInput for times outside the run, and where it takes a motion that was not kept (keep=).)")
         .def(
             "power",
             [](const BoundTrajectory& self, const ArrayLike& t, const Of& of, const SideName& name) {

@@ -2332,7 +2332,7 @@ class BodyMotion:
         """
         theta, psi, phi, continuous in time from the start of the run [rad]. Of a rigid body.
 
-        R = Rz(psi) Rx(theta) Rz(phi).
+        R = Rz(psi) Rx(theta) Rz(phi). An integrated run that keeps its end alone does not know their whole turns.
         """
     def euler_rates(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2386,7 +2386,7 @@ class BodyMotion:
         """
     def reaction_frenet(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        That of a rail along tangent, normal, binormal (eqs. 7.12-7.14) [N].
+        That of a rail along tangent, normal, binormal, which turn with it (eqs. 7.12-7.14) [N].
         """
     def reaction_torque(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2402,7 +2402,7 @@ class BodyMotion:
     @typing.overload
     def speed(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        ds/dt along the curve as placed [m/s]. On a rail.
+        ds/dt along the curve as placed [m/s], zero after a release. On a rail.
         """
     @typing.overload
     def tangential_force(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
@@ -2567,7 +2567,8 @@ class Trajectory:
         """
         Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
 
-        of: bodies, or loads and springs for theirs alone.
+        of: bodies, or loads and springs for theirs alone. What jumps of the state (a landing, an action) make of the energy does
+        not count. Raises InvalidInput for times outside the run, and where it takes a motion that was not kept (keep=).
         """
     @property
     def advice(self) -> str:

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/rotation/euler_turns.hpp"
 
 namespace rbdyn {
 
@@ -22,6 +24,9 @@ public:
 
     /// The shortest time in which the motion changes as a whole [s]; infinite where nobody has to know.
     virtual double pace() const { return std::numeric_limits<double>::infinity(); }
+
+    /// How the attitude of a body comes back, by order of addition; none if it does not, or nobody knows.
+    virtual std::optional<Recurrence> recurrence(int /*body*/) const { return std::nullopt; }
 
     /// What it is, in words.
     virtual std::string name() const = 0;

@@ -66,6 +66,7 @@ private:
         for (std::size_t i = 0; i < low.size(); ++i)
             if (x[i] != record.first_state[i]) low[i] = 0.0;
         record.first_state = x;
+        if (keep_.what == Keep::What::times) winding_ = model_.winding(t.hi, x);
         enter(record, mode, t, x, {});
         if (!low.empty() && !mode.still) engine_.carry(low);
         bool fresh = true;
@@ -200,6 +201,10 @@ private:
             // the piece that holds a wanted time, and the last one so far
             if (record.entries().size() > kept_) record.drop_last();
             record.append(piece, length, mode, fresh);
+            if (!winding_.empty()) {
+                record.windings.push_back(winding_);
+                model_.wind(piece, length, winding_);
+            }
             if (wanted != keep_.times.end() && *wanted <= hi) kept_ = record.entries().size();
             return;
         }
@@ -260,6 +265,7 @@ private:
     EventSearch search_;
     std::vector<double> low_;  // what the state at an event is short of
     mutable std::size_t kept_ = 0;
+    mutable std::vector<double> winding_;
 };
 
 }  // namespace rbdyn

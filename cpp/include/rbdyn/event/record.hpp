@@ -43,6 +43,8 @@ public:
     std::vector<double> first_state;
     std::exception_ptr thrown;                 // by a function of the user's
     std::shared_ptr<const ClosedForm> closed;  // which then says what the state is
+    // where pieces are missing: at the start of each that is kept, what no state says (HybridModel::winding)
+    std::vector<std::vector<double>> windings;
 
     const std::vector<Entry>& entries() const { return entries_; }
     bool empty() const { return entries_.empty(); }
@@ -98,6 +100,7 @@ public:
         blocks_[entries_.back().block].resize(entries_.back().offset);
         blocks_.resize(entries_.back().block + 1);
         entries_.pop_back();
+        if (windings.size() > entries_.size()) windings.resize(entries_.size());
     }
 
     /// The piece that holds time t; where two meet, the later one (after) or the earlier one (before).
@@ -150,8 +153,11 @@ inline std::optional<std::size_t> entry_at(const Record& record, double t, Side 
     const Piece piece = record.piece(index);
     const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
     if (const double gap = t - piece.start;
-        gap < -std::max(rounding, near) || gap > piece.duration() + std::max(rounding, near))
+        gap < -std::max(rounding, near) || gap > piece.duration() + std::max(rounding, near)) {
+        // a closed form has every time, and one way to move
+        if (record.closed) return std::nullopt;
         throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
+    }
     return index;
 }
 

@@ -105,10 +105,11 @@ struct Equations {
     std::vector<Branch> branches;  // the choices between formulas that were made for them
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
-    int forces = -1;                          // where it slides: the first of 3 outputs a body, its active force
     int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
     int pulls =
         -1;  // where any bead sticks: the first of an output a body, the tangential reaction rest needs, |r'| Phi_t
+    // where a side, a sign or a weight belongs to the mode: the rates and what acts in it, for reports (acting.hpp)
+    std::shared_ptr<const Program> acting = nullptr;
     std::shared_ptr<const Numbers> numbers = nullptr;  // of the user's that they hold for; none if there are none
     std::vector<std::pair<std::int32_t, int>> number_parameters = {};  // of each its node, and the parameter it is
 

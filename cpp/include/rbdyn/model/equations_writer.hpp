@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +37,17 @@ inline bool is_constant(const Recorder& r, const Expression& x) {
             if (operand >= 0) todo.push_back(operand);
     }
     return true;
+}
+
+/// Whether forces recorded may be others at the same state in another mode: on the other side of a case distinction,
+/// with another sign, or weighed where motion slides along a surface.
+inline bool distinguishes(const Recorder& r) {
+    if (!r.blends().empty()) return true;
+    for (const Branch& b : r.branches())
+        if (!b.name.empty()) return true;
+    for (const Switch& s : r.switches())
+        if (s.tag < 0 && !s.is_norm) return true;
+    return false;
 }
 
 /// Whether anything recorded has another formula or sign elsewhere.
@@ -88,6 +100,9 @@ public:
         guards_.push_back(std::move(g));
     }
 
+    /// What acts in this structure, for reports: none of it is integrated.
+    void acting(std::span<const Expression> values) { acting_.assign(values.begin(), values.end()); }
+
     /// The structure, with the guards of the recorder's choices and switches.
     std::unique_ptr<Structure> finish(std::vector<VariableGroup> groups) {
         for (std::size_t k = 0; k < r_.branches().size(); ++k) {
@@ -110,6 +125,11 @@ public:
         outputs.insert(outputs.end(), watched_.begin(), watched_.end());
         Equations& e = result->equations;
         e.program = Program(r_, outputs, static_cast<int>(rates_.size()));
+        if (!acting_.empty()) {
+            std::vector<Expression> all = rates_;
+            all.insert(all.end(), acting_.begin(), acting_.end());
+            e.acting = std::make_shared<const Program>(r_, all, static_cast<int>(rates_.size()));
+        }
         e.guards = std::move(guards_);
         e.branches = r_.branches();
         e.number_parameters = r_.numbers();
@@ -128,7 +148,7 @@ public:
 
 private:
     Recorder& r_;
-    std::vector<Expression> rates_, watched_;
+    std::vector<Expression> rates_, watched_, acting_;
     std::vector<Guard> guards_;
     bool moves_ = false;
 };

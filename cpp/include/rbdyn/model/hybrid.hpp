@@ -87,6 +87,12 @@ public:
     /// What the state its motion starts in is short of 32 digits; empty if nothing.
     virtual std::vector<double> start_rest() const { return {}; }
 
+    /// What follows the way a motion has gone and is no function of its state (turns of angles): as it begins. Empty if
+    /// there is nothing.
+    virtual std::vector<double> winding(double /*t*/, std::span<const double> /*x*/) const { return {}; }
+    /// Takes it along a piece of the motion, in units of the piece.
+    virtual void wind(const Piece& /*piece*/, double /*length*/, std::vector<double>& /*winding*/) const {}
+
     /// The mode a motion begins in; nothing fires. May set variables exactly (a speed of a rail that holds a bead).
     virtual Mode begin(double t, std::span<double> x) const = 0;
 

@@ -85,10 +85,13 @@ private:
         const Expression t = r.time();
         std::vector<Expression> x, rate(static_cast<std::size_t>(n), Expression(0.0));
         for (int i = 0; i < n; ++i) x.push_back(r.input(i));
-        return written(r, n, state.decided.sliding, [&](EquationsWriter& write) {
+        const auto laws = [&] {
             std::fill(rate.begin(), rate.end(), Expression(0.0));
             model_(t, std::span<const Expression>(x), std::span<Expression>(rate));
-            for (int i = 0; i < n; ++i) write.rate(i) = rate[static_cast<std::size_t>(i)];
+            return rate;
+        };
+        return written(r, n, state.decided.sliding, laws, [&](EquationsWriter& write, std::span<const Expression> f) {
+            for (int i = 0; i < n; ++i) write.rate(i) = f[static_cast<std::size_t>(i)];
             [[maybe_unused]] int index = 0;
             if constexpr (requires { model_.watched(t, std::span<const Expression>(x)); }) {
                 for (const auto& [name, value] : model_.watched(t, std::span<const Expression>(x)))

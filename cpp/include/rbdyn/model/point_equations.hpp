@@ -22,166 +22,305 @@
 
 namespace rbdyn {
 
-/// What is written beside guards.
-struct WrittenPoints {
-    std::vector<Expression> rates;  // of all variables
-    std::vector<VariableGroup> groups;
-    std::vector<Vector3Of<Expression>> forces;  // active ones, by body
-    std::vector<Expression> drives;             // of rough rails, by body; none if no drive changes in time
-    std::vector<Expression> pulls;              // tangential reactions that rest needs, by body; none if nothing sticks
-};
-
-/// Writes what every body does: sticks, slips or flies. `map`: which variables are simulated.
-inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const PointLaws& laws, const StateMap& map,
-                                  const std::vector<Scene::Watch>& watches, const std::vector<signed char>& slip) {
+/// What every body does, sticks, slips or flies, as expressions: recorded in two turns (sliding.hpp), first the laws,
+/// then the guards. `map`: which variables are simulated.
+class PointsWriter {
+public:
     using S = Expression;
-    const recording::WideFolding all_digits;
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    const int n = laws.positions(), count = static_cast<int>(laws.bodies().size());
-    if (laws.takes_numbers()) r.parameter(2 * count - 1);
-    const S t = r.time();
-    const auto held = [&](int i) { return laws.body(i).rough && slip[at(i)] == sticks; };
-    const auto constant_start = [&](int i) {
-        const DoubleDouble x = map.exact_start(i);
-        return x.lo == 0.0 ? S(x.hi) : S(x);
-    };
-    const auto variable = [&](int i) { return map.is_simulated(i) ? r.input(map.place(i)) : constant_start(i); };
-    // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
-    std::vector<S> q(at(n)), v(at(laws.variables() - n)), rates(at(laws.variables()), S(0.0));
-    std::vector<bool> fixed(at(count), false);
-    for (int i = 0; i < count; ++i) {
-        const PointLaws::Body& b = laws.body(i);
-        fixed[at(i)] = held(i) && b.drive.is_zero();
-        for (int k = 0; k < b.positions(); ++k) {
-            const bool is_still = fixed[at(i)] && k == 0;
-            q[at(b.first + k)] = is_still ? r.parameter(count + i) : variable(b.first + k);
+
+    PointsWriter(Recorder& r, const PointLaws& laws, const StateMap& map, const std::vector<signed char>& slip)
+        : r_(r), laws_(laws), map_(map), slip_(slip), count_(static_cast<int>(laws.bodies().size())) {
+        const recording::WideFolding all_digits;
+        const int n = laws.positions();
+        if (laws.takes_numbers()) r.parameter(2 * count_ - 1);
+        const auto constant_start = [&](int i) {
+            const DoubleDouble x = map.exact_start(i);
+            return x.lo == 0.0 ? S(x.hi) : S(x);
+        };
+        const auto variable = [&](int i) { return map.is_simulated(i) ? r.input(map.place(i)) : constant_start(i); };
+        // a bead that sticks to a rail at rest does not move: its coordinate is a parameter
+        q_.resize(at(n));
+        v_.resize(at(laws.variables() - n));
+        fixed_.assign(at(count_), false);
+        for (int i = 0; i < count_; ++i) {
+            const PointLaws::Body& b = laws.body(i);
+            fixed_[at(i)] = held(i) && b.drive.is_zero();
+            for (int k = 0; k < b.positions(); ++k) {
+                const bool is_still = fixed_[at(i)] && k == 0;
+                q_[at(b.first + k)] = is_still ? r.parameter(count_ + i) : variable(b.first + k);
+            }
+            for (int k = 0; k < b.velocities(); ++k) {
+                const bool is_still = fixed_[at(i)] && k == 0;
+                v_[at(b.first_rate - n + k)] = is_still ? S(0.0) : variable(b.first_rate + k);
+            }
+            // the spin of a body whose frame follows its axis does not change
+            if (b.rigid && b.rigid->follows_axis && map.is_simulated(b.fixed_variable()))
+                v_[at(b.fixed_variable() - n)] = r.parameter(count_ + i);
         }
-        for (int k = 0; k < b.velocities(); ++k) {
-            const bool is_still = fixed[at(i)] && k == 0;
-            v[at(b.first_rate - n + k)] = is_still ? S(0.0) : variable(b.first_rate + k);
+    }
+
+    /// The rates of all variables, and with them what acts.
+    const std::vector<S>& lay_down() {
+        const recording::WideFolding all_digits;
+        const S t = r_.time();
+        const int n = laws_.positions();
+        rates_.assign(at(laws_.variables()), S(0.0));
+        states_.clear();
+        present_.clear();
+        for (int i = 0; i < count_; ++i) {
+            const PointLaws::Body& b = laws_.body(i);
+            r_.set_subject(i);
+            states_.push_back(
+                laws_.moving<S>(b, t, &q_[at(b.first)], &v_[at(b.first_rate - n)], slip_[at(i)] == flies));
         }
-        // the spin of a body whose frame follows its axis does not change
-        if (b.rigid && b.rigid->follows_axis && map.is_simulated(b.fixed_variable()))
-            v[at(b.fixed_variable() - n)] = r.parameter(count + i);
+        for (int i = 0; i < count_; ++i) {
+            r_.set_subject(i);
+            present_.push_back(lay_down(i, t));
+        }
+        r_.set_subject(-1);
+        return rates_;
     }
-    std::vector<PointState<S>> states;
-    for (int i = 0; i < count; ++i) {
-        const PointLaws::Body& b = laws.body(i);
-        r.set_subject(i);
-        states.push_back(laws.moving<S>(b, t, &q[at(b.first)], &v[at(b.first_rate - n)], slip[at(i)] == flies));
+
+    /// What the sides of case distinctions change: the rates of the simulated variables, then what acts, in the layout
+    /// of acting.hpp.
+    std::vector<S> switched() {
+        lay_down();
+        std::vector<S> values(at(map_.size()));
+        for (int i = 0; i < map_.variables(); ++i) {
+            if (map_.is_simulated(i))
+                values[at(map_.place(i))] = rates_[at(i)];
+            else if (!rates_[at(i)].is_zero())
+                throw Error("a variable that was left out of the state does not stay as it starts");
+        }
+        const auto put = [&](const Vector3Of<S>& v) { values.insert(values.end(), {v[0], v[1], v[2]}); };
+        for (const RecordedPoints::Body& b : present_) {
+            put(b.force.force);
+            values.push_back(b.force.along);
+            put(b.moment);
+        }
+        distinguishes_ = recording::distinguishes(r_);
+        if (!distinguishes_) return values;
+        for (const PointLaws::ConnectedSpring& c : laws_.springs())
+            put(c.spring.present() ? PointLaws::spring_force<S>(c, states_) : Vector3Of<S>(S(0.0), S(0.0), S(0.0)));
+        const std::size_t first = values.size();
+        values.resize(first + at(laws_.loads()), S(0.0));
+        for (int i = 0; i < count_; ++i) powers(i, std::span(values).subspan(first));
+        return values;
     }
-    std::vector<RecordedPoints::Body> present;
-    std::vector<S> pulls;
-    for (int i = 0; i < count; ++i) {
-        const PointLaws::Body& b = laws.body(i);
-        const PointState<S>& p = states[at(i)];
-        const bool is_flying = slip[at(i)] == flies, slips = b.rough && !held(i) && !is_flying;
-        r.set_subject(i);
+
+    /// Whether anything that acts lies on one side of a case distinction.
+    bool distinguishes() const { return distinguishes_; }
+
+    /// Takes what the sides change as it is in the motion, each distinction weighed once.
+    void take(std::span<const S> values) {
+        for (int i = 0; i < map_.variables(); ++i)
+            if (map_.is_simulated(i)) rates_[at(i)] = values[at(map_.place(i))];
+        std::size_t next = at(map_.size());
+        const auto vector = [&] {
+            next += 3;
+            return Vector3Of<S>(values[next - 3], values[next - 2], values[next - 1]);
+        };
+        for (int i = 0; i < count_; ++i) {
+            RecordedPoints::Body& b = present_[at(i)];
+            b.force.force = vector();
+            b.force.along = values[next++];
+            b.moment = vector();
+            if (b.on_rail) b.rate = rates_[at(laws_.body(i).first_rate)];
+        }
+    }
+
+    /// The guards of what every body does.
+    void guard(EquationsWriter& write) const {
+        for (int i = 0; i < count_; ++i) guard(write, i);
+    }
+
+    /// The guards of watched functions.
+    void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const {
+        RecordedPoints now(laws_, r_.time(), present_);
+        for (int i = 0; i < count_; ++i) now.parameters.push_back(q_[at(laws_.body(i).first)]);
+        for (std::size_t k = 0; k < watches.size(); ++k) {
+            const Scene::Watch& w = watches[k];
+            const GuardRole role = w.options.action.kind == WatchAction::Kind::record ? GuardRole::record
+                                   : w.options.action.kind == WatchAction::Kind::stop ? GuardRole::stop
+                                                                                      : GuardRole::mode;
+            Guard g{.kind = EventKind::watch,
+                    .role = role,
+                    .direction = w.options.direction,
+                    .name = w.name,
+                    .watch = static_cast<int>(k)};
+            if (!w.function.is_recorded()) {
+                // nobody knows what it depends on
+                write.outside(std::move(g));
+                continue;
+            }
+            std::vector<S> x;
+            for (const Observable& o : w.function.arguments()) x.push_back(now.value(o));
+            write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
+        }
+    }
+
+    std::vector<VariableGroup> groups() const;
+
+    /// The speeds of the surfaces of rough rails, by body, also of what a rail carries, for a drive may jump; none if
+    /// no drive changes in time.
+    std::vector<S> drives() const {
+        std::vector<S> result;
+        const auto changes = [](const PointLaws::Body& b) { return b.rough && !b.drive.is_constant(); };
+        if (std::any_of(laws_.bodies().begin(), laws_.bodies().end(), changes))
+            for (const PointLaws::Body& b : laws_.bodies()) result.push_back(b.rough ? b.drive(r_.time()) : S(0.0));
+        return result;
+    }
+
+    /// The tangential reactions that rest needs, |r'| Phi_t, by body; none if nothing sticks.
+    std::vector<S> pulls() const {
+        std::vector<S> result;
+        for (int i = 0; i < count_; ++i) {
+            if (!laws_.body(i).curve || !held(i)) continue;
+            result.resize(at(count_), S(0.0));
+            result[at(i)] = pull(i);
+        }
+        return result;
+    }
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    S pull(int i) const {
+        const PointLaws::Body& b = laws_.body(i);
+        const RecordedPoints::Body& now = present_[at(i)];
+        const CurvePoint<S>& c = now.state.curve;
+        const Resultant<S> g = PointLaws::guided(b, now.state, now.force);
+        return S(b.mass) * (c.speed_squared * now.rate + c.first_dot_second * (now.state.w * now.state.w)) -
+               dot<S>(c.first, g.force) - g.along;
+    }
+    bool held(int i) const { return laws_.body(i).rough && slip_[at(i)] == sticks; }
+    bool flying(int i) const { return slip_[at(i)] == flies; }
+    bool slips(int i) const { return laws_.body(i).rough && !held(i) && !flying(i); }
+
+    RecordedPoints::Body lay_down(int i, const S& t) {
+        const PointLaws::Body& b = laws_.body(i);
+        const PointState<S>& p = states_[at(i)];
         if (b.rigid) {
-            const Wrench<S> w = laws.wrench<S>(i, t, states);
-            b.rigid->rates<S>(*p.rigid, &q[at(b.first)], w, &rates[at(b.first)], &rates[at(b.first_rate)]);
-            present.push_back({p, {w.force, S(0.0)}, 0.0, false, w.moment, &rates[at(b.first_rate)]});
-            continue;
+            const Wrench<S> w = laws_.wrench<S>(i, t, states_);
+            b.rigid->rates<S>(*p.rigid, &q_[at(b.first)], w, &rates_[at(b.first)], &rates_[at(b.first_rate)]);
+            return {p, {w.force, S(0.0)}, 0.0, false, w.moment, &rates_[at(b.first_rate)]};
         }
-        const S sign = slips ? r.parameter(i) : S(1.0);
+        const S sign = slips(i) ? r_.parameter(i) : S(1.0);
         // with a rail at rest, the sign of the slip is the sign of w
         const auto length_of_w = [&](const S& w) -> S {
             if (w.is_zero()) return 0.0;
-            return (slips && b.drive.is_zero() ? sign : locked_sign(w, "speed of " + b.name)) * w;
+            return (slips(i) && b.drive.is_zero() ? sign : locked_sign(w, "speed of " + b.name)) * w;
         };
-        const Resultant<S> f = laws.resultant<S>(i, t, states, is_flying, length_of_w);
-        if (!b.curve || is_flying) {
+        const Resultant<S> f = laws_.resultant<S>(i, t, states_, flying(i), length_of_w);
+        if (!b.curve || flying(i)) {
             const int space = b.first_of_space();
             for (int k = 0; k < 3; ++k) {
-                rates[at(space + k)] = p.v[k];
-                rates[at(b.first_of_velocity() + k)] = f.force[k] / S(b.mass);
+                rates_[at(space + k)] = p.v[k];
+                rates_[at(b.first_of_velocity() + k)] = f.force[k] / S(b.mass);
             }
-            if (is_flying && b.side != RailSide::both)
-                write.outside({.kind = EventKind::land, .subject = i, .locator = laws.landing(i)});
-            if (const auto tips = laws.singular_landing(i); is_flying && tips)
-                write.outside({.kind = EventKind::rail_end, .role = GuardRole::stop, .subject = i, .locator = tips});
-            present.push_back({p, f, 0.0, false});
-            continue;
+            return {p, f, 0.0, false};
         }
         const Resultant<S> g = PointLaws::guided(b, p, f);
         const CurvePoint<S>& c = p.curve;
         S rate = 0.0;
         if (!b.rough) {
             rate = PointLaws::sliding_rate<S>(b, c, p.w, g, S(0.0), S(0.0));
-        } else if (slips) {
+        } else if (slips(i)) {
             S across = 0.0;
             if (b.mu_dynamic > 0.0)
                 across = length(PointLaws::friction_vector<S>(b, c, p.w, g), "normal reaction on " + b.name, i);
             rate = PointLaws::sliding_rate<S>(b, c, p.w, g, sign, across);
+        } else if (!fixed_[at(i)]) {
+            rate = PointLaws::carried_rate<S>(b, t, c, p.w);
+        }
+        rates_[at(b.first)] = p.w;
+        rates_[at(b.first_rate)] = rate;
+        return {p, f, rate, true};
+    }
+
+    void guard(EquationsWriter& write, int i) const {
+        const PointLaws::Body& b = laws_.body(i);
+        if (b.rigid || !b.curve) return;
+        if (flying(i)) {
+            if (b.side != RailSide::both)
+                write.outside({.kind = EventKind::land, .subject = i, .locator = laws_.landing(i)});
+            if (const auto tips = laws_.singular_landing(i))
+                write.outside({.kind = EventKind::rail_end, .role = GuardRole::stop, .subject = i, .locator = tips});
+            return;
+        }
+        const RecordedPoints::Body& now = present_[at(i)];
+        const PointState<S>& p = now.state;
+        const CurvePoint<S>& c = p.curve;
+        const Resultant<S> g = PointLaws::guided(b, p, now.force);
+        if (slips(i)) {
             S slipping = p.w;
-            if (!b.drive.is_zero()) slipping = PointLaws::sqrt_of(c.speed_squared) * p.w - b.drive(t);
+            if (!b.drive.is_zero()) slipping = PointLaws::sqrt_of(c.speed_squared) * p.w - b.drive(r_.time());
             write.guard({.kind = EventKind::reverse, .subject = i, .sign_parameter = i, .name = "slip of " + b.name},
                         slipping);
-        } else {
-            if (!fixed[at(i)]) rate = PointLaws::carried_rate<S>(b, t, c, p.w);
-            const S needed = S(b.mass) * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) -
-                             dot<S>(c.first, g.force) - g.along;
+        } else if (b.rough) {
+            const S needed = pull(i);
             const Vector3Of<S> across = PointLaws::friction_vector<S>(b, c, p.w, g);
             write.guard({.kind = EventKind::slip, .subject = i, .name = "hold of " + b.name},
                         (S(b.mu_static) * S(b.mu_static)) * dot<S>(across, across) - needed * needed);
-            pulls.resize(at(count), S(0.0));
-            pulls[at(i)] = needed;
         }
         if (b.side != RailSide::both) {
             const S pressing = dot<S>(b.binormal, PointLaws::friction_vector<S>(b, c, p.w, g));
             if (!PointLaws::is_rounding(pressing, c, g))
                 write.decide({.kind = EventKind::detach, .subject = i}, pressing);
         }
-        rates[at(b.first)] = p.w;
-        rates[at(b.first_rate)] = rate;
-        present.push_back({p, f, rate, true});
-        if (const auto singularity = laws.singularity(i); singularity && !fixed[at(i)])
+        if (const auto singularity = laws_.singularity(i); singularity && !fixed_[at(i)])
             write.outside({.kind = EventKind::singular, .role = GuardRole::stop, .subject = i, .locator = singularity},
                           !p.w.is_zero());
         const Domain domain = b.curve->domain();
-        if (!b.curve->closed() && !fixed[at(i)]) {
-            const GuardRole role = b.ends == RailEnds::stop ? GuardRole::stop : GuardRole::mode;
-            const Guard end{.kind = EventKind::rail_end, .role = role, .subject = i};
-            if (std::isfinite(domain.begin)) write.guard(end, q[at(b.first)] - S(domain.begin));
-            if (std::isfinite(domain.end)) write.guard(end, S(domain.end) - q[at(b.first)]);
+        if (b.curve->closed() || fixed_[at(i)]) return;
+        const GuardRole role = b.ends == RailEnds::stop ? GuardRole::stop : GuardRole::mode;
+        const Guard end{.kind = EventKind::rail_end, .role = role, .subject = i};
+        if (std::isfinite(domain.begin)) write.guard(end, q_[at(b.first)] - S(domain.begin));
+        if (std::isfinite(domain.end)) write.guard(end, S(domain.end) - q_[at(b.first)]);
+    }
+
+    /// The power of every load on a body that a distinction can be in.
+    void powers(int i, std::span<S> power) const {
+        const PointLaws::Body& b = laws_.body(i);
+        const PointState<S>& p = states_[at(i)];
+        const S t = r_.time();
+        for (std::size_t k = 0; k < b.functions.size(); ++k) {
+            const Vector3Of<S> r = laws_.in_world<S>(p.r), v = PointLaws::turned<S>(laws_.view().axes, p.v);
+            power[at(b.function_loads[k])] = dot<S>(force_of<S>(b.functions[k], t, r, v), v);
+        }
+        for (const RigidLoad& load : b.loads) {
+            Wrench<S> w;
+            add_load(w, *b.rigid, *p.rigid, load, t, b.name);
+            power[at(load.index)] = dot<S>(w.force, p.rigid->v) + dot<S>(w.moment, p.rigid->omega);
         }
     }
-    r.set_subject(-1);
-    RecordedPoints now(laws, t, present);
-    for (int i = 0; i < count; ++i) now.parameters.push_back(q[at(laws.body(i).first)]);
-    for (std::size_t k = 0; k < watches.size(); ++k) {
-        const Scene::Watch& w = watches[k];
-        const GuardRole role = w.options.action.kind == WatchAction::Kind::record ? GuardRole::record
-                               : w.options.action.kind == WatchAction::Kind::stop ? GuardRole::stop
-                                                                                  : GuardRole::mode;
-        Guard g{.kind = EventKind::watch,
-                .role = role,
-                .direction = w.options.direction,
-                .name = w.name,
-                .watch = static_cast<int>(k)};
-        if (!w.function.is_recorded()) {
-            // nobody knows what it depends on
-            write.outside(std::move(g));
-            continue;
-        }
-        std::vector<S> x;
-        for (const Observable& o : w.function.arguments()) x.push_back(now.value(o));
-        write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
-    }
+
+    Recorder& r_;
+    const PointLaws& laws_;
+    const StateMap& map_;
+    const std::vector<signed char>& slip_;
+    int count_;
+    bool distinguishes_ = false;
+    std::vector<S> q_, v_, rates_;
+    std::vector<bool> fixed_;  // sticks to a rail at rest
+    std::vector<PointState<S>> states_;
+    std::vector<RecordedPoints::Body> present_;
+};
+
+inline std::vector<VariableGroup> PointsWriter::groups() const {
     std::vector<VariableGroup> groups;
     const auto add = [&](const VariableGroup& g) {
         VariableGroup simulated = g;
         simulated.count = 0;
         for (int i = g.first; i < g.first + g.count; ++i) {
-            if (!map.is_simulated(i))
-                simulated.steady = std::max(simulated.steady, std::abs(map.start(i)));
+            if (!map_.is_simulated(i))
+                simulated.steady = std::max(simulated.steady, std::abs(map_.start(i)));
             else if (simulated.count++ == 0)
-                simulated.first = map.place(i);
+                simulated.first = map_.place(i);
         }
         if (simulated.count > 0) groups.push_back(simulated);
     };
     for (const bool is_position : {true, false})
-        for (const PointLaws::Body& b : laws.bodies()) {
+        for (const PointLaws::Body& b : laws_.bodies()) {
             const int first = is_position ? b.first : b.first_rate;
             if (b.rigid) {
                 for (VariableGroup g : b.rigid->groups(is_position)) {
@@ -193,17 +332,10 @@ inline WrittenPoints write_points(Recorder& r, EquationsWriter& write, const Poi
             const Alike alike = is_position ? Alike::place : Alike::velocity;
             // one of the parameter is |r'| metres
             if (b.curve)
-                add({first, 1, is_position, 0.0, alike, std::sqrt(laws.curve_point(b, b.start_u.hi).speed_squared)});
+                add({first, 1, is_position, 0.0, alike, std::sqrt(laws_.curve_point(b, b.start_u.hi).speed_squared)});
             if (!b.curve || b.may_fly) add({first + b.positions() - 3, 3, is_position, 0.0, alike});
         }
-    std::vector<Vector3Of<S>> forces;
-    for (const RecordedPoints::Body& b : present) forces.push_back(b.force.force);
-    // also of what a rail carries, for a drive may jump
-    std::vector<S> drives;
-    const auto changes = [](const PointLaws::Body& b) { return b.rough && !b.drive.is_constant(); };
-    if (std::any_of(laws.bodies().begin(), laws.bodies().end(), changes))
-        for (const PointLaws::Body& b : laws.bodies()) drives.push_back(b.rough ? b.drive(t) : S(0.0));
-    return {std::move(rates), std::move(groups), std::move(forces), std::move(drives), std::move(pulls)};
+    return groups;
 }
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
@@ -224,29 +356,27 @@ inline std::unique_ptr<Structure> record_points(const std::shared_ptr<const Poin
     }
     const Decisions& decided = at_state.decided;
     r.follow(at_state.t, at_state.x, parameters, decided.forced, decided.sides);
-    int forces = -1, drives = -1, pulls = -1;
-    auto result = written(r, map.size(), decided.sliding, [&](EquationsWriter& write) {
-        WrittenPoints points = write_points(r, write, laws, map, watches, slip);
-        for (int i = 0; i < map.variables(); ++i) {
-            if (map.is_simulated(i))
-                write.rate(map.place(i)) = points.rates[at(i)];
-            else if (!points.rates[at(i)].is_zero())
-                throw Error("a variable that was left out of the state does not stay as it starts");
-        }
-        forces = drives = pulls = -1;
-        const auto put = [&](int& first, const Expression& value) {
-            const int output = write.output(value);
-            if (first < 0) first = output;
-        };
-        if (!decided.sliding.empty())
-            for (const Vector3Of<Expression>& force : points.forces)
-                for (int k = 0; k < 3; ++k) put(forces, force[k]);
-        for (const Expression& drive : points.drives) put(drives, drive);
-        for (const Expression& pull : points.pulls) put(pulls, pull);
-        return points.groups;
-    });
+    int drives = -1, pulls = -1;
+    PointsWriter points(r, laws, map, slip);
+    auto result = written(
+        r, map.size(), decided.sliding, [&] { return points.switched(); },
+        [&](EquationsWriter& write, std::span<const Expression> values) {
+            points.take(values);
+            for (int i = 0; i < map.size(); ++i) write.rate(i) = values[at(i)];
+            points.guard(write);
+            points.watch(write, watches);
+            const auto put = [&](int& first, const std::vector<Expression>& all) {
+                for (const Expression& value : all) {
+                    const int output = write.output(value);
+                    if (first < 0) first = output;
+                }
+            };
+            put(drives, points.drives());
+            put(pulls, points.pulls());
+            if (points.distinguishes()) write.acting(values.subspan(at(map.size())));
+            return points.groups();
+        });
     if (!result) return result;
-    result->equations.forces = forces;
     result->equations.drives = drives;
     result->equations.pulls = pulls;
     std::vector<int> held;

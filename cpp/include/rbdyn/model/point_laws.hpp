@@ -29,6 +29,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/rail_landing.hpp"
@@ -49,12 +50,13 @@ struct Resultant {
 /// Motion and reaction of one particle at a time, world axes.
 struct PointReport {
     Vector3 position, velocity, acceleration, force, reaction;
-    double u = 0.0, w = 0.0, w_rate = 0.0, speed = 0.0;  // in flight: where it left the rail, 0, 0, |v|
-    double tangential_force = 0.0;                       // Q_s = F.t (eq. 7.15)
-    double rail_speed = 0.0;                             // V, of the rail's surface along itself
-    Vector3 spin_momentum = Vector3::Zero();             // K_G of a rigid body
-    double spin_energy = 0.0, spin_power = 0.0;          // T^(G), and its rate
-    double effort = 0.0;  // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
+    double u = 0.0, w = 0.0, w_rate = 0.0,
+           speed = 0.0;                          // in flight: where it left the rail, 0, 0, 0; without a rail |v|
+    double tangential_force = 0.0;               // Q_s = F.t (eq. 7.15)
+    double rail_speed = 0.0;                     // V, of the rail's surface along itself
+    Vector3 spin_momentum = Vector3::Zero();     // K_G of a rigid body
+    double spin_energy = 0.0, spin_power = 0.0;  // T^(G), and its rate
+    double effort = 0.0;                         // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
 };
 
 /// What sticking asks of a rail.
@@ -79,6 +81,7 @@ public:
         Vector3Of<DoubleDouble> force = {};  // constant forces together
         std::vector<Drag> drags;
         std::vector<Load> functions;
+        std::vector<int> function_loads;  // which loads of the scene they are
         RigidMotion motion;
         RailSide side = RailSide::both;
         RailEnds ends = RailEnds::stop;
@@ -88,6 +91,7 @@ public:
         DoubleDouble start_u = 0.0;
         double start_speed = 0.0;
         DoubleDouble start_positions[8] = {}, start_velocities[6] = {};  // of a rigid body
+        std::optional<EulerAngles> start_angles;                         // that its attitude was given by
         Vector3 start_position = Vector3::Zero(), start_velocity = Vector3::Zero();
 
         std::optional<RigidLaw> rigid;
@@ -122,6 +126,7 @@ public:
             if (b.rigid() != nullptr) {
                 body.rigid.emplace(scene, static_cast<int>(bodies_.size()));
                 body.rigid->start(b, body.start_positions, body.start_velocities);
+                body.start_angles = b.attitude.given_angles();
             }
             if (const Rail* rail = b.rail()) {
                 body.curve = rail->curve();
@@ -167,29 +172,36 @@ public:
             body.force = seen_exactly(scene.gravity()) * DoubleDouble(body.mass);
             body.drags.clear();
             body.functions.clear();
+            body.function_loads.clear();
             body.loads.clear();
             if (const Rail* rail = scene.bodies()[i].rail()) {
                 body.drive = rail->drive();
                 body.motion = rail->motion();
             }
         }
-        for (const Scene::AppliedLoad& load : scene.loads()) {
+        loads_ = static_cast<int>(scene.loads().size());
+        for (int index = 0; index < loads_; ++index) {
+            const Scene::AppliedLoad& load = scene.loads()[at(index)];
             Body& body = bodies_[at(load.body)];
+            const auto keep_as_function = [&] {
+                body.functions.push_back(load.load);
+                body.function_loads.push_back(index);
+            };
             if (body.rigid) {
                 const auto point = load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->exact.center;
-                if (is_present(load.load)) body.loads.push_back({load.load, point});
+                if (is_present(load.load)) body.loads.push_back({load.load, point, index});
             } else if (const Force* force = std::get_if<Force>(&load.load)) {
                 // along a line the view follows the forces
                 const bool is_seen_along = scene.bodies().size() == 1 && body.curve && body.curve->straight();
                 if (force->is_constant() && (is_seen_along || !force->is_of_numbers()))
                     body.force += seen_exactly(force->settled());
                 else
-                    body.functions.push_back(load.load);
+                    keep_as_function();
             } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
                 if (drag->present()) body.drags.push_back(*drag);
             } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load);
                        lorentz == nullptr || lorentz->present()) {
-                body.functions.push_back(load.load);
+                keep_as_function();
             }
         }
         for (Body& body : bodies_) body.force = snapped(body.force, rounded(body.force).norm());
@@ -295,16 +307,16 @@ public:
         return result;
     }
 
-    /// Motion and reaction of a body in a mode. `active`: the active force, where it is not that of the state alone.
+    /// Motion and reaction of a body in a mode. `acting`: what acts in it, where the state alone does not say.
     PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
-                       const std::optional<Vector3>& active = {}) const {
+                       const Acting* acting = nullptr) const {
         const Body& b = bodies_[at(index)];
         const signed char phase = slip[at(index)];
         const std::vector<PointState<double>> all = states(t, x, slip);
         const PointState<double>& p = all[at(index)];
         PointReport result;
         if (b.rigid) {
-            const RigidReport r = rigid_report(index, t, x, all);
+            const RigidReport r = rigid_report(index, t, x, all, acting);
             result.position = p.r;
             result.velocity = p.v;
             result.acceleration = r.center_acceleration;
@@ -317,23 +329,25 @@ public:
             result.spin_power = r.spin_power;
             return result;
         }
-        Resultant<double> f = resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
-        if (active) f.force = *active;
+        const Resultant<double> f =
+            acting != nullptr ? Resultant<double>{acting->force(index), acting->along(index)}
+                              : resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
         Vector3 force = f.force, acceleration, reaction = Vector3::Zero();
         if (!b.curve || phase == flies) {
             acceleration = force / b.mass;
-            if (b.curve) {
+            if (b.curve)
                 result.u = map_.value(b.first, x);
+            else
                 result.speed = p.v.norm();
-            }
         } else {
             const CurvePoint<double>& c = p.curve;
             const bool stuck = b.rough && phase == sticks;
             if (f.along != 0.0) force += c.first * (f.along / c.speed_squared);
             const Resultant<double> g = guided(b, p, f);
-            const double w_rate = stuck ? carried_rate<double>(b, t, c, p.w)
-                                        : sliding_rate<double>(b, c, p.w, g, static_cast<double>(phase),
-                                                               friction_vector<double>(b, c, p.w, g).norm());
+            const double w_rate = acting != nullptr ? rate_of(b.first_rate, *acting)
+                                  : stuck           ? carried_rate<double>(b, t, c, p.w)
+                                                    : sliding_rate<double>(b, c, p.w, g, static_cast<double>(phase),
+                                                                 friction_vector<double>(b, c, p.w, g).norm());
             acceleration = p.acceleration(w_rate);
             reaction = acceleration * b.mass - force;
             const double norm = std::sqrt(c.speed_squared);
@@ -354,15 +368,34 @@ public:
         result.reaction = view_.axes * reaction;
         return result;
     }
-    /// Motion and reactions of a rigid body.
-    RigidReport rigid_report(int index, double t, std::span<const double> x,
-                             const std::vector<PointState<double>>& all) const {
+    /// Motion and reactions of a rigid body; `all`: where everything is in the mode.
+    RigidReport rigid_report(int index, double t, std::span<const double> x, const std::vector<PointState<double>>& all,
+                             const Acting* acting = nullptr) const {
         const Body& b = bodies_[at(index)];
-        const Wrench<double> w = wrench<double>(index, t, all);
-        return RigidReport(*b.rigid, *all[at(index)].rigid, w, variables_of(b, x).q);
+        if (acting == nullptr)
+            return {*b.rigid, *all[at(index)].rigid, wrench<double>(index, t, all), variables_of(b, x).q};
+        double v_rate[6];
+        rates_of(b, *acting, v_rate);
+        return {*b.rigid, *all[at(index)].rigid, Wrench<double>{acting->force(index), acting->moment(index)}, v_rate,
+                RigidReport::known_rates};
     }
-    RigidReport rigid_report(int index, double t, std::span<const double> x) const {
-        return rigid_report(index, t, x, states(t, x, std::vector<signed char>(bodies_.size(), 1)));
+    RigidReport rigid_report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
+                             const Acting* acting = nullptr) const {
+        return rigid_report(index, t, x, states(t, x, slip), acting);
+    }
+    /// The rates of a body's velocities.
+    void rates_of(const Body& b, const Acting& acting, double* v_rate) const {
+        for (int k = 0; k < b.velocities(); ++k) v_rate[k] = rate_of(b.first_rate + k, acting);
+    }
+    /// How the rail of a body has turned from where its curve is placed, world axes.
+    Matrix3 rail_turn(int index, double t) const {
+        const RigidMotion& motion = bodies_[at(index)].motion;
+        if (!motion.present()) return Matrix3::Identity();
+        const RigidPlacement<double> p = motion.at(t);
+        Matrix3 r;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) r(i, j) = p.row[at(i)][j];
+        return r;
     }
     /// Whether nothing acts on a rigid body that turns but its weight.
     bool is_conservative(int index) const {
@@ -396,15 +429,29 @@ public:
             if (map_.is_simulated(b.first_rate + k)) return true;
         return false;
     }
-    /// Power of a load on a rigid body.
-    double power(const Scene::AppliedLoad& load, double t, std::span<const double> x) const {
+    /// Whether a load of the scene is one that case distinctions can be in.
+    bool is_function(const Scene::AppliedLoad& load, int index) const {
         const Body& b = bodies_[at(load.body)];
-        const Variables own = variables_of(b, x);
-        const RigidState<double> s = b.rigid->state(own.q, own.v);
+        return b.rigid ? is_present(load.load)
+                       : std::find(b.function_loads.begin(), b.function_loads.end(), index) != b.function_loads.end();
+    }
+    /// Power of a load of the scene.
+    double power(const Scene::AppliedLoad& load, std::span<const signed char> slip, double t,
+                 std::span<const double> x) const {
+        const Body& b = bodies_[at(load.body)];
+        const PointState<double> p = states(t, x, slip)[at(load.body)];
+        if (!b.rigid) {
+            const Vector3 v = view_.axes * p.v;
+            if (const Drag* drag = std::get_if<Drag>(&load.load)) {
+                const double speed = v.norm();
+                return -(drag->linear + drag->quadratic * speed) * speed * speed;
+            }
+            return force_of<double>(load.load, t, in_world<double>(p.r), v).dot(v);
+        }
         Wrench<double> w;
-        add_load(w, *b.rigid, s, {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->exact.center}, t,
-                 b.name);
-        return w.force.dot(s.v) + w.moment.dot(s.omega);
+        add_load(w, *b.rigid, *p.rigid,
+                 {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->exact.center}, t, b.name);
+        return w.force.dot(p.rigid->v) + w.moment.dot(p.rigid->omega);
     }
     /// Derivatives of a body's position and velocity variables.
     void slope(int index, std::span<const signed char> slip, double t, std::span<const double> x, std::span<double> dq,
@@ -648,10 +695,17 @@ public:
         return snapped(curves::turned<DoubleDouble>(view_.exact_axes().transpose(), widened(v)), v.norm());
     }
     const std::vector<ConnectedSpring>& springs() const { return springs_; }
+    /// How many loads the scene has.
+    int loads() const { return loads_; }
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// The rate of a variable; zero of what stays as it starts.
+    double rate_of(int variable, const Acting& acting) const {
+        return map_.is_simulated(variable) ? acting.rate(map_.place(variable)) : 0.0;
+    }
 
     // --- seen from the view ---
 
@@ -686,7 +740,7 @@ private:
     std::vector<Body> bodies_;
     std::vector<ConnectedSpring> springs_;
     StateMap map_;
-    int positions_ = 0, variables_ = 0;
+    int positions_ = 0, variables_ = 0, loads_ = 0;
 };
 
 }  // namespace rbdyn

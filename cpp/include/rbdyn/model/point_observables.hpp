@@ -50,9 +50,11 @@ public:
             case Quantity::reaction:
                 if (!b.on_rail) return 0.0;
                 return component(acceleration(b, law) * S(law.mass) - force(b), o);
-            case Quantity::parameter: return b.on_rail ? parameter(o.subject) : S(0.0);
+            // in flight: where it left its rail, along which it does not move
+            case Quantity::parameter: return law.curve ? parameter(o.subject) : S(0.0);
             case Quantity::speed:
-                return b.on_rail ? sqrt(c.speed_squared) * b.state.w : length(b.state.v, std::string());
+                if (b.on_rail) return sqrt(c.speed_squared) * b.state.w;
+                return law.curve ? S(0.0) : length(b.state.v, std::string());
             case Quantity::tangential_force:
                 if (!b.on_rail) return 0.0;
                 return (dot<S>(c.first, b.state.in_rail(b.force.force)) + b.force.along) / sqrt(c.speed_squared);
@@ -93,27 +95,46 @@ private:
     const std::vector<Body>& bodies_;
 };
 
-/// The same in numbers, at a state.
+/// The force of a spring on its first end, and where its ends are and how they move, seen from the view.
+struct SpringReport {
+    Vector3 distance, velocity, force;
+
+    SpringReport(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
+                 int index, const Acting* acting = nullptr) {
+        const auto all = laws.states(t, x, slip);
+        const PointLaws::ConnectedSpring& c = laws.springs()[static_cast<std::size_t>(index)];
+        const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);
+        distance = a.first - b.first;
+        velocity = a.second - b.second;
+        force = acting != nullptr && c.spring.present() ? acting->spring_force(index)
+                                                        : c.spring(distance, velocity, a.first.norm() + b.first.norm());
+    }
+};
+
+/// The same in numbers, at a state. `acting`: what acts in its mode, where the state alone does not say.
 inline double observed(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
-                       const Observable& o, const std::optional<Vector3>& active = {}) {
+                       const Observable& o, const Acting* acting = nullptr) {
     const auto vector = [&](const Vector3& v) { return v[o.component]; };
     if (o.quantity == Quantity::time) return t;
     if (is_of_coupling(o.quantity)) {
-        const auto all = laws.states(t, x, slip);
-        const PointLaws::ConnectedSpring& c = laws.springs()[static_cast<std::size_t>(o.subject)];
-        const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);
-        const Vector3 d = a.first - b.first, v = a.second - b.second;
-        return o.quantity == Quantity::length ? d.norm() : vector(laws.view().axes * c.spring(d, v));
+        const SpringReport spring(laws, slip, t, x, o.subject, acting);
+        return o.quantity == Quantity::length ? spring.distance.norm() : vector(laws.view().axes * spring.force);
     }
     if (const auto& body = laws.body(o.subject); body.rigid) {
         const auto all = laws.states(t, x, slip);
         const RigidState<double>& s = *all[static_cast<std::size_t>(o.subject)].rigid;
-        const Wrench<double> w = laws.wrench<double>(o.subject, t, all);
         double q_rate[8], v_rate[6];
-        body.rigid->rates<double>(s, laws.variables_of(body, x).q, w, q_rate, v_rate);
+        Wrench<double> w;
+        if (acting != nullptr) {
+            w = {acting->force(o.subject), acting->moment(o.subject)};
+            laws.rates_of(body, *acting, v_rate);
+        } else {
+            w = laws.wrench<double>(o.subject, t, all);
+            body.rigid->rates<double>(s, laws.variables_of(body, x).q, w, q_rate, v_rate);
+        }
         return observed<double>(*body.rigid, s, w, v_rate, o);
     }
-    const PointReport r = laws.report(o.subject, slip, t, x, active);
+    const PointReport r = laws.report(o.subject, slip, t, x, acting);
     switch (o.quantity) {
         case Quantity::position: return vector(r.position);
         case Quantity::velocity: return vector(r.velocity);

@@ -23,6 +23,7 @@
 #include "rbdyn/model/rigid_change.hpp"
 #include "rbdyn/model/what_stays.hpp"
 #include "rbdyn/model/within.hpp"
+#include "rbdyn/rotation/euler_path.hpp"
 
 namespace rbdyn {
 
@@ -84,10 +85,93 @@ public:
         return x;
     }
 
+    /// What acts in a mode; none where the laws at the state say it.
+    std::optional<Acting> acting(const Mode& mode, double t, std::span<const double> x) const {
+        return acting_in(mode, bodies(), static_cast<int>(laws_->springs().size()), t, x);
+    }
+
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const {
-        const Within state(mode, t, x);
-        return laws_->report(body, mode.slip, state.t, state.x, sliding_force(mode, body, state.t, state.x));
+        const Within state(mode, t, x, Within::unseen);
+        const std::optional<Acting> now = acting(mode, t, x);
+        return laws_->report(body, mode.slip, state.t, state.x, now ? &*now : nullptr);
+    }
+    RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const {
+        const Within state(mode, t, x, Within::unseen);
+        const std::optional<Acting> now = acting(mode, t, x);
+        return laws_->rigid_report(body, mode.slip, state.t, state.x, now ? &*now : nullptr);
+    }
+    /// The force of a spring on its first end in a mode, world axes; none where the state says it.
+    std::optional<Vector3> spring_force(const Mode& mode, int spring, double t, std::span<const double> x) const {
+        if (!laws_->springs()[at(spring)].spring.present()) return std::nullopt;
+        const std::optional<Acting> now = acting(mode, t, x);
+        return now ? std::optional<Vector3>(laws_->view().axes * now->spring_force(spring)) : std::nullopt;
+    }
+    /// Power of a load of the scene in a mode.
+    double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
+                 std::span<const double> x) const {
+        if (laws_->is_function(load, index))
+            if (const std::optional<Acting> now = acting(mode, t, x)) return now->power(index);
+        const Within state(mode, t, x, Within::unseen);
+        return laws_->power(load, mode.slip, state.t, state.x);
+    }
+    /// The value of a watched function in a mode.
+    double watched(const Mode& mode, int watch, double t, std::span<const double> x) const {
+        if (mode.equations != nullptr)
+            for (const Guard& guard : mode.equations->guards) {
+                if (guard.watch != watch || guard.output < 0) continue;
+                Evaluator<double> values(mode.equations->program);
+                values.set_parameters(mode.parameters);
+                values(t, x);
+                return values.output(guard.output);
+            }
+        return watches_[at(watch)].function(observing(mode, t, x));
+    }
+
+    /// Attitude and angular velocity of a rigid body.
+    Turning turning(int body, std::span<const double> x) const {
+        const PointLaws::Body& b = laws_->body(body);
+        const PointLaws::Variables own = laws_->variables_of(b, x);
+        const RigidState<double> s = b.rigid->state(own.q, own.v);
+        return {b.rigid->attitude(s), b.rigid->to_body(s, s.omega)};
+    }
+
+    /// The Euler angles of every body that turns freely, three each.
+    std::vector<double> winding(double, std::span<const double> x) const override {
+        std::vector<double> all;
+        for (int i = 0; i < bodies(); ++i) {
+            if (!has_angles(i)) continue;
+            const EulerAngles a = euler_path::begin(turning(i, x), laws_->body(i).start_angles);
+            all.insert(all.end(), {a.theta, a.psi, a.phi});
+        }
+        return all;
+    }
+    void wind(const Piece& piece, double length, std::vector<double>& all) const override {
+        auto next = all.begin();
+        for (int i = 0; i < bodies(); ++i) {
+            if (!has_angles(i)) continue;
+            const EulerAngles a = wound(i, piece, {next[0], next[1], next[2]}, length);
+            for (const double angle : {a.theta, a.psi, a.phi}) *next++ = angle;
+        }
+    }
+    /// Where a body's angles are in what winding() gives, by three; -1: it does not turn freely.
+    int place_of_angles(int body) const {
+        int place = 0;
+        for (int i = 0; i < body; ++i) place += has_angles(i);
+        return has_angles(body) ? place : -1;
+    }
+    /// The angles of a body somewhere on a piece, from those before its start.
+    EulerAngles wound(int body, const Piece& piece, const EulerAngles& before, double tau) const {
+        std::vector<double> x(at(variables()));
+        const auto motion = [&](double time) {
+            piece.state(std::clamp(time / piece.unit, 0.0, tau), x);
+            return turning(body, x);
+        };
+        const Turning first = motion(0.0);
+        const double time = tau * piece.unit;
+        const EulerStep last = euler_path::follow({0.0, first, continue_from(before, first.attitude)}, time, motion,
+                                                  [](const EulerStep&) {});
+        return continue_from(last.angles, motion(time).attitude);
     }
 
     /// Where a particle or a body's centre of mass is in a mode, and where a body's origin is; no force is asked for.
@@ -104,11 +188,10 @@ public:
 
     /// What watched functions may ask for, at a state.
     Observe observing(const Mode& mode, double t, std::span<const double> x) const {
-        const auto state = std::make_shared<const Within>(mode, t, x);
-        return [this, &mode, state](const Observable& o) {
-            const int body = is_of_coupling(o.quantity) ? -1 : o.subject;
-            const auto active = sliding_force(mode, body, state->t, state->x);
-            return rbdyn::observed(*laws_, mode.slip, state->t, state->x, o, active);
+        const auto state = std::make_shared<const Within>(mode, t, x, Within::unseen);
+        const auto now = std::make_shared<const std::optional<Acting>>(acting(mode, t, x));
+        return [this, &mode, state, now](const Observable& o) {
+            return rbdyn::observed(*laws_, mode.slip, state->t, state->x, o, *now ? &**now : nullptr);
         };
     }
 
@@ -239,13 +322,15 @@ public:
     /// Positions, velocities, and reactions of rails, body by body.
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& out) const override {
         out.clear();
-        const Within state(mode, t, x);
+        const Within state(mode, t, x, Within::unseen);
+        const std::optional<Acting> now = acting(mode, t, x);
+        const Acting* const acts = now ? &*now : nullptr;
         for (int i = 0; i < bodies(); ++i) {
             if (laws_->body(i).rigid) {
-                observe_rigid(i, state, mode, out);
+                observe_rigid(i, state, mode, acts, out);
                 continue;
             }
-            const PointReport r = laws_->report(i, mode.slip, state.t, state.x);
+            const PointReport r = laws_->report(i, mode.slip, state.t, state.x, acts);
             out.push_back({r.position, true, 0.0, r.position.norm(), Alike::place});
             out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity});
             if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort, Alike::force});
@@ -314,6 +399,8 @@ private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+    bool has_angles(int body) const { return laws_->body(body).rigid && laws_->body(body).rigid->turns_freely(); }
+
     /// A variable that is simulated.
     double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
 
@@ -337,10 +424,11 @@ private:
     }
 
     /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
-    void observe_rigid(int i, const Within& state, const Mode& mode, std::vector<Observed>& out) const {
+    void observe_rigid(int i, const Within& state, const Mode& mode, const Acting* acts,
+                       std::vector<Observed>& out) const {
         const RigidLaw& law = *laws_->body(i).rigid;
         const auto all = laws_->states(state.t, state.x, mode.slip);
-        const RigidReport r = laws_->rigid_report(i, state.t, state.x, all);
+        const RigidReport r = laws_->rigid_report(i, state.t, state.x, all, acts);
         const PointState<double>& p = all[at(i)];
         if (law.kind == RigidLaw::Kind::free || law.kind == RigidLaw::Kind::prismatic) {
             out.push_back({p.r, true, 0.0, p.r.norm(), Alike::place});
@@ -356,16 +444,6 @@ private:
         out.push_back({r.reaction, false, 0.0, r.force_effort, Alike::force});
         if (law.kind != RigidLaw::Kind::spherical)
             out.push_back({r.reaction_torque, false, 0.0, r.torque_effort, Alike::torque});
-    }
-
-    /// The active force on a body, in the view, where motion slides: between those on the two sides of a surface.
-    static std::optional<Vector3> sliding_force(const Mode& mode, int body, double t, std::span<const double> x) {
-        if (mode.equations == nullptr || mode.equations->forces < 0 || body < 0) return std::nullopt;
-        Evaluator<double> values(mode.equations->program);
-        values.set_parameters(mode.parameters);
-        values(t, x);
-        const int first = mode.equations->forces + 3 * body;
-        return Vector3(values.output(first), values.output(first + 1), values.output(first + 2));
     }
 
     /// What a bead does at a speed along its rail.
@@ -532,7 +610,7 @@ private:
             require(i >= 0 && i < bodies(), user, "body", i, "its action changes bodies of this scene");
             const PointLaws::Body& b = laws_->body(i);
             if (b.rigid) {
-                change_rigid(c, b, laws_->rigid_report(i, t, x), user, x);
+                change_rigid(c, b, laws_->rigid_report(i, mode.slip, t, x), user, x);
                 continue;
             }
             if (c.attitude || c.angular_velocity || c.angular_velocity_world || c.angle || c.displacement || c.rate)

@@ -15,6 +15,7 @@ namespace rbdyn {
 struct RigidLoad {
     Load load;
     Vector3Of<DoubleDouble> point;
+    int index = -1;  // among the loads of the scene
 };
 
 /// Adds what a load exerts.
@@ -71,9 +72,21 @@ struct RigidReport {
     double coordinate = 0.0, rate = 0.0;             // of a joint with one
     double force_effort = 0.0, torque_effort = 0.0;  // sizes of what the reactions are differences of
 
+    /// From the coordinates q, and what the law makes of the wrench.
     RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q) {
         double q_rate[8], v_rate[6];
         law.rates<double>(s, q, w, q_rate, v_rate);
+        fill(law, s, w, v_rate);
+    }
+    /// From the rates of the velocities.
+    enum KnownRates { known_rates };
+    RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* v_rate,
+                KnownRates) {
+        fill(law, s, w, v_rate);
+    }
+
+private:
+    void fill(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* v_rate) {
         const auto rates = law.accelerations<double>(s, v_rate);
         const Vector3& turning = rates.first;
         center_acceleration = RigidLaw::acceleration<double>(s, rates, law.center);

@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -75,31 +76,31 @@ inline std::optional<std::vector<Expression>> solved(std::vector<std::vector<Exp
 
 }  // namespace sliding
 
-/// The structure that `write(EquationsWriter&)`, which returns the groups of variables, makes with a recorder; sliding
-/// along surfaces, by id, as far as anything lies on them. None if it cannot slide along them.
-template <class Write>
-std::unique_ptr<Structure> written(Recorder& r, int variables, const std::set<std::uint64_t>& surfaces, Write&& write) {
-    const auto rates = [&] {
-        EquationsWriter w(r, variables);
-        write(w);
-        return w.rates();
-    };
+/// The structure that is recorded in two turns with a recorder; sliding along surfaces, by id, as far as anything lies
+/// on them. None if it cannot slide along them. `laws()` gives what the surfaces switch: the rates of the variables
+/// first, then whatever else depends on their sides, forces say. `write(EquationsWriter&, values)` gets these as they
+/// are in the motion, each distinction weighed once, sets the rates, adds guards, and returns the groups of variables.
+template <class Laws, class Write>
+std::unique_ptr<Structure> written(Recorder& r, int variables, const std::set<std::uint64_t>& surfaces, Laws&& laws,
+                                   Write&& write) {
+    using Values = std::vector<Expression>;
     const auto blend_all = [&](const auto& weight) {
         for (const std::uint64_t s : surfaces) r.blend(s, weight(s));
     };
     EquationsWriter final(r, variables);
     if (surfaces.empty()) {
-        auto groups = write(final);
+        const Values values = laws();
+        auto groups = write(final, std::span<const Expression>(values));
         return final.finish(std::move(groups));
     }
-    // the rates on the negative side of all surfaces, and on the positive side of one
+    // on the negative side of all surfaces, and on the positive side of one
     blend_all([](std::uint64_t) { return Expression(0.0); });
-    const std::vector<Expression> below = rates();
+    const Values below = laws();
     std::vector<std::uint64_t> ids;
-    std::vector<std::vector<Expression>> jumps;
+    std::vector<Values> jumps;
     for (const std::uint64_t one : surfaces) {
         blend_all([&](std::uint64_t s) { return Expression(s == one ? 1.0 : 0.0); });
-        std::vector<Expression> jump = rates();
+        Values jump = laws();
         for (std::size_t i = 0; i < jump.size(); ++i) jump[i] -= below[i];
         if (r.blends().at(one).argument < 0) continue;
         ids.push_back(one);
@@ -109,7 +110,8 @@ std::unique_ptr<Structure> written(Recorder& r, int variables, const std::set<st
     if (ids.size() > 1) {
         std::vector<int> weights;
         blend_all([&](std::uint64_t) { return r.parameter(weights.emplace_back(r.new_parameter())); });
-        const std::vector<Expression> mixed = rates();
+        Values mixed = laws();
+        mixed.resize(static_cast<std::size_t>(variables));
         for (const int first : weights) {
             const auto along = [](int one) {
                 return [one](const Node& n) { return n.operation == Operation::parameter && n.a == one ? 1.0 : 0.0; };
@@ -150,13 +152,15 @@ std::unique_ptr<Structure> written(Recorder& r, int variables, const std::set<st
     const auto weights = sliding::solved(std::move(m), std::move(b));
     if (!weights) return nullptr;
     for (std::size_t k = 0; k < count; ++k) r.blend(ids[k], (*weights)[k]);
-    auto groups = write(final);
-    final.rates() = below;
+    Values values = below;
     for (std::size_t k = 0; k < count; ++k)
-        for (std::size_t i = 0; i < below.size(); ++i) final.rates()[i] += (*weights)[k] * jumps[k][i];
+        for (std::size_t i = 0; i < below.size(); ++i) values[i] += (*weights)[k] * jumps[k][i];
+    for (const std::uint64_t id : ids)
+        if (const auto variable = sliding::only_variable(r, r.blends().at(id).argument))
+            values[static_cast<std::size_t>(*variable)] = 0.0;
+    auto groups = write(final, std::span<const Expression>(values));
     for (std::size_t k = 0; k < count; ++k) {
         const Blend& blend = r.blends().at(ids[k]);
-        if (const auto variable = sliding::only_variable(r, blend.argument)) final.rate(*variable) = 0.0;
         Guard guard{.kind = EventKind::switching, .subject = blend.subject, .name = blend.name};
         guard.sliding = static_cast<int>(k);
         guard.step = -1;

@@ -89,8 +89,7 @@ struct Staying {
         std::vector<double> x(at(map.size()));
         map.gather(start, x);
         r.follow(0.0, x, {});
-        EquationsWriter write(r, 0);
-        return write_points(r, write, laws, map, {}, slip).rates;
+        return PointsWriter(r, laws, map, slip).lay_down();
     };
     const auto any_stays = [&] { return std::find(stays.begin(), stays.end(), true) != stays.end(); };
     bool has_changed = true;

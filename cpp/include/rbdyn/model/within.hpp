@@ -18,7 +18,13 @@ struct Within {
     std::vector<double> moved;
     std::span<const double> x;
 
-    Within(const Mode& mode, double time, std::span<const double> state) : t(time), x(state) {
+    /// How far a state may be moved that is reported, over the time in which it changes: more would show.
+    static constexpr double unseen = 0x1p-40;
+
+    /// `most`: no farther than this, over the time in which the state changes; beyond it the state stays.
+    Within(const Mode& mode, double time, std::span<const double> state,
+           double most = std::numeric_limits<double>::infinity())
+        : t(time), x(state) {
         if (mode.equations == nullptr || mode.equations->branches.empty()) return;
         Evaluator<double> values(mode.equations->program);
         values.set_parameters(mode.parameters);
@@ -40,7 +46,7 @@ struct Within {
         for (std::size_t i = 0; i < x.size(); ++i) slope[i] = values.output(static_cast<int>(i));
         const std::vector<double> start(x.begin(), x.end());
         // the rate of the guard, from a small step of the whole state
-        const double step = 0x1p-20 * time_of(start, slope, time);
+        const double whole = time_of(start, slope, time), step = 0x1p-20 * whole;
         const auto go = [&](double h) {
             moved = start;
             for (std::size_t i = 0; i < moved.size(); ++i) moved[i] += h * slope[i];
@@ -50,9 +56,10 @@ struct Within {
             return values.output(beyond->output);
         };
         const double rate = (go(step) - value) / step;
-        if (rate != 0.0 && std::isfinite(rate)) {
-            // exactly on the edge, and of no size: at t = 0, say
-            go(margin > 0.0 ? (2.0 * margin - value) / rate : 0x1p-30 * step);
+        // exactly on the edge, and of no size: at t = 0, say
+        const double h = margin > 0.0 ? (2.0 * margin - value) / rate : 0x1p-30 * step;
+        if (rate != 0.0 && std::isfinite(rate) && std::abs(h) <= most * whole) {
+            go(h);
         } else {
             t = time;
             x = state;

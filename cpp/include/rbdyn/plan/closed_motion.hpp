@@ -27,6 +27,8 @@ public:
     virtual ~BodyForm() = default;
     virtual void state(Instant since, double* q, double* v) const = 0;
     virtual double error(double since) const = 0;
+    /// How its attitude comes back.
+    virtual std::optional<Recurrence> recurrence() const { return std::nullopt; }
     virtual std::string name() const = 0;
 };
 
@@ -54,6 +56,10 @@ class FreeForm : public BodyForm {
 public:
     [[gnu::cold]] FreeForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
         : law_(law), rotation_(about(b, law), b.attitude.exact(), b.angular_velocity) {
+        const PrincipalAxesOf<DoubleDouble> p = about(b, law);
+        Vector3Of<DoubleDouble> k = product(p.axes.transpose(), b.angular_velocity);
+        for (int i = 0; i < 3; ++i) k[i] = p.moments[i] * k[i];
+        momentum_ = rounded(product(rotation_matrix(b.attitude.exact()), product(p.axes, k)));
         if (law.kind != RigidLaw::Kind::free) return;
         const Matrix3Of<DoubleDouble> r = rotation_matrix(b.attitude.exact());
         const Vector3Of<DoubleDouble>& com = b.rigid()->exact().com;
@@ -70,6 +76,12 @@ public:
         law_.set_attitude(s.attitude, s.angular_velocity, since, q, v);
     }
     double error(double since) const override { return rotation_.error(since); }
+    /// About the angular momentum, after a period of omega in the body.
+    std::optional<Recurrence> recurrence() const override {
+        if (rotation_.regime() == FreeRotation::Regime::permanent)
+            return Recurrence{momentum_, 1.0 / rotation_.precession_rate()};
+        return Recurrence{momentum_, rotation_.period()};
+    }
     std::string name() const override { return "free rotation"; }
 
 private:
@@ -79,19 +91,25 @@ private:
     const RigidLaw law_;
     std::optional<Accelerated> center_;
     FreeRotation rotation_;
+    Vector3 momentum_;  // world axes
 };
 
 /// A heavy symmetric body on a ball joint on its axis.
 class TopForm : public BodyForm {
 public:
     [[gnu::cold]] TopForm(const Scene::Body& b, const RigidLaw& law, const Vector3Of<DoubleDouble>& acceleration)
-        : law_(law), top_(made(b, law, acceleration)) {}
+        : law_(law), up_(-rounded(acceleration)), top_(made(b, law, acceleration)) {}
     void state(Instant since, double* q, double* v) const override {
         const LagrangeTop::State s = top_.at(since);
         // the top's axes are those of the law at the start, and turn with the body
         law_.set_attitude(s.attitude * conjugate(law_.frame_attitude), law_.frame * s.angular_velocity, since, q, v);
     }
     double error(double since) const override { return top_.error(since); }
+    /// About the vertical, after a nutation; of axes in the body only if the third is the top's.
+    std::optional<Recurrence> recurrence() const override {
+        if (std::abs(law_.frame(2, 2)) != 1.0) return std::nullopt;
+        return Recurrence{up_, top_.nutation_period()};
+    }
     std::string name() const override { return "Lagrange's top"; }
 
 private:
@@ -107,6 +125,7 @@ private:
                 {omega[0], omega[1], omega[2]}};
     }
     const RigidLaw law_;
+    Vector3 up_;
     LagrangeTop top_;
 };
 
@@ -193,6 +212,9 @@ public:
         double worst = 0.0;
         for (const Part& p : parts_) worst = std::max(worst, p.form->error(since));
         return worst;
+    }
+    std::optional<Recurrence> recurrence(int body) const override {
+        return parts_[static_cast<std::size_t>(body)].form->recurrence();
     }
     std::string name() const override {
         std::string names;

@@ -189,8 +189,7 @@ struct Degree {
     const StateMap& map = model.laws().map();
     Recorder r;
     r.follow(0.0, start, {});
-    EquationsWriter write(r, map.size());
-    const std::vector<Expression> all = write_points(r, write, model.laws(), map, {}, slip).rates;
+    const std::vector<Expression> all = PointsWriter(r, model.laws(), map, slip).lay_down();
     std::vector<Expression> rates;
     for (int i = 0; i < map.variables(); ++i)
         if (map.is_simulated(i)) rates.push_back(all[static_cast<std::size_t>(i)]);

@@ -43,6 +43,9 @@ public:
     /// Resultant of the active forces [N].
     Vector3 force(double t, Side side = Side::after) const { return report(t, side).force; }
 
+    // After a release the rail has no more to do with the body: parameter and arc length stay where it left (or where
+    // it lands again), and what is along the rail is zero.
+
     /// The curve's parameter. On a rail.
     double parameter(double t, Side side = Side::after) const { return railed(t, side).u; }
     /// From the beginning of the curve, or from u = 0 where it has none [m]. On a rail.
@@ -62,7 +65,9 @@ public:
     Vector3 reaction_frenet(double t, Side side = Side::after) const {
         const PointReport r = railed(t, side);
         const Frenet f = curve().frenet(r.u);
-        return {r.reaction.dot(f.tangent), r.reaction.dot(f.normal), r.reaction.dot(f.binormal)};
+        // the axes turn with the rail
+        const Vector3 reaction = data_->model->laws().rail_turn(body_, t).transpose() * r.reaction;
+        return {reaction.dot(f.tangent), reaction.dot(f.normal), reaction.dot(f.binormal)};
     }
 
     // --- of a rigid body ---
@@ -136,7 +141,7 @@ public:
     RigidReport rigid(double t, Side side = Side::after) const {
         if (!is_rigid()) throw InvalidInput(body().name + ": it is a particle, and only a rigid body has an attitude");
         const Moment m(*data_, t, side);
-        return data_->model->laws().rigid_report(body_, t, m.x);
+        return data_->model->rigid_report(m.mode, body_, t, m.x);
     }
 
 private:
@@ -168,12 +173,26 @@ private:
 };
 
 inline EulerAngles BodyMotion::euler_angles(double t, Side side) const {
-    const RigidReport now = rigid(t, side);
-    return data_->angles->at(body_, t, now.attitude, data_->record.start, body().attitude.given_angles(),
-                             [&](double time) {
-                                 const RigidReport r = rigid(time);
-                                 return std::pair(r.attitude, r.angular_velocity.norm());
-                             });
+    if (!is_rigid()) throw InvalidInput(body().name + ": it is a particle, and only a rigid body has an attitude");
+    const PointsModel& model = *data_->model;
+    const Record& record = data_->record;
+    const auto turning = [&](double time, Side at) { return model.turning(body_, state_at(record, time, at)); };
+    const Turning now = turning(t, side);
+    // a hinge counts its turns itself
+    if (const Revolute* hinge = std::get_if<Revolute>(&body().joint))
+        return continue_from(euler_path::of_turn(hinge->axis / hinge->axis.norm(), angle(t, side), body().parameter),
+                             now.attitude);
+    // so do runs that keep some times only
+    if (const int place = model.place_of_angles(body_); place >= 0 && !record.windings.empty() && !record.closed)
+        if (const auto index = entry_at(record, t, side)) {
+            const Piece piece = record.piece(*index);
+            const double* before = record.windings[*index].data() + 3 * place;
+            return model.wound(body_, piece, {before[0], before[1], before[2]}, Record::tau(piece, t));
+        }
+    return data_->angles->at(
+        body_, t, now.attitude, record.start, body().attitude.given_angles(),
+        [&](double time) { return turning(time, Side::after); },
+        record.closed ? record.closed->recurrence(body_) : std::nullopt);
 }
 
 /// Length and force of a spring of a run.
@@ -186,6 +205,10 @@ public:
     double length(double t, Side side = Side::after) const { return relative(t, side).first.norm(); }  // m
     /// Force on the first end [N], world axes.
     Vector3 force(double t, Side side = Side::after) const {
+        if (data_->model) {
+            const Moment m(*data_, t, side);
+            if (const auto force = data_->model->spring_force(m.mode, index_, t, m.x)) return *force;
+        }
         const auto [d, v] = relative(t, side);
         return std::get<Spring>(connection().coupling)(d, v);
     }

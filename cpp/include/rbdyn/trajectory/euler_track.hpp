@@ -1,72 +1,75 @@
 // Euler angles that are continuous in time, along the motions of a run.
 //
-// They start as the user gave them, or with the principal values. From then on each attitude takes the angles nearest
-// to those a fraction of a turn earlier (continue_from in rotation/euler_angles.hpp). The steps are kept, so that a
-// motion is walked through once.
+// They start as the user gave them, or with the principal values, and go on without jumps (rotation/euler_path.hpp).
+// The steps are kept, so that a motion is walked through once; one in closed form that repeats itself is not walked
+// through at all (rotation/euler_turns.hpp).
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
-#include "rbdyn/rotation/euler_angles.hpp"
+#include "rbdyn/rotation/euler_path.hpp"
+#include "rbdyn/rotation/euler_turns.hpp"
 
 namespace rbdyn {
 
 class EulerTrack {
 public:
-    /// The angles of a body at time t, where its attitude is `now`. `given`: at the start, if they are. `motion`:
-    /// attitude and |omega| at a time; times that it does not have are passed over. Where it has no start the angles
-    /// are those of the attitude alone.
+    /// The angles of a body at time t, where its attitude is `now`. `given`: at the start, if they are. `motion`: a
+    /// Turning at a time; times that it does not have are passed over. Where it has no start the angles are those of
+    /// the attitude alone. `recurrence`: of the motion, if it is known to repeat itself.
     template <class Motion>
     EulerAngles at(int body, double t, const Quaternion& now, double start, const std::optional<EulerAngles>& given,
-                   Motion&& motion) {
+                   Motion&& motion, const std::optional<Recurrence>& recurrence = std::nullopt) {
         const std::lock_guard lock(mutex_);
-        std::vector<Step>& steps = steps_[body];
+        Known& known = known_[body];
+        std::vector<EulerStep>& steps = known.steps;
         if (steps.empty()) {
             try {
-                const auto [attitude, speed] = motion(start);
-                steps.push_back({start, speed, given ? continue_from(*given, attitude) : euler_angles(attitude)});
+                const Turning first = motion(start);
+                steps.push_back({start, first, euler_path::begin(first, given)});
             } catch (const InvalidInput&) {
                 return euler_angles(now);
             }
         }
-        while (steps.back().time < t) {
-            const Step last = steps.back();
-            double step = std::min(turn / last.speed, t - last.time);
-            try {
-                auto [attitude, speed] = motion(last.time + step);
-                // a body that turns faster there may have turned far in between
-                while (speed * step > 2.0 * turn && last.time + 0.5 * step > last.time) {
-                    step *= 0.5;
-                    std::tie(attitude, speed) = motion(last.time + step);
+        const auto keep = [&](const EulerStep& s) { steps.push_back(s); };
+        try {
+            if (recurrence && (t - steps.back().time) * steps.back().speed > few) {
+                if (!known.is_tried) {
+                    known.is_tried = true;
+                    // away from the start, which may be a pole
+                    const double later = start + 2.0 * euler_path::longest / steps.front().speed;
+                    euler_path::follow(steps.back(), later, motion, keep);
+                    known.turns = EulerTurns::of(*recurrence, steps.back(), motion);
                 }
-                if (last.time + step >= t) break;
-                steps.push_back({last.time + step, speed, continue_from(last.angles, attitude)});
-            } catch (const InvalidInput&) {
-                break;
+                if (known.turns)
+                    if (const auto angles = known.turns->at(t, now)) return *angles;
             }
+            euler_path::follow(steps.back(), t, motion, keep);
+        } catch (const InvalidInput&) {
+            // what was not kept says nothing of turns; theta stays on its side
+            return euler_path::beside(steps.back().angles, now);
         }
-        const auto later =
-            std::upper_bound(steps.begin(), steps.end(), t, [](double time, const Step& s) { return time < s.time; });
+        const auto later = std::upper_bound(steps.begin(), steps.end(), t,
+                                            [](double time, const EulerStep& s) { return time < s.time; });
         return continue_from(later == steps.begin() ? steps.front().angles : std::prev(later)->angles, now);
     }
 
 private:
-    // radians from one step to the next; a quarter of a turn would be too much
-    static constexpr double turn = 0.25;
-    struct Step {
-        double time, speed;
-        EulerAngles angles;
+    // radians that are walked sooner than a period
+    static constexpr double few = 50.0;
+    struct Known {
+        std::vector<EulerStep> steps;
+        std::optional<EulerTurns> turns;
+        bool is_tried = false;
     };
     std::mutex mutex_;
-    std::map<int, std::vector<Step>> steps_;
+    std::map<int, Known> known_;
 };
 
 }  // namespace rbdyn

@@ -17,6 +17,7 @@
 
 #include "rbdyn/statics/rail_potential.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
+#include "rbdyn/trajectory/work.hpp"
 
 namespace rbdyn {
 
@@ -93,21 +94,10 @@ public:
         double sum = 0.0;
         each({}, t, side, [&](const PointReport& r, double m) { sum += m * data_->scene.gravity().dot(r.position); });
         for (const auto& load : data_->scene.loads())
-            if (const Force* f = std::get_if<Force>(&load.load);
-                f != nullptr && f->is_constant() && f->frame() == Frame::world)
-                sum += f->constant().dot(place_of(load, t, side).first);
-            else if (const Potential* u = std::get_if<Potential>(&load.load))
-                sum += u->value<double>(place_of(load, t, side).first);
-            else if (const TorsionSpring* s = std::get_if<TorsionSpring>(&load.load)) {
-                const double turned = (*this)[BodyHandle{load.body}].angle(t, side) - s->rest_angle;
-                sum -= 0.5 * s->stiffness * turned * turned;
-            }
+            if (const auto own = potential_of(load, t, side)) sum += *own;
         for (const auto& [body, work] : *works_) sum += work((*this)[BodyHandle{body}].parameter(t, side));
-        for (std::size_t i = 0; i < data_->scene.connections().size(); ++i) {
-            const Spring& s = std::get<Spring>(data_->scene.connections()[i].coupling);
-            const double stretch = SpringMotion(data_, static_cast<int>(i)).length(t, side) - s.rest_length;
-            sum -= 0.5 * s.stiffness * stretch * stretch;
-        }
+        for (int i = 0; i < static_cast<int>(data_->scene.connections().size()); ++i)
+            sum += potential_of(CouplingHandle{i}, t, side);
         return sum;
     }
     /// T + V = T - U [J].
@@ -124,7 +114,8 @@ public:
     double power(double t, LoadHandle load, Side side = Side::after) const;
     double power(double t, CouplingHandle coupling, Side side = Side::after) const;
 
-    /// Work of the same forces from t0 to t1 (Thm 7.9) [J], by Gauss's quadrature on every piece.
+    /// Work of the same forces from t0 to t1 (Thm 7.9) [J] (work.hpp). Throws InvalidInput for times outside the run
+    /// and where it takes a motion that was not kept.
     double work(double t0, double t1, const Bodies& of = {}) const;
     double work(double t0, double t1, LoadHandle load) const;
     double work(double t0, double t1, CouplingHandle coupling) const;
@@ -157,8 +148,18 @@ public:
         const auto& watches = data_->scene.watches();
         require(watch.index >= 0 && watch.index < static_cast<int>(watches.size()), "Trajectory", "watch", watch.index,
                 "a handle comes from the scene of this run");
-        const WatchFunction& function = watches[static_cast<std::size_t>(watch.index)].function;
-        return now(t, side, [&](const Observe& observe) { return function(observe); });
+        if (data_->parts.empty()) {
+            const Moment m(*data_, t, side);
+            return data_->model->watched(m.mode, watch.index, t, m.x);
+        }
+        const Scene::Watch& given = watches[static_cast<std::size_t>(watch.index)];
+        for (const RunData& part : data_->parts)
+            for (std::size_t i = 0; i < part.scene.watches().size(); ++i) {
+                if (part.scene.watches()[i].name != given.name) continue;
+                const Moment m(part, t, side);
+                return part.model->watched(m.mode, static_cast<int>(i), t, m.x);
+            }
+        return now(t, side, [&](const Observe& observe) { return given.function(observe); });
     }
 
     /// A first integral of the scene, by name, at a time.
@@ -195,34 +196,34 @@ private:
     }
     /// What can be observed of a run in parts at a time.
     Observe observing_parts(double t, Side side) const;
-    /// On the pieces of one part.
-    template <class F>
-    static double integral_over_pieces(const Record& record, double t0, double t1, F&& f) {
-        if (t1 < t0) return -integral_over_pieces(record, t1, t0, f);
-        // Gauss's rule of ten points: exact for polynomials of degree 19
-        static constexpr double place[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244,
-                                            0.8650633666889845, 0.9739065285171717};
-        static constexpr double weight[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820,
-                                             0.1494513491505806, 0.0666713443086881};
-        double sum = 0.0;
-        const auto add = [&](double begin, double finish) {
-            const double lo = std::max(t0, begin), hi = std::min(t1, finish);
-            if (!(hi > lo)) return;
-            const double centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-            for (int i = 0; i < 5; ++i)
-                sum += half * weight[i] * (f(centre - half * place[i]) + f(centre + half * place[i]));
-        };
-        for (const auto& e : record.entries()) add(e.start.hi, (e.start + e.length * e.unit).hi);
-        // a closed form has no pieces; twice its pace is a phase of 4 rad of a power
-        if (record.empty()) {
-            const double pieces = record.closed ? 0.5 * (t1 - t0) / record.closed->pace() : 0.0;
-            const auto count = static_cast<std::int64_t>(std::clamp(std::ceil(pieces), 1.0 * closed_times, 1e9));
-            for (std::int64_t i = 0; i < count; ++i) {
-                const double k = static_cast<double>(i), n = static_cast<double>(count);
-                add(t0 + (t1 - t0) * k / n, t0 + (t1 - t0) * (k + 1.0) / n);
-            }
+    /// U of a load; none of one that has none by itself, damping included.
+    std::optional<double> potential_of(const Scene::AppliedLoad& load, double t, Side side) const {
+        if (const Force* f = std::get_if<Force>(&load.load);
+            f != nullptr && f->is_constant() && f->frame() == Frame::world)
+            return f->constant().dot(place_of(load, t, side).first);
+        if (const Potential* u = std::get_if<Potential>(&load.load))
+            return u->value<double>(place_of(load, t, side).first);
+        if (const TorsionSpring* s = std::get_if<TorsionSpring>(&load.load)) {
+            const double turned = (*this)[BodyHandle{load.body}].angle(t, side) - s->rest_angle;
+            return -0.5 * s->stiffness * turned * turned;
         }
-        return sum;
+        return std::nullopt;
+    }
+    double potential_of(CouplingHandle coupling, double t, Side side) const {
+        const Spring& s = std::get<Spring>(scene().connections()[static_cast<std::size_t>(coupling.index)].coupling);
+        const double stretch = SpringMotion(data_, coupling.index).length(t, side) - s.rest_length;
+        return -0.5 * s.stiffness * stretch * stretch;
+    }
+    /// Work from t0 to t1 by one that takes it from an earlier to a later time.
+    template <class F>
+    double work_between(double t0, double t1, F&& forwards) const {
+        for (const double t : {t0, t1}) {
+            const double near = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(end());
+            if (!(t >= start() - near && t <= end() + near))
+                throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(start()) + " to " +
+                                   text(end()) + " s");
+        }
+        return t1 > t0 ? forwards(t0, t1) : t1 < t0 ? -forwards(t1, t0) : 0.0;
     }
     template <class F>
     void each(const Bodies& of, double t, Side side, F&& f) const {
@@ -254,30 +255,60 @@ private:
 };
 
 inline double Trajectory::work(double t0, double t1, const Bodies& of) const {
-    if (data_->parts.empty())
-        return integral_over_pieces(data_->record, t0, t1, [&](double t) { return power(t, of); });
-    double sum = 0.0;
-    for (const SceneParts::Part& part : data_->plan.apart->parts) {
-        Bodies own;
-        for (const int body : part.bodies) {
-            const auto times = of.empty() ? 1 : std::count(of.begin(), of.end(), BodyHandle{body});
-            own.insert(own.end(), static_cast<std::size_t>(times), BodyHandle{body});
+    return work_between(t0, t1, [&](double from, double to) {
+        if (data_->parts.empty())
+            return working::gain(*data_, from, to, [&](double t, Side side) { return kinetic_energy(t, of, side); });
+        double sum = 0.0;
+        for (const SceneParts::Part& part : data_->plan.apart->parts) {
+            Bodies own;
+            for (const int body : part.bodies) {
+                const auto times = of.empty() ? 1 : std::count(of.begin(), of.end(), BodyHandle{body});
+                own.insert(own.end(), static_cast<std::size_t>(times), BodyHandle{body});
+            }
+            if (own.empty()) continue;
+            const auto run = part_of(data_, &SceneParts::bodies, part.bodies.front()).first;
+            sum += working::gain(*run, from, to, [&](double t, Side side) { return kinetic_energy(t, own, side); });
         }
-        if (own.empty()) continue;
-        const auto& pieces = part_of(data_, &SceneParts::bodies, part.bodies.front()).first->record;
-        sum += integral_over_pieces(pieces, t0, t1, [&](double t) { return power(t, own); });
-    }
-    return sum;
+        return sum;
+    });
 }
 inline double Trajectory::work(double t0, double t1, LoadHandle load) const {
-    (void)applied(load);
-    const auto [part, index] = part_of(data_, &SceneParts::loads, load.index);
-    return integral_over_pieces(part->record, t0, t1, [&](double t) { return power(t, load); });
+    const Scene::AppliedLoad& given = applied(load);
+    // a magnetic force does none
+    if (!is_present(given.load) || std::holds_alternative<Lorentz>(given.load)) return 0.0;
+    const auto run = part_of(data_, &SceneParts::loads, load.index).first;
+    const auto potential_gain = [&](const Scene::AppliedLoad& of, double from, double to) {
+        return working::gain(*run, from, to, [&](double t, Side side) { return *potential_of(of, t, side); });
+    };
+    const TorsionSpring* spring = std::get_if<TorsionSpring>(&given.load);
+    const bool is_damped = spring != nullptr && spring->damping != 0.0;
+    return work_between(t0, t1, [&](double from, double to) {
+        if (!is_damped && potential_of(given, from, Side::after)) return potential_gain(given, from, to);
+        // in closed form a damped spring about a hinge is alone with what has a potential
+        if (is_damped && run->record.closed && !std::isfinite(run->record.closed->pace())) {
+            double sum = work(from, to, Bodies{{given.body}});
+            const Vector3 weight = scene().gravity() * scene().bodies()[static_cast<std::size_t>(given.body)].mass();
+            sum -= working::gain(*run, from, to, [&](double t, Side side) {
+                return weight.dot((*this)[BodyHandle{given.body}].center_of_mass(t, side));
+            });
+            for (const Scene::AppliedLoad& other : scene().loads())
+                if (other.body == given.body && &other != &given && is_present(other.load))
+                    sum -= potential_gain(other, from, to);
+            return sum;
+        }
+        return working::integral(run->record, from, to, [&](double t) { return power(t, load); });
+    });
 }
 inline double Trajectory::work(double t0, double t1, CouplingHandle coupling) const {
     (void)(*this)[coupling];
-    const auto [part, index] = part_of(data_, &SceneParts::couplings, coupling.index);
-    return integral_over_pieces(part->record, t0, t1, [&](double t) { return power(t, coupling); });
+    const Coupling& given = scene().connections()[static_cast<std::size_t>(coupling.index)].coupling;
+    if (!is_present(given)) return 0.0;
+    const auto run = part_of(data_, &SceneParts::couplings, coupling.index).first;
+    return work_between(t0, t1, [&](double from, double to) {
+        if (std::get<Spring>(given).damping == 0.0)
+            return working::gain(*run, from, to, [&](double t, Side side) { return potential_of(coupling, t, side); });
+        return working::integral(run->record, from, to, [&](double t) { return power(t, coupling); });
+    });
 }
 
 inline Observe Trajectory::observing_parts(double t, Side side) const {
@@ -306,18 +337,10 @@ inline Observe Trajectory::observing_parts(double t, Side side) const {
 }
 
 inline double Trajectory::power(double t, LoadHandle load, Side side) const {
-    const auto& [given, body, at] = applied(load);
-    if (scene().bodies()[static_cast<std::size_t>(body)].rigid() != nullptr) {
-        const auto [part, index] = part_of(data_, &SceneParts::loads, load.index);
-        const Moment m(*part, t, side);
-        return part->model->laws().power(part->scene.loads()[static_cast<std::size_t>(index)], t, m.x);
-    }
-    const PointReport r = (*this)[BodyHandle{body}].report(t, side);
-    if (const Drag* drag = std::get_if<Drag>(&given)) {
-        const double v = r.velocity.norm();
-        return -(drag->linear + drag->quadratic * v) * v * v;
-    }
-    return force_of<double>(given, t, r.position, r.velocity).dot(r.velocity);
+    (void)applied(load);
+    const auto [part, index] = part_of(data_, &SceneParts::loads, load.index);
+    const Moment m(*part, t, side);
+    return part->model->power(m.mode, part->scene.loads()[static_cast<std::size_t>(index)], index, t, m.x);
 }
 
 inline double Trajectory::power(double t, CouplingHandle coupling, Side side) const {

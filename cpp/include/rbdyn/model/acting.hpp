@@ -1,0 +1,74 @@
+// What acts in a mode and how it accelerates everything, from the equations of the mode itself.
+//
+// Where a force jumps, the state alone does not say which side it is on: at the surface of a case distinction its mode
+// does, and where motion slides along the surface both sides act, each with its weight. So reports take forces, moments
+// and the rates of the variables from the program of their mode, as guards and watched functions do; where nothing is
+// distinguished the laws at the state give the same.
+//
+// Layout of the values behind the rates of the state: of each body the active force [N], what is along its rail (r'.F),
+// the moment about o [N m, in the frame of rigid_state.hpp]; of each spring the force on its first end [N]; of each
+// load of the scene its power [W], zero of one that no distinction can be in. Forces are seen from the view.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/hybrid.hpp"
+
+namespace rbdyn {
+
+struct Acting {
+    static constexpr int per_body = 7, per_spring = 3;
+
+    int variables = 0, bodies = 0, springs = 0;
+    std::vector<double> values;
+
+    double rate(int place) const { return at(place); }
+    Vector3 force(int body) const { return vector(of_body(body)); }
+    double along(int body) const { return at(of_body(body) + 3); }
+    Vector3 moment(int body) const { return vector(of_body(body) + 4); }
+    Vector3 spring_force(int spring) const { return vector(of_body(bodies) + per_spring * spring); }
+    double power(int load) const { return at(of_body(bodies) + per_spring * springs + load); }
+
+private:
+    int of_body(int body) const { return variables + per_body * body; }
+    double at(int i) const { return values[static_cast<std::size_t>(i)]; }
+    Vector3 vector(int i) const { return {at(i), at(i + 1), at(i + 2)}; }
+};
+
+/// At a state of a mode; none where the laws at the state say it all.
+inline std::optional<Acting> acting_in(const Mode& mode, int bodies, int springs, double t, std::span<const double> x) {
+    if (mode.equations == nullptr || mode.equations->acting == nullptr) return std::nullopt;
+    const Program& program = *mode.equations->acting;
+    std::vector<double> parameters = mode.parameters;
+    parameters.resize(static_cast<std::size_t>(program.parameters()), 0.0);
+    Evaluator<double> values(program);
+    values.set_parameters(parameters);
+    values(t, x);
+    // the sign of what the motion itself does not depend on is that of the state
+    bool has_loose = false;
+    const std::vector<Switch>& known = mode.equations->program.switches();
+    for (std::size_t k = 0; k < program.switches().size(); ++k) {
+        const Switch& s = program.switches()[k];
+        if (s.is_norm) continue;
+        bool is_known = false;
+        for (const Switch& other : known) is_known = is_known || other.parameter == s.parameter;
+        if (is_known) continue;
+        has_loose = true;
+        parameters[static_cast<std::size_t>(s.parameter)] = values.switch_value(static_cast<int>(k)) < 0.0 ? -1.0 : 1.0;
+    }
+    if (has_loose) {
+        values.set_parameters(parameters);
+        values(t, x);
+    }
+    Acting result{static_cast<int>(x.size()), bodies, springs, {}};
+    result.values.reserve(static_cast<std::size_t>(program.outputs()));
+    for (int i = 0; i < program.outputs(); ++i) result.values.push_back(values.output(i));
+    return result;
+}
+
+}  // namespace rbdyn

@@ -1,0 +1,275 @@
+// Euler angles with their turns at any time of a motion that repeats itself, without walking through it.
+//
+// A free body, and a heavy top about its vertical, repeat their attitude after a period but for a turn about an axis
+// fixed in the world (K, the vertical). In axes whose third is that one, with A the turn from these to the world's,
+//     u = w + i z = c e^{i s},  f = x + i y = d e^{i r},
+// c and d have the period T, and the lifted arguments s and r grow by the same from period to period. In the world
+//     w + i z = A1 u - A2 conj(f),   x + i y = A1 f + A2 conj(u),   A = (A1, A2) in the same form,
+// each a sum of two terms p + q. While |p| > |q| its lifted argument is that of p and at most a quarter turn, while
+// |q| > |p| that of q; where they change places it gains as many turns as arg p - arg q has, rounded. These are the
+// same places D_j in every period but for a turn that grows evenly, D_j + n Delta, so the turns gained in n periods are
+// sums of floor(alpha n + beta), which are known without adding them up (as a greatest common divisor is found).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/rotation/euler_path.hpp"
+
+namespace rbdyn {
+
+/// A motion's attitude comes back after a period, turned about an axis [s; world axes].
+struct Recurrence {
+    Vector3 axis;
+    double period;
+};
+
+/// sum of floor(alpha i + beta), i = 0 .. n-1, in about log n steps.
+inline long double floor_sum(std::int64_t n, long double alpha, long double beta) {
+    if (n <= 0) return 0.0L;
+    const long double a = std::floor(alpha), b = std::floor(beta), count = static_cast<long double>(n);
+    const long double whole = a * count * (count - 1.0L) / 2.0L + b * count;
+    alpha -= a;
+    beta -= b;
+    const long double last = std::floor(alpha * (count - 1.0L) + beta);
+    if (last < 1.0L) return whole;
+    // the same points counted by height: i reaches j from (j - beta)/alpha on
+    return whole + count * last + floor_sum(static_cast<std::int64_t>(last), -1.0L / alpha, (beta - 1.0L) / alpha);
+}
+
+class EulerTurns {
+public:
+    /// From the attitude as a function of time, over one period from time `start` on, where the angles are known. None
+    /// if the motion does not come back as it should, or passes along its own axis.
+    template <class Motion>
+    static std::optional<EulerTurns> of(const Recurrence& r, const EulerStep& start, Motion&& motion) {
+        if (!(r.period > 0.0) || !std::isfinite(r.period) || !(r.axis.norm() > 0.0)) return std::nullopt;
+        EulerTurns result(r, start);
+        if (!result.walk(motion)) return std::nullopt;
+        result.begin_ = result.lifted(start.time, motion(start.time).attitude);
+        result.choose_sheet();
+        return result;
+    }
+
+    /// The angles at a time at or after that start, where the attitude is `now`; none if they do not give it.
+    std::optional<EulerAngles> at(double t, const Quaternion& now) const {
+        const Lifted is = lifted(t, now);
+        const EulerAngles guess{start_.theta + sheet_ * (is.theta - begin_.theta), start_.psi + (is.psi - begin_.psi),
+                                start_.phi + (is.phi - begin_.phi)};
+        const EulerAngles a = continue_from(guess, now);
+        const double off =
+            std::max({std::abs(a.theta - guess.theta), std::abs(a.psi - guess.psi), std::abs(a.phi - guess.phi)});
+        if (!(off < 1e-3)) return std::nullopt;
+        return a;
+    }
+
+private:
+    using Complex = std::complex<double>;
+
+    /// Arguments of u and f without jumps.
+    struct Lift {
+        double s, r;
+    };
+    struct Sample {
+        double time;
+        Lift lift;
+    };
+    /// Where the terms of a sum change places, by arg p - arg q; +1: from then on q is the larger.
+    struct Swap {
+        double time, difference;
+        int sign;
+    };
+    struct Lifted {
+        double theta, psi, phi;
+    };
+    struct Terms {
+        double p, q, arg_p, arg_q;  // sizes and lifted arguments
+    };
+
+    EulerTurns(const Recurrence& r, const EulerStep& start)
+        : period_(r.period), first_(start.time), start_(start.angles) {
+        // the shortest turn from the third axis to that of the motion; half a turn about the first if it is opposite
+        const Vector3 e = r.axis / r.axis.norm();
+        const double up = 1.0 + e[2], across = std::hypot(e[0], e[1]);
+        Quaternion a{1.0, 0.0, 0.0, 0.0};
+        if (across > 0.0 || e[2] < 0.0)
+            a = up > 0.0 ? normalized(Quaternion{up, -e[1], e[0], 0.0}) : Quaternion{0.0, 1.0, 0.0, 0.0};
+        to_axis_ = conjugate(a);
+        a1_ = {a.w, a.z};
+        a2_ = {a.x, a.y};
+    }
+
+    /// (-theta, psi + pi, phi + pi) are the same attitude: which of the two the angles began with.
+    void choose_sheet() {
+        const auto off = [&](double sign, double half_turn) {
+            return std::abs(rotations::nearest(start_.theta - sign * begin_.theta, 0.0)) +
+                   std::abs(rotations::nearest(start_.psi - begin_.psi - half_turn, 0.0)) +
+                   std::abs(rotations::nearest(start_.phi - begin_.phi - half_turn, 0.0));
+        };
+        sheet_ = off(1.0, 0.0) <= off(-1.0, std::numbers::pi) ? 1.0 : -1.0;
+    }
+
+    static Complex upright(const Quaternion& q) { return {q.w, q.z}; }
+    static Complex fallen(const Quaternion& q) { return {q.x, q.y}; }
+
+    Terms terms_of(int which, const Quaternion& q, const Lift& lift) const {
+        const double u = std::abs(upright(q)), f = std::abs(fallen(q));
+        // w + i z = A1 u - A2 conj(f);  x + i y = A1 f + A2 conj(u)
+        if (which == 0) return {std::abs(a1_) * u, std::abs(a2_) * f, std::arg(a1_) + lift.s, std::arg(-a2_) - lift.r};
+        return {std::abs(a1_) * f, std::abs(a2_) * u, std::arg(a1_) + lift.r, std::arg(a2_) - lift.s};
+    }
+
+    /// The argument next to a known one.
+    static double next_to(double known, double argument) { return rotations::nearest(argument, known); }
+    static Lift next_to(const Lift& known, const Quaternion& q) {
+        return {std::abs(upright(q)) > none ? next_to(known.s, std::arg(upright(q))) : known.s,
+                std::abs(fallen(q)) > none ? next_to(known.r, std::arg(fallen(q))) : known.r};
+    }
+
+    /// Through one period: lifts, and where terms change places.
+    template <class Motion>
+    bool walk(Motion&& motion) {
+        const auto seen = [&](double t) {
+            Turning now = motion(t);
+            now.attitude = to_axis_ * now.attitude;
+            return now;
+        };
+        Turning now = seen(first_);
+        const Quaternion at_start = now.attitude;
+        Quaternion q = at_start;
+        double t = first_;
+        Lift lift{std::arg(upright(q)), std::arg(fallen(q))};
+        samples_.push_back({t, lift});
+        std::array<Terms, 2> before{terms_of(0, q, lift), terms_of(1, q, lift)};
+        bool ever[2] = {false, false}, any[2] = {false, false};  // whether the terms of a sum ever differ, ever are
+        const double end = first_ + period_;
+        for (int steps = 0; t < end; ++steps) {
+            if (steps > most_steps) return false;
+            // along the axis one of the two is nothing all the time, or this is no way to go
+            const double c = std::abs(upright(q)), d = std::abs(fallen(q)), least = std::min(c, d);
+            if (least > none && least < 1e-8) return false;
+            const double reach = least > none ? std::min(0.1, 0.25 * least) : 0.1;
+            double step = std::min(reach / now.angular_velocity.norm(), end - t);
+            Turning then = seen(t + step);
+            while (then.angular_velocity.norm() * step > 2.0 * reach && step > 1e-12 * period_) {
+                step *= 0.5;
+                then = seen(t + step);
+            }
+            if (std::min(std::abs(upright(then.attitude)), std::abs(fallen(then.attitude))) <= none && least > none)
+                return false;
+            const double later = end - (t + step) <= 1e-12 * period_ ? end : t + step;
+            const Lift there = next_to(lift, then.attitude);
+            for (int which : {0, 1}) {
+                const Terms after = terms_of(which, then.attitude, there);
+                const Terms& was = before[static_cast<std::size_t>(which)];
+                any[which] = any[which] || after.p > none || after.q > none;
+                ever[which] = ever[which] || std::abs(after.p - after.q) > tie || std::abs(was.p - was.q) > tie;
+                if ((was.p > was.q) != (after.p > after.q))
+                    swaps_[which].push_back(swap(which, seen, t, later, lift, was.p > was.q));
+                before[static_cast<std::size_t>(which)] = after;
+            }
+            t = later;
+            q = then.attitude;
+            now = then;
+            lift = there;
+            samples_.push_back({t, lift});
+        }
+        growth_ = {lift.s - samples_.front().lift.s, lift.r - samples_.front().lift.r};
+        for (int which : {0, 1}) {
+            ties_[which] = !ever[which];
+            gone_[which] = !any[which];
+            if (ties_[which]) swaps_[which].clear();
+            if (swaps_[which].size() % 2 != 0) return false;
+        }
+        return std::abs(std::abs(upright(q)) - std::abs(upright(at_start))) < 1e-9;
+    }
+
+    template <class Seen>
+    Swap swap(int which, Seen&& seen, double lo, double hi, const Lift& known, bool p_first) const {
+        for (int i = 0; i < 60 && hi - lo > 1e-15 * std::abs(hi); ++i) {
+            const double middle = 0.5 * (lo + hi);
+            const Quaternion q = seen(middle).attitude;
+            const Terms x = terms_of(which, q, next_to(known, q));
+            ((x.p > x.q) == p_first ? lo : hi) = middle;
+        }
+        const Quaternion q = seen(hi).attitude;
+        const Terms x = terms_of(which, q, next_to(known, q));
+        return {hi, x.arg_p - x.arg_q, p_first ? 1 : -1};
+    }
+
+    Lifted lifted(double t, const Quaternion& attitude) const {
+        const Quaternion q = to_axis_ * attitude;
+        const double periods = std::floor((t - first_) / period_), n = std::max(periods, 0.0);
+        const double within = first_ + std::clamp((t - first_) - n * period_, 0.0, period_);
+        auto later = std::upper_bound(samples_.begin(), samples_.end(), within,
+                                      [](double time, const Sample& s) { return time < s.time; });
+        const Lift& near = (later == samples_.begin() ? later : std::prev(later))->lift;
+        const Lift lift = next_to({near.s + n * growth_.s, near.r + n * growth_.r}, q);
+        double size[2], argument[2], difference[2];
+        for (int which : {0, 1}) {
+            const Terms x = terms_of(which, q, lift);
+            difference[which] = x.arg_p - x.arg_q;
+            if (ties_[which]) {
+                // through zero and on: the size has a sign, the argument no turns of its own
+                argument[which] = 0.5 * (x.arg_p + x.arg_q);
+                size[which] = 2.0 * x.p * std::cos(0.5 * difference[which]);
+                continue;
+            }
+            size[which] = std::abs(which == 0 ? upright(attitude) : fallen(attitude));
+            const Complex turn = std::polar(1.0, difference[which]);
+            const bool p_first = x.p > x.q;
+            argument[which] = p_first ? x.arg_p + std::arg(1.0 + std::conj(turn) * (x.q / x.p))
+                                      : x.arg_q + std::arg(1.0 + turn * (x.p / x.q));
+            argument[which] += rotations::full_turn * turns(which, n, within);
+        }
+        // along the world's third axis for ever psi keeps its value
+        for (int which : {0, 1})
+            if (gone_[which]) argument[which] = -argument[1 - which];
+        double theta = 2.0 * std::atan2(size[1], size[0]);
+        if (ties_[0] && ties_[1] && !gone_[0] && !gone_[1]) {
+            // end over end: theta grows as the turn about the axis
+            const double sense = std::arg(-a2_) > std::arg(a2_) ? -1.0 : 1.0;
+            theta +=
+                2.0 * rotations::full_turn * std::round((sense * difference[0] - theta) / (2.0 * rotations::full_turn));
+        }
+        return {theta, argument[0] + argument[1], argument[0] - argument[1]};
+    }
+
+    /// Turns gained up to a time in the period after n.
+    double turns(int which, double n, double within) const {
+        const double per_turn = 1.0 / rotations::full_turn;
+        const long double alpha =
+            static_cast<long double>(growth_.s + growth_.r) / static_cast<long double>(rotations::full_turn);
+        long double sum = 0.0L;
+        for (const Swap& s : swaps_[which]) {
+            const long double beta = static_cast<long double>(s.difference) * per_turn + 0.5L;
+            const auto count = static_cast<std::int64_t>(n) + (s.time <= within ? 1 : 0);
+            sum += s.sign * floor_sum(count, alpha, beta);
+        }
+        return static_cast<double>(sum);
+    }
+
+    // a component of nothing; two terms that are one size; of a period near a separatrix
+    static constexpr double none = 1e-13, tie = 1e-12;
+    static constexpr int most_steps = 100000;
+
+    double period_, first_;
+    EulerAngles start_;
+    Lifted begin_{0.0, 0.0, 0.0};
+    Quaternion to_axis_;
+    Complex a1_, a2_;
+    std::vector<Sample> samples_;
+    Lift growth_{0.0, 0.0};
+    std::vector<Swap> swaps_[2];
+    bool ties_[2] = {false, false}, gone_[2] = {false, false};  // through zero, and zero for ever
+    double sheet_ = 1.0;
+};
+
+}  // namespace rbdyn
