@@ -55,7 +55,7 @@ double expect_like_the_assembly(const Scene& scene, double t, const std::string&
     };
     for (int i = 0; i < static_cast<int>(scene.bodies().size()); ++i) {
         if (scene.bodies()[static_cast<std::size_t>(i)].rigid() == nullptr) continue;
-        const RigidReport r = laws.rigid_report(i, slip, t, x);
+        const RigidReport r = laws.rigid_report(i, std::vector<signed char>(scene.bodies().size(), 1), t, x);
         const AssembledBody b = assembly.body(i);
         const Matrix3 axes = assembly.motion(i).axes;
         const double effort = b.effort, least = scene.bodies()[static_cast<std::size_t>(i)].mass() * 0.05;
@@ -151,7 +151,7 @@ TEST(IdealJoints, reactions_of_every_joint_do_no_work_on_what_it_allows) {
         const BodyHandle body = add_random(scene, random, random_body(random), joint);
         load(scene, random, body, joint == 2);
         const PointLaws laws(scene, Placement{});
-        const RigidReport r = laws.rigid_report(0, slip, 0.25, laws.start());
+        const RigidReport r = laws.rigid_report(0, std::vector<signed char>{1}, 0.25, laws.start());
         const Joint& j = scene.bodies()[0].joint;
         EXPECT_GT(r.reaction.norm(), 1e-3);
         if (joint == 1) {
@@ -185,7 +185,7 @@ TEST(IdealJoints, a_balanced_rotor_asks_nothing_of_its_bearings_and_another_does
             const BodyHandle b = scene.add(body, Revolute{.axis = axis, .point = point}, {.angle = 1.0, .rate = 2.0});
             scene.apply(Torque(axis * 3.0, Frame::world), b);
             const PointLaws laws(scene, Placement{});
-            const RigidReport r = laws.rigid_report(0, slip, 0.0, laws.start());
+            const RigidReport r = laws.rigid_report(0, std::vector<signed char>{1}, 0.0, laws.start());
             EXPECT_LE(r.reaction.norm(), 40 * epsilon * 10.0);
             if (is_off) {
                 EXPECT_GT(r.reaction_torque.norm(), 0.1 * across.norm());
