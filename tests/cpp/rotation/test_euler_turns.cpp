@@ -32,7 +32,8 @@ TEST(EulerTurns, of_free_rotations_are_those_of_the_way_gone) {
             moments[i] = random.uniform(0.5, 1.0);
             omega[i] = random.uniform(-4.0, 4.0);
         }
-        Quaternion start = turn(random.direction(), random.uniform(-3.0, 3.0));
+        const Vector3 about = random.direction();
+        Quaternion start = turn(about, random.uniform(-3.0, 3.0));
         const int kind = k % 6;
         if (kind == 1) moments[1] = moments[0];
         if (kind == 2) moments[1] = moments[2] = moments[0];
@@ -50,8 +51,9 @@ TEST(EulerTurns, of_free_rotations_are_those_of_the_way_gone) {
         Vector3 momentum(0, 0, 0);
         for (int i = 0; i < 3; ++i) momentum[i] = moments[i] * omega[i];
         momentum = to_world<double>(start, momentum);
-        const double period =
-            rotation.regime() == FreeRotation::Regime::permanent ? 1.0 / rotation.precession_rate() : rotation.period();
+        // omega constant, or the third axis that of revolution: any time is a period
+        const bool is_steady = rotation.regime() == FreeRotation::Regime::permanent || kind == 1;
+        const double period = is_steady ? 1.0 / omega.norm() : rotation.period();
         const auto turns = EulerTurns::of({momentum, period}, walked, motion);
         ASSERT_TRUE(turns) << k;
         for (const double t : {1.0, 3.0, 10.0, 60.0}) {

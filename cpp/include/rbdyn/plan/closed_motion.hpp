@@ -80,6 +80,9 @@ public:
     std::optional<Recurrence> recurrence() const override {
         if (rotation_.regime() == FreeRotation::Regime::permanent)
             return Recurrence{momentum_, 1.0 / rotation_.precession_rate()};
+        // a body of revolution keeps its axis at one angle from K: any time is a period
+        if (law_.follows_axis && std::abs(law_.frame(2, 2)) == 1.0)
+            return Recurrence{momentum_, 1.0 / rotation_.at(0.0).angular_velocity.norm()};
         return Recurrence{momentum_, rotation_.period()};
     }
     std::string name() const override { return "free rotation"; }
