@@ -80,7 +80,7 @@ TEST(NothingPresses, a_load_that_sets_in_later_makes_the_bead_slip_then_and_to_i
     for (const double sign : {1.0, -1.0}) {
         const auto later = [=](const auto& t) { return where(t > 0.5, sign * (t - 0.5), 0.0 * t); };
         const Trajectory run = pushed(later, nothing, 1.5, &bead);
-        EXPECT_EQ(kinds(run), "switch slip");
+        EXPECT_EQ(kinds(run), "slip switch");
         EXPECT_NEAR(run.events().times("slip").at(0), 0.5, 1e-12);
         EXPECT_NEAR(run[bead].position(1.5).x(), sign / 12.0, 1e-10);
     }

@@ -668,7 +668,7 @@ TEST(StraightRails, that_lose_a_constant_load_are_left_when_it_changes_and_where
                 }),
                 bead.handle);
     const Trajectory run = simulate(scene, {.until = 1.5});
-    EXPECT_EQ(kinds(run), "switch detach");
+    EXPECT_EQ(kinds(run), "detach switch");
     EXPECT_NEAR(run[bead.handle].position(1.5).z(), 0.5 * gravity, 1e-12);
 }
 
