@@ -65,7 +65,9 @@ def check(seed, until=2.0, error=1e-8):
         return [w, (d @ field - d @ b * w * w) / (d @ d)]
 
     d = np.array(first(s))
-    sol = solve_ivp(rates, (0, until), [s, v / np.hypot(*d)], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True)
+    sol = solve_ivp(
+        rates, (0, until), [s, v / np.hypot(*d)], method="DOP853", rtol=1e-12, atol=1e-13, dense_output=True
+    )
     curve = rb.Curve(lambda u: [place(g(u))[0], 0 * u, place(g(u))[1]])
     scene = rb.Scene(gravity=[field[0], 0, field[1]])
     bead = scene.add(rb.Particle(1.0), rb.Rail(curve), parameter=u, speed=speed)
@@ -95,5 +97,7 @@ if __name__ == "__main__":
     for seed, what in results:
         if what and what != "ended":
             print(seed, what)
-    print(f"{count} scenes, {sum(w == 'ended' for _, w in results)} ended, "
-          f"{sum(w not in (None, 'ended') for _, w in results)} wrong")
+    print(
+        f"{count} scenes, {sum(w == 'ended' for _, w in results)} ended, "
+        f"{sum(w not in (None, 'ended') for _, w in results)} wrong"
+    )

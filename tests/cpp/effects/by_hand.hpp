@@ -150,6 +150,8 @@ struct CarriedBead {
         const S press = mass * (w * w) + mass * g * cos(u), pull = mass * g * sin(u);
         rates.rate(0) = w;
         rates.guard({.kind = EventKind::slip, .subject = 0}, (mu_hold * mu_hold) * (press * press) - pull * pull);
+        // to which side it slips where friction lets go
+        rates.output(pull);
     }
 };
 

@@ -148,6 +148,9 @@ public:
     int guard_order() const override {
         return starter_ != nullptr ? starter_->guard_order() : integrator_->guards.order();
     }
+    bool fits_guards() const override {
+        return starter_ != nullptr ? starter_->fits_guards() : integrator_->guards.fits();
+    }
     bool is_rough(int guard) const override {
         return starter_ != nullptr ? starter_->is_rough(guard) : integrator_->guards.is_rough(guard);
     }

@@ -69,6 +69,8 @@ public:
     /// Whether these say nothing of the guard all along the piece: it is not finite where that begins, or has a
     /// singularity too near. Its values do.
     virtual bool is_rough(int /*guard*/) const { return false; }
+    /// Whether they are those of polynomials through values, and not of series that are cut off.
+    virtual bool fits_guards() const { return false; }
 
     const Work& work() const { return work_; }
 

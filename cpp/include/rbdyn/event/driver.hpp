@@ -132,12 +132,16 @@ private:
             const Equations* before = mode.equations;
             Mode after = model_.next(mode, search_.fired(), t.hi, x, happenings);
             // the guards just handled are at their zero, whatever rounding makes of them: those of the same equations,
-            // and watched functions
+            // those of the same surface in others, and watched functions
             std::vector<bool> handled(after.equations->guards.size(), false);
             for (int index : search_.fired()) {
                 const Guard& guard = before->guards[static_cast<std::size_t>(index)];
                 if (guard.watch < 0) {
                     if (after.equations == before) handled[static_cast<std::size_t>(index)] = true;
+                    if (const auto surface = before->surface_of(guard))
+                        for (std::size_t g = 0; g < handled.size(); ++g)
+                            handled[g] =
+                                handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
                     continue;
                 }
                 search_.forget_side(guard);

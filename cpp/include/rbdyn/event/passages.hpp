@@ -29,6 +29,7 @@ public:
         double gap = 0.0;                           // between the last piece and this one
         std::optional<double> late = std::nullopt;  // how far beyond 1 is met at 1: the run ends there
         double reach = 0x1p-4;                      // how far beyond 1 the polynomial holds
+        bool is_series = true;                      // cut off, so that its last terms say what it leaves out
     };
     /// Where it passes zero, and how far from there it cannot tell itself from zero.
     struct Place {
@@ -49,7 +50,7 @@ public:
         std::copy_n(q, degree + 1, q_.begin());
         bool at_zero = a.at_zero;
         if (!at_zero && a.zero) {
-            weigh(sizes, a.gap);
+            weigh(sizes, a);
             at_zero = std::abs(q[0] - *a.zero) <= 16.0 * noise_[0];
         }
         if (at_zero) q_[0] = 0.0;
@@ -61,7 +62,7 @@ public:
         // far from zero at the end of the run, too
         const bool ends = !a.late || std::abs(value(1.0)) > 1e-3 * series::value_of_sizes(q_.data(), degree_, 1.0);
         if (roots_.empty() && leaves_ == a.side && ends) return;
-        if (!has_noise_) weigh(sizes, a.gap);
+        if (!has_noise_) weigh(sizes, a);
         at_start_ = at_zero ? 0.0 : noise_[0];
         keep_lobes(a, at_end);
     }
@@ -76,13 +77,13 @@ private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
     template <class Sizes>
-    void weigh(const Sizes& sizes, double gap) {
+    void weigh(const Sizes& sizes, const Arrival& a) {
         sizes(noise_.data());
         for (int k = 0; k <= degree_; ++k)
             noise_[at(k)] = 4.0 * epsilon * looseness_ * std::max(noise_[at(k)], std::abs(q_[at(k)]));
-        noise_[0] = std::max(noise_[0], gap);
+        noise_[0] = std::max(noise_[0], a.gap);
         // what a series leaves out is less than its last terms
-        if (degree_ > 1)
+        if (a.is_series && degree_ > 1)
             noise_[at(degree_)] += std::max(std::abs(q_[at(degree_)]), 0.1 * std::abs(q_[at(degree_ - 1)]));
         has_noise_ = true;
     }

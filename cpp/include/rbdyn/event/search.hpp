@@ -291,7 +291,7 @@ private:
         const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
         if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) return;
         if (!fresh && is_watch && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
-        Passages::Arrival arrival{.side = side};
+        Passages::Arrival arrival{.side = side, .is_series = !engine_.fits_guards()};
         if (fresh && handled(g)) {
             arrival.at_zero = !is_watch;
             if (is_watch && guard.watch >= 0) arrival.zero = watched(guard).zero;
@@ -365,7 +365,7 @@ private:
             return side_of(guard);
         };
         const auto fitted = [&](const series::Coefficients& q, double lo, double hi) {
-            Passages::Arrival arrival{.side = side()};
+            Passages::Arrival arrival{.side = side(), .is_series = false};
             if (fresh && lo == 0.0 && handled(g)) {
                 arrival.at_zero = !guard.is_watched();
                 if (guard.watch >= 0) arrival.zero = watched(guard).zero;

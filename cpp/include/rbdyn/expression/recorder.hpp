@@ -121,6 +121,8 @@ public:
         if (!x.is_constant()) return x.node();
         if (x.is_number()) return node_of_number(x);
         const auto [value, is_wide] = x.constant();
+        // zero has no further digits: one node, however it came about
+        if (value.hi == 0.0) return intern({Operation::constant, -1, -1, -1, -1, value.hi});
         return intern({Operation::constant, -1, -1, -1, -1, value.hi, value.lo, is_wide});
     }
 

@@ -123,6 +123,16 @@ struct Equations {
         const int index = guard.output - program.outputs();
         return index >= 0 ? &program.switches()[static_cast<std::size_t>(index)] : nullptr;
     }
+    /// The surface of the switch or of the choice of two that a guard stands for, by id; none for others.
+    std::optional<std::uint64_t> surface_of(const Guard& guard) const {
+        if (guard.sliding >= 0 || guard.output < 0) return std::nullopt;
+        if (guard.branch >= 0) {
+            const Branch& b = branches[static_cast<std::size_t>(guard.branch)];
+            return b.is_select ? std::optional(b.surface) : std::nullopt;
+        }
+        const Switch* s = switch_of(guard);
+        return s != nullptr && !s->is_norm ? std::optional(s->surface) : std::nullopt;
+    }
     /// Whether a guard is a state variable itself.
     bool is_variable(const Guard& guard) const {
         return guard.output >= 0 && program.output(guard.output) < program.inputs();

@@ -220,15 +220,9 @@ private:
         return true;
     }
 
-    /// The surface of the switch or of the choice of two that a guard stands for, if motion may slide along it.
+    /// The surface that a guard stands for, if motion may slide along it.
     static std::optional<std::uint64_t> surface_of(const Equations& e, const Guard& guard) {
-        if (guard.kind != EventKind::switching || guard.sliding >= 0) return std::nullopt;
-        if (guard.branch >= 0) {
-            const Branch& b = e.branches[at(guard.branch)];
-            return b.is_select ? std::optional(b.surface) : std::nullopt;
-        }
-        const Switch* s = e.switch_of(guard);
-        return s != nullptr && !s->is_norm ? std::optional(s->surface) : std::nullopt;
+        return guard.kind == EventKind::switching ? e.surface_of(guard) : std::nullopt;
     }
 
     /// Looks whether a mode goes on as decided: not along a surface that it is pulled off, not back to one of `touched`
