@@ -71,8 +71,6 @@ public:
         if (!(limit - t_ > 0.0)) return StepStatus::stalled;
         if (!has_slope_ && !evaluate(t_, x_, slope_.data())) return StepStatus::not_finite;
         has_slope_ = true;
-        // forces may be in balance where a mode begins, and their rounding all there is of a slope
-        if (is_first_) find_rounding();
         const double span = limit - t_;
         double& wanted = workshop_->step;
         if (!(wanted > 0.0)) wanted = first_step(span);
@@ -319,21 +317,15 @@ private:
         return fifth * fifth / std::sqrt(fifth * fifth + 0.01 * third * third);
     }
 
-    /// What rounding of the state does to the slopes, and that of their own terms: steps of a motion far from its
-    /// origin, or of one that begins under forces in balance, must not shrink for that.
+    /// What rounding of the state does to the slopes: steps of a motion far from its origin must not shrink for that.
     void find_rounding() {
-        // 32 of these are allowed (attempt), 2 units in the last place of a slope's terms in all
-        constexpr double of_terms = epsilon / 16.0;
-        std::vector<double> terms(x_.size());
-        if (!evaluate(t_, x_, defect_.data())) return;
-        for (int i = 0; i < n(); ++i) terms[at(i)] = of_terms * workshop_->evaluator.magnitude(i);
         for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] * (i % 2 == 0 ? 1.0 + epsilon : 1.0 - epsilon);
         if (!evaluate(t_, y_, defect_.data())) return;
         for (std::size_t g = 0; g < rounding_.size(); ++g) {
             const VariableGroup& group = equations_->groups[g];
             rounding_[g] = 0.0;
             for (int i = group.first; i < group.first + group.count; ++i)
-                rounding_[g] = std::max({rounding_[g], std::abs(defect_[at(i)] - slope_[at(i)]), terms[at(i)]});
+                rounding_[g] = std::max(rounding_[g], std::abs(defect_[at(i)] - slope_[at(i)]));
         }
     }
 

@@ -165,6 +165,7 @@ inline void put(Writer& w, const Record& record) {
     w.put(record.work);
     w.put(record.variables);
     w.put(record.first_state);
+    w.put(record.windings);
     w.put(record.closed != nullptr);
     w.put(record.entries().size());
     for (std::size_t i = 0; i < record.entries().size(); ++i) {
@@ -187,6 +188,8 @@ inline Record take_record(Reader& r, const Plan& plan) {
     r.take(record.work);
     r.take(record.variables);
     record.first_state = r.list<double>();
+    const auto wound = r.take<std::size_t>();
+    for (std::size_t i = 0; i < wound; ++i) record.windings.push_back(r.list<double>());
     if (r.take<bool>()) record.closed = plan.closed;
     for (auto left = r.take<std::size_t>(); left > 0; --left) {
         const auto e = r.take<Record::Entry>();
