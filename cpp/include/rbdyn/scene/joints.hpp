@@ -8,6 +8,7 @@
 
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/one_side.hpp"
+#include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/time_function.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
