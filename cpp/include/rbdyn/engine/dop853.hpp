@@ -58,7 +58,7 @@ public:
         x_.assign(x.begin(), x.end());
         std::fill(low_.begin(), low_.end(), 0.0);
         estimates_.assign(equations.groups.size(), 0.0);
-        next_estimates_ = rounding_ = estimates_;
+        next_estimates_ = rounding_ = spread_ = estimates_;
         has_slope_ = false;
         is_first_ = true;
         is_cut_ = false;
@@ -99,7 +99,7 @@ public:
             if (error <= 1.0) error = std::max(error, interpolate(h));
             if (error <= 1.0) break;
             ++work_.rejected;
-            if (!rejected) find_rounding();
+            if (!rejected) find_rounding(h);
             wanted = h * factor(error);
             estimates_ = next_estimates_;
         }
@@ -306,10 +306,11 @@ private:
             const double moved = scales_.scale(group);
             const double scale = std::max({moved, reach, estimates_[g]});
             const double allowed = allowed_[g] =
-                std::max({tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group), 32.0 * h * rounding_[g]});
+                std::max(tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group));
             if (size5 == 0.0 && size3 == 0.0) continue;
-            fifth = std::max(fifth, h * size5 / allowed);
-            third = std::max(third, h * size3 / allowed);
+            const double rounding = rounding_[g] + h * spread_[g];
+            if (size5 > rounding) fifth = std::max(fifth, h * (size5 - rounding) / allowed);
+            if (size3 > rounding) third = std::max(third, h * (size3 - rounding) / allowed);
             // a trial that is too long but roughly right tells the scale of motion that has hardly begun
             if (moved == 0.0) next_estimates_[g] = h * size5 < 0.5 * reach ? reach : 0.0;
         }
@@ -317,16 +318,30 @@ private:
         return fifth * fifth / std::sqrt(fifth * fifth + 0.01 * third * third);
     }
 
-    /// What rounding of the state does to the slopes: steps of a motion far from its origin must not shrink for that.
-    void find_rounding() {
+    /// What rounding does to the slopes: that of the state, for a motion far from its origin, that of the terms which
+    /// slopes are made of, where forces in balance let go, and what this does to other slopes within a step, in
+    /// proportion to its length. No shorter step has less of it; so it is taken off what a step is blamed for, for one
+    /// that is only forgiven would never grow again.
+    void find_rounding(double h) {
+        const auto largest_change = [&](const VariableGroup& group) {
+            double change = 0.0;
+            for (int i = group.first; i < group.first + group.count; ++i)
+                change = std::max(change, std::abs(defect_[at(i)] - slope_[at(i)]));
+            return change;
+        };
         for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] * (i % 2 == 0 ? 1.0 + epsilon : 1.0 - epsilon);
         if (!evaluate(t_, y_, defect_.data())) return;
         for (std::size_t g = 0; g < rounding_.size(); ++g) {
             const VariableGroup& group = equations_->groups[g];
-            rounding_[g] = 0.0;
-            for (int i = group.first; i < group.first + group.count; ++i)
-                rounding_[g] = std::max(rounding_[g], std::abs(defect_[at(i)] - slope_[at(i)]));
+            rounding_[g] = 32.0 * largest_change(group);
+            for (int i = group.first; i < group.first + group.count; ++i) {
+                const double own = 16.0 * epsilon * workshop_->evaluator.magnitude(i);
+                rounding_[g] = std::max(rounding_[g], own);
+                y_[at(i)] = x_[at(i)] + h * own;
+            }
         }
+        if (!evaluate(t_, y_, defect_.data())) return;
+        for (std::size_t g = 0; g < rounding_.size(); ++g) spread_[g] = largest_change(equations_->groups[g]) / h;
     }
 
     /// How much longer the next step may be; the error goes as its eighth power. Estimates of what swings pass through
@@ -379,7 +394,8 @@ private:
             double size = 0.0;
             for (int i = group.first; i < group.first + group.count; ++i)
                 size = std::max(size, std::abs(defect_[at(i)]));
-            if (size > 0.0) error = std::max(error, defect_weight * size / allowed_[g]);
+            const double excess = size - h * (rounding_[g] + h * spread_[g]);
+            if (excess > 0.0) error = std::max(error, defect_weight * excess / allowed_[g]);
         }
         return error;
     }
@@ -475,7 +491,8 @@ private:
     double offset_ = 0.0, natural_ = 1.0;             // where the piece begins on it
     std::vector<double> coefficients_, part_;         // of the whole step; of a part of it
     std::vector<double> next_coefficients_, defect_;  // of the step that is tried; of its polynomial
-    std::vector<double> allowed_, rounding_;  // per group, error of the step that is tried; that of slopes by rounding
+    std::vector<double> allowed_;             // per group, error of the step that is tried
+    std::vector<double> rounding_, spread_;   // per group, what rounding does to slopes, and more of it in unit time
     mutable double anchor_ = 0.0;             // a place on the whole step
     mutable std::vector<double> anchor_state_;  // and the state there
     MotionScales scales_;
