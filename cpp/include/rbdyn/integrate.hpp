@@ -229,6 +229,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
     const bool keeps_all = options.keep.what == Keep::What::all;
     const Keep compared = compared_pieces(options);
     Timed run = run_with(engine, tolerance, compared);
+    std::vector<Event> grazes;
     // a closed form is not wrong itself
     AccuracyCheck check(model, options.error, compared.times, options.monitor, form ? 1.25 : 2.0);
     for (;;) {
@@ -270,6 +271,7 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         }
         result.error = comparison.error;
         result.certain_until = comparison.certain_until;
+        grazes = std::move(comparison.grazes);
         if (comparison.same_events && comparison.error <= options.error) break;
         // what is left is the rounding of doubles, and what the motion makes of it
         if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
@@ -286,10 +288,13 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
         if (at_floor) {
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
-            result.message = "simulate: error " + text(options.error) + " was asked for and engine " + engine +
-                             " reached " + text(comparison.error) +
-                             " in this motion; it is certain up to t = " + text(comparison.certain_until) + " s. " +
-                             std::string(advice(Status::accuracy_not_reached));
+            result.message =
+                "simulate: error " + text(options.error) + " was asked for and engine " + engine +
+                (comparison.same_events ? " reached " + text(comparison.error) + " in this motion"
+                                        : std::string(" cannot tell which events this motion has")) +
+                (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
+                "; it is certain up to t = " + text(comparison.certain_until) + " s. " +
+                std::string(advice(Status::accuracy_not_reached));
             take(std::move(run));
             return result;
         }
@@ -305,6 +310,11 @@ inline Solution solve(const HybridModel& model, const std::vector<double>& x, co
     }
     if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);
     if (is_cut_short(run)) return result;
+    std::erase_if(run.record.events, [&](const Event& e) {
+        return std::any_of(grazes.begin(), grazes.end(), [&](const Event& g) {
+            return e.time == g.time && e.kind == g.kind && e.subject == g.subject;
+        });
+    });
     take(std::move(run));
     return result;
 }

@@ -173,6 +173,37 @@ TEST(Belt, is_nearly_harmonic_as_the_static_coefficient_falls_to_the_dynamic_one
     }
 }
 
+TEST(Belt, has_all_holds_of_a_tiny_gap_or_says_from_where_on_rounding_decides_of_them) {
+    // slip rises to gap^2/2 above zero and falls again: rounding where gap^2 is
+    for (const double gap : {0x1p-18, 0x1p-21, 0x1p-24, 0x1p-27, 0x1p-30, 1e-12})
+        for (const double error : {1e-6, 1e-8, 1e-10, 1e-13})
+            for (const std::string engine : {"taylor", "dop853"}) {
+                const Belt belt(0.5 + gap, 0.5, 1.0);
+                const Attempt result = attempt(belt.bead.scene, {.until = 30.0, .error = error, .engine = engine});
+                const auto certain =
+                    result.outcome == simulating::Solution::Outcome::good ? 30.0 : result.run.certain_until();
+                std::size_t k = 0;
+                for (double t = 0.5 + gap; t < certain - 2.0 * belt.stick;
+                     t += k % 2 == 0 ? belt.slip : belt.stick, ++k) {
+                    ASSERT_LT(k, result.run.events().size()) << gap << ' ' << error << engine;
+                    EXPECT_EQ(result.run.events()[k].kind, k % 2 == 0 ? EventKind::slip : EventKind::stick);
+                    EXPECT_NEAR(result.run.events()[k].time, t, error * t) << gap << ' ' << error << engine;
+                }
+                if (result.outcome == simulating::Solution::Outcome::good)
+                    EXPECT_EQ(result.run.events().size(), k) << gap << ' ' << error;
+                if (gap >= 0x1p-18 && error >= 1e-10)
+                    EXPECT_EQ(result.outcome, simulating::Solution::Outcome::good) << gap << ' ' << error;
+            }
+}
+
+TEST(Belt, of_equal_coefficients_never_holds_again_whatever_the_accuracy) {
+    const Belt belt(0.5, 0.5, 1.0);
+    for (const double error : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13})
+        for (const std::string engine : {"taylor", "dop853"})
+            EXPECT_EQ(simulate(belt.bead.scene, {.until = 30.0, .error = error, .engine = engine}).events().size(), 1u)
+                << error << engine;
+}
+
 /// Motion of a bead with spring w^2 on a line whose surface moves with V(t) = a sin(b t), piece by piece in closed
 /// form; zeros by bisection on a fine grid, all in long double.
 struct DrivenLine {

@@ -72,8 +72,27 @@ public:
     /// In order; its side changes at each.
     const std::vector<Place>& places() const { return places_; }
 
+    /// The first place, up to `end`, where what was searched last comes so near to zero and turns back that rounding,
+    /// its own and what it made of the motion so far, decides whether it passes.
+    template <class Sizes>
+    std::optional<double> touch(const Arrival& a, const Sizes& sizes, double end) {
+        if (degree_ < 2 || series::slope_bounds(q_.data(), degree_).exclude_zero()) return std::nullopt;
+        series::Coefficients slope;
+        for (int k = 0; k < degree_; ++k) slope[at(k)] = (k + 1) * q_[at(k + 1)];
+        turns_.clear();
+        finder_.find(slope.data(), degree_ - 1, turns_);
+        for (const double x : turns_) {
+            if (x >= end) break;
+            if (!has_noise_) weigh(sizes, a);
+            if (std::abs(value(x)) <= near * noise(x, false)) return x;
+        }
+        return std::nullopt;
+    }
+
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    // rounding of the motion so far, in units of that of a guard's terms
+    static constexpr double near = 32.0;
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
     template <class Sizes>
@@ -155,7 +174,7 @@ private:
     }
 
     series::RootFinder finder_;
-    std::vector<double> roots_;
+    std::vector<double> roots_, turns_;
     std::vector<Place> places_;
     series::Coefficients q_{}, noise_{};
     int degree_ = 0, leaves_ = 0;

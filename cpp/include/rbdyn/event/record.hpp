@@ -38,6 +38,7 @@ public:
     std::string not_finite;  // what is that, if it is known where it came up
     std::vector<Mode> modes;
     std::vector<Event> events;
+    std::optional<Instant> doubt;  // from there on rounding alone decided which events follow
     Work work;
     int variables = 0;
     std::vector<double> first_state;

@@ -57,6 +57,7 @@ public:
         fired_.clear();
         stops_ = false;
         broken_ = nullptr;
+        touch_ = std::numeric_limits<double>::infinity();
         if (guards.empty()) return -1.0;
         const Piece& piece = engine_.piece();
         found_.clear();
@@ -64,7 +65,13 @@ public:
         double power = 1.0;
         for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
         for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
-        if (found_.empty()) return -1.0;
+        const auto note_doubt = [&](double end) {
+            if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);
+        };
+        if (found_.empty()) {
+            note_doubt(piece.length);
+            return -1.0;
+        }
         sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
         const auto first = std::find_if(found_.begin(), found_.end(),
                                         [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
@@ -74,6 +81,7 @@ public:
             fire(guards, *first, together);
         }
         const double cut = first != found_.end() ? polished(mode, first->place * piece.length) : -1.0;
+        note_doubt(cut >= 0.0 ? cut : piece.length);
         for (const Found& f : found_) {
             // what comes after the end of the mode is found again in the next one, by its side
             const Guard& guard = guards[f.guard];
@@ -303,18 +311,19 @@ private:
             arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / piece.duration();
             arrival.reach = std::clamp(engine_.natural_length() / piece.length - 1.0, arrival.reach, 1.0);
         }
-        passages_.find(
-            q.data(), degree_, arrival,
-            [&](double* sizes) {
-                engine_.guard_sizes(static_cast<int>(g), sizes);
-                for (int k = 0; k <= degree_; ++k) sizes[k] *= powers_[static_cast<std::size_t>(k)];
-            },
-            [&] {
-                return mode.equations->is_variable(guard)
-                           ? series::value(q.data(), degree_, 1.0)
-                           : sign * evaluated(mode, engine_.piece().length).output(guard.output);
-            });
+        const auto sizes_of_terms = [&](double* sizes) {
+            engine_.guard_sizes(static_cast<int>(g), sizes);
+            for (int k = 0; k <= degree_; ++k) sizes[k] *= powers_[static_cast<std::size_t>(k)];
+        };
+        passages_.find(q.data(), degree_, arrival, sizes_of_terms, [&] {
+            return mode.equations->is_variable(guard)
+                       ? series::value(q.data(), degree_, 1.0)
+                       : sign * evaluated(mode, engine_.piece().length).output(guard.output);
+        });
         take(guard, g, fresh, 0.0, 1.0);
+        if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
+        const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
+        if (const auto x = passages_.touch(arrival, sizes_of_terms, passes)) touch_ = std::min(touch_, *x);
     }
 
     /// Takes the passages of a guard on [lo, hi] of the piece.
@@ -456,6 +465,7 @@ private:
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false;
+    double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece
     const Guard* broken_ = nullptr;
     RoughPassages rough_;
 };

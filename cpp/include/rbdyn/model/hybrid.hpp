@@ -115,6 +115,10 @@ public:
             }
     }
 
+    /// Whether a body whose slip touches zero without passing would be held there for a while if it came to rest, as it
+    /// is where its static coefficient of friction is above the dynamic one; else nothing depends on that.
+    virtual bool holds_what_touches(int /*subject*/) const { return false; }
+
     /// The value of a guard that is none of the program's outputs.
     virtual double guard_value(const Guard& /*guard*/, const Mode& /*mode*/, double /*t*/,
                                std::span<const double> /*x*/) const {

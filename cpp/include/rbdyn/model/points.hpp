@@ -57,6 +57,11 @@ public:
     }
 
     int variables() const override { return laws_->map().size(); }
+    bool holds_what_touches(int subject) const override {
+        const auto& b = laws_->body(subject);
+        // what differs by rounding is meant to be equal
+        return b.mu_static - b.mu_dynamic > 64.0 * std::numeric_limits<double>::epsilon() * b.mu_static;
+    }
     int bodies() const { return static_cast<int>(laws_->bodies().size()); }
     bool on_rail(int body) const { return laws_->body(body).curve.has_value(); }
     const PointLaws& laws() const { return *laws_; }

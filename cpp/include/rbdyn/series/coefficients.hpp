@@ -11,13 +11,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 
 namespace rbdyn::series {
 
 /// Two lanes; a loop over them is left alone by compilers that do not look for it.
 #if defined(__GNUC__) || defined(__clang__)
-using Pair = double __attribute__((vector_size(16), aligned(8), may_alias));
-inline Pair pair_at(const double* a) { return *reinterpret_cast<const Pair*>(a); }
+using Pair = double __attribute__((vector_size(16)));
 #else
 struct Pair {
     double lanes[2];
@@ -26,8 +26,14 @@ struct Pair {
     Pair operator+(const Pair& b) const { return {lanes[0] + b[0], lanes[1] + b[1]}; }
     Pair& operator+=(const Pair& b) { return *this = *this + b; }
 };
-inline Pair pair_at(const double* a) { return {a[0], a[1]}; }
 #endif
+// copies, for doubles in an array lie at any multiple of eight bytes
+inline Pair pair_at(const double* a) {
+    Pair pair;
+    std::memcpy(&pair, a, sizeof pair);
+    return pair;
+}
+inline void set_pair(double* a, const Pair& pair) { std::memcpy(a, &pair, sizeof pair); }
 
 /// sum_{j < n} a[j] b[j], in four lanes.
 #if defined(__GNUC__) || defined(__clang__)

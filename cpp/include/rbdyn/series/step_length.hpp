@@ -36,7 +36,7 @@ inline void widen(double* size, const double* c, int order) {
     for (; k < order; k += 2) {
         const Pair x = pair_at(c + k), negative = -x, old = pair_at(size + k);
         const Pair magnitude = x > negative ? x : negative;
-        *reinterpret_cast<Pair*>(size + k) = old > magnitude ? old : magnitude;
+        set_pair(size + k, old > magnitude ? old : magnitude);
     }
 #endif
     for (; k <= order; ++k) size[k] = std::max(size[k], std::abs(c[k]));

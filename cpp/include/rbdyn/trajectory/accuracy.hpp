@@ -26,7 +26,9 @@ struct Comparison {
     double error = 0.0;        // twice the largest relative difference
     double certain_until = 0;  // s, up to where it is at most what was asked
     bool same_events = true;
-    bool stopped = false;  // by whoever was asked whether to proceed
+    bool by_rounding = false;   // nothing but rounding decides which events there are
+    std::vector<Event> grazes;  // of the run alone: holds of no length, which are none
+    bool stopped = false;       // by whoever was asked whether to proceed
 };
 
 class AccuracyCheck {
@@ -53,7 +55,7 @@ public:
         std::size_t i = 0, j = 0;
         for (; i < ours.size() && j < theirs.size(); ++i, ++j) {
             // a graze that one of them sees as a hold of no length changes nothing
-            while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) i += 2;
+            while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) skip_graze(ours, i, result);
             while (differ(ours, i, theirs, j) && is_graze(theirs, j, start)) j += 2;
             if (differ(ours, i, theirs, j)) break;
             const Event &a = ours[i], &b = theirs[j];
@@ -61,14 +63,21 @@ public:
                                  std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
             differences_.push_back({a.time, error, -1});
         }
-        while (is_graze(ours, i, start)) i += 2;
+        while (is_graze(ours, i, start)) skip_graze(ours, i, result);
         while (is_graze(theirs, j, start)) j += 2;
         const double odd =
             std::min(i < ours.size() ? ours[i].time : uncertain, j < theirs.size() ? theirs[j].time : uncertain);
+        // what rounding decided both may have decided alike
+        for (const Record* r : {&run, &better})
+            if (r->doubt && r->doubt->hi < run.end.hi) {
+                result.same_events = false;
+                result.by_rounding = true;
+                uncertain = std::min(uncertain, r->doubt->hi);
+            }
         // one event more or less within the error of the end is no difference
         if (odd < run.end.hi - wanted_ * span) {
             result.same_events = false;
-            uncertain = odd;
+            uncertain = std::min(uncertain, odd);
         }
         // beyond the end of the better run nothing is known
         if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
@@ -166,13 +175,18 @@ private:
         return a[i].kind != b[j].kind || a[i].subject != b[j].subject || a[i].name != b[j].name;
     }
 
-    /// A hold, from stick to slip, that lasts less than the accuracy can tell from none: slip touches zero with its
-    /// rate, as it does for equal coefficients, and a depth of the error is a time of its square root.
+    /// A hold, from stick to slip, that lasts less than the accuracy can tell from none, with equal coefficients: slip
+    /// touches zero with its rate, and a depth of the error is a time of its square root.
     bool is_graze(const std::vector<Event>& events, std::size_t i, double start) const {
-        if (i + 1 >= events.size()) return false;
+        if (i + 1 >= events.size() || model_.holds_what_touches(events[i].subject)) return false;
         const Event &a = events[i], &b = events[i + 1];
         return a.kind == EventKind::stick && b.kind == EventKind::slip && a.subject == b.subject &&
                b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
+    }
+
+    static void skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {
+        result.grazes.push_back(ours[i++]);
+        result.grazes.push_back(ours[i++]);
     }
 
     static bool same_mode(const Mode& a, const Mode& b) {
