@@ -25,6 +25,58 @@ TEST(EveryEngine, says_each_time_that_a_speed_under_quadratic_drag_passes_zero) 
         }
 }
 
+/// A force along x with a power of what a choice keeps from being negative, and its potential.
+struct EdgePower {
+    const char* name;
+    Force force;
+    std::function<double(double)> potential;
+};
+
+std::vector<EdgePower> edge_powers() {
+    const auto along = [](auto f) {
+        return Force([f](const auto&, const auto& r, const auto&) {
+            using S = std::decay_t<decltype(r[0])>;
+            return Vector3Of<S>{f(r[0]), S(0.0), S(0.0)};
+        });
+    };
+    const auto beyond = [](double x) { return std::max(-x, 0.0); };
+    return {
+        {"contact", along([](const auto& x) { return 1e3 * pow(max(-x, std::decay_t<decltype(x)>(0.0)), 1.5) - 9.81; }),
+         [=](double x) { return 400.0 * std::pow(beyond(x), 2.5) + 9.81 * x; }},
+        {"cube root", along([](const auto& x) { return -cbrt(x); }),
+         [](double x) { return 0.75 * std::pow(std::abs(x), 4.0 / 3.0); }},
+        {"absolute value", along([](const auto& x) { return -locked_sign(x) * pow(abs(x), 1.5); }),
+         [](double x) { return 0.4 * std::pow(std::abs(x), 2.5); }},
+        {"square root", along([](const auto& x) { return 2.0 * sqrt(max(-x, std::decay_t<decltype(x)>(0.0))) - 1.0; }),
+         [=](double x) { return 4.0 / 3.0 * std::pow(beyond(x), 1.5) + x; }},
+        {"case", along([](const auto& x) {
+             using S = std::decay_t<decltype(x)>;
+             return where(x < 0.3, pow(0.3 - x, 2.5), S(0.0)) - 1.0;
+         }),
+         [](double x) { return std::pow(std::max(0.3 - x, 0.0), 3.5) / 3.5 + x; }},
+    };
+}
+
+TEST(EveryEngine, passes_the_edge_of_a_power_that_ends_there) {
+    for (const EdgePower& law : edge_powers())
+        for (const std::string& engine : simulating::engines()) {
+            Scene scene(Vector3(0, 0, 0));
+            const BodyHandle p = scene.add(Particle{1.0}, {.position = {1.0, 0.0, 0.0}});
+            scene.apply(law.force, p);
+            const Trajectory run = simulate(scene, {.until = 8.0, .error = 1e-8, .engine = engine});
+            ASSERT_EQ(run.status(), Status::reached_end) << law.name << ' ' << engine;
+            EXPECT_GE(run.events().size(), 2u) << law.name << ' ' << engine;
+            const double energy = law.potential(1.0);
+            double least = 1.0;
+            for (double t = 0.0; t <= 8.0; t += 0.037) {
+                const double x = run[p].position(t)[0], v = run[p].velocity(t)[0];
+                EXPECT_NEAR(0.5 * v * v + law.potential(x), energy, 3e-7 * energy) << law.name << engine << t;
+                least = std::min(least, x);
+            }
+            EXPECT_LT(least, -0.05) << law.name;
+        }
+}
+
 TEST(ClosedForms, with_a_watch_are_as_exact_whatever_is_kept) {
     for (double until = 0.5; until < 20.0; until += 0.37) {
         Scene scene(down);
@@ -78,7 +130,7 @@ TEST(Starts, at_a_zero_of_the_reaction_neither_repeat_it_nor_lose_the_next) {
         const double radius = 0.3 + 1.7 * part(random), mu = 0.01 + 0.3 * part(random);
         const auto hoop = [&](double parameter, double speed) {
             Scene scene(down);
-            scene.add(Particle{0.5}, Rail(vertical_circle(radius), Coulomb(2.0 * mu, mu)),
+            scene.add(Particle{0.5}, Rail(vertical_circle(radius), Coulomb{2.0 * mu, mu}),
                       RailStart{.parameter = parameter, .speed = speed});
             return scene;
         };

@@ -72,7 +72,8 @@ public:
             natural_ = length;
             if (length * unit_ > span) length = span / unit_;
             const bool capped = is_finite && length * unit_ >= span;
-            if (is_finite && (capped || (length >= 1.0 / 256.0 && length <= 256.0))) break;
+            // a polynomial may be of any length, but its powers are numbers
+            if (is_finite && (capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) break;
             // the unit of time was far from the step: measure again in a better one
             ++work_.rejected;
             const double factor = is_finite ? power_of_two(length) : 0x1p-24;
@@ -246,6 +247,7 @@ private:
     }
 
     static constexpr double rounding_counts = -46.0;  // log2 of a tolerance
+    static constexpr double longest = 0x1p40;         // in units; to the power of max_order it is in range
     // of a step, on the way to a singularity of a guard: what is nearer to it than this cannot be told from it
     static constexpr double most_halvings = 40.0;
     using Sizes = std::array<double, max_order + 1>;

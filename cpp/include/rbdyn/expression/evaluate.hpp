@@ -59,7 +59,9 @@ public:
                 case Code::call: call(program_->calls()[static_cast<std::size_t>(i.extra)]); break;
                 case Code::exponential: s[i.out] = exp(s[i.a]); break;
                 case Code::logarithm: s[i.out] = log(s[i.a]); break;
-                case Code::power: s[i.out] = pow(s[i.a], T(i.value)); break;
+                case Code::power:
+                    s[i.out] = i.is_locked ? locked_power(s[i.a], T(i.value)) : pow(s[i.a], T(i.value));
+                    break;
             }
         }
     }
@@ -156,7 +158,11 @@ public:
                 case Code::call: differences(program_->calls()[static_cast<std::size_t>(i.extra)]); break;
                 case Code::exponential: chain(out, s[i.out], at(i.a)); break;
                 case Code::logarithm: chain(out, 1.0 / s[i.a], at(i.a)); break;
-                case Code::power: chain(out, i.value * std::pow(s[i.a], i.value - 1.0), at(i.a)); break;
+                case Code::power: {
+                    const double base = i.is_locked ? std::abs(s[i.a]) : s[i.a];
+                    chain(out, i.value * std::pow(base, i.value - 1.0), at(i.a));
+                    break;
+                }
             }
         }
     }

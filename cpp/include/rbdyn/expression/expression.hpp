@@ -183,7 +183,8 @@ inline double Recorder::value_of(const Node& n) const {
         case Operation::add: return value(n.a) + value(n.b);
         case Operation::multiply: return value(n.a) * value(n.b);
         case Operation::divide: return value(n.a) / value(n.b);
-        case Operation::square_root: return std::sqrt(value(n.a));
+        case Operation::square_root:
+            return is_locked_positive(n.a) ? locked_power(value(n.a), 0.5) : std::sqrt(value(n.a));
         case Operation::norm: return std::hypot(value(n.a), value(n.b), value(n.c));
         case Operation::sine: return std::sin(value(n.a));
         case Operation::cosine: return std::cos(value(n.a));
@@ -192,7 +193,8 @@ inline double Recorder::value_of(const Node& n) const {
         case Operation::hyperbolic_tangent: return std::tanh(value(n.a));
         case Operation::exponential: return std::exp(value(n.a));
         case Operation::logarithm: return std::log(value(n.a));
-        case Operation::power: return std::pow(value(n.a), n.value);
+        case Operation::power:
+            return is_locked_positive(n.a) ? locked_power(value(n.a), n.value) : std::pow(value(n.a), n.value);
         case Operation::angle: return std::atan2(value(n.a), value(n.b));
         case Operation::call:
             // not before a choice depends on it
@@ -297,6 +299,23 @@ inline Expression Recorder::norm(const Expression& x, const Expression& y, const
     const std::uint64_t id = identity(result.node());
     switches_.push_back({result.node(), node.d, true, name, tag, subject_, id, id, 1});
     return result;
+}
+
+inline bool Recorder::is_locked_positive(std::int32_t index) const {
+    if (purpose_ != Purpose::model) return false;
+    const Node& n = node(index);
+    if (n.operation == Operation::multiply)
+        for (const Switch& s : switches_)
+            for (const auto& [a, b] : {std::pair{n.a, n.b}, std::pair{n.b, n.a}})
+                if (!s.is_norm && a == s.argument && node(b).operation == Operation::parameter &&
+                    node(b).a == s.parameter)
+                    return true;
+    if (branches_.empty()) return false;
+    const auto [argument, orientation] = surface(index);
+    for (const Branch& b : branches_)
+        if (b.is_select && surface(b.argument).first == argument)
+            return (b.choice > 0 ? 1 : -1) * b.orientation * orientation > 0;
+    return false;
 }
 
 inline long Recorder::choose(Branch branch, long by_state) {

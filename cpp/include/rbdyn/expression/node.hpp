@@ -39,6 +39,15 @@ enum class Operation : std::uint8_t {
     whole,   // the largest whole number <= a (functions only; chosen in models); d: index of its name
 };
 
+/// x^r where x is not negative in its mode, r > 0, so that nothing is said of negative x: what goes on beyond zero
+/// without a jump. A trial step that ends beyond its mode finds a number there, and so does a zero that rounding has
+/// put on the other side. Series, which have no more than the zero to go on from, are as they are.
+template <class T>
+T locked_power(const T& x, const T& r) {
+    using std::pow;
+    return x < T(0) ? -pow(-x, r) : pow(x, r);
+}
+
 /// A double, or a number of 32 digits.
 struct Constant {
     DoubleDouble number;

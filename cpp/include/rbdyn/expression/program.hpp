@@ -50,9 +50,10 @@ struct Instruction {
     int a = -1, b = -1, c = -1;     // operand slots
     int first_term = 0, terms = 0;  // combine
     int first_product = 0, products = 0;
-    int weight = -1;     // combine: constant part; norm: its "starts at zero" flag; -1: none
-    int extra = -1;      // scratch slot (slopes), index of the instruction's integer state, or of its call
-    double value = 0.0;  // exponent of power
+    int weight = -1;         // combine: constant part; norm: its "starts at zero" flag; -1: none
+    int extra = -1;          // scratch slot (slopes), index of the instruction's integer state, or of its call
+    double value = 0.0;      // exponent of power
+    bool is_locked = false;  // power: of what is not negative in its mode (locked_power)
 };
 
 /// A function of (t, x, parameters) with several outputs.
@@ -236,7 +237,13 @@ private:
             case Operation::divide:
                 slot = emit({Code::divide, new_slot(), -1, slot_of(node.a), slot_of(node.b)});
                 break;
-            case Operation::square_root: slot = emit({Code::square_root, new_slot(), -1, slot_of(node.a)}); break;
+            case Operation::square_root:
+                if (!r_.is_locked_positive(node.a)) {
+                    slot = emit({Code::square_root, new_slot(), -1, slot_of(node.a)});
+                    break;
+                }
+                slot = emit_power(slot_of(node.a), 0.5, true);
+                break;
             case Operation::norm: {
                 Instruction i{Code::norm, new_slot(), -1, slot_of(node.a), slot_of(node.b), slot_of(node.c)};
                 i.weight = scalar_of(r_.parameter(node.d));
@@ -295,17 +302,16 @@ private:
                 break;
             }
             case Operation::exponential:
-            case Operation::logarithm:
-            case Operation::power: {
-                const Code code = node.operation == Operation::exponential ? Code::exponential
-                                  : node.operation == Operation::logarithm ? Code::logarithm
-                                                                           : Code::power;
-                Instruction i{code, new_slot(), -1, slot_of(node.a)};
+            case Operation::logarithm: {
+                Instruction i{node.operation == Operation::exponential ? Code::exponential : Code::logarithm,
+                              new_slot(), -1, slot_of(node.a)};
                 i.extra = new_slot();
-                i.value = node.value;
                 slot = emit(i);
                 break;
             }
+            case Operation::power:
+                slot = emit_power(slot_of(node.a), node.value, node.value > 0.0 && r_.is_locked_positive(node.a));
+                break;
             default: break;
         }
         return slots_.set(n, slot);
@@ -314,6 +320,13 @@ private:
     int emit(const Instruction& i) {
         p_.instructions_.push_back(i);
         return i.out;
+    }
+    int emit_power(int base, double exponent, bool is_locked) {
+        Instruction i{Code::power, new_slot(), -1, base};
+        i.extra = new_slot();
+        i.value = exponent;
+        i.is_locked = is_locked;
+        return emit(i);
     }
 
     int emit(const Combination& sum) {

@@ -142,6 +142,8 @@ public:
     long side(const Expression& x, const std::string& name);
     /// The whole number below x, kept within [lowest, highest], in a model that follows a state.
     long whole(const Expression& x, long lowest, long highest, const std::string& name);
+    /// Whether the mode that is recorded keeps a node from being negative: |y|, or what a choice between formulas says.
+    bool is_locked_positive(std::int32_t index) const;
     /// What a function of the user's that is called back gives for these arguments.
     std::vector<Expression> call(const std::shared_ptr<const Callback>& function,
                                  std::span<const Expression> arguments);
