@@ -77,6 +77,30 @@ TEST(EveryEngine, passes_the_edge_of_a_power_that_ends_there) {
         }
 }
 
+TEST(EveryEngine, passes_the_anchor_of_a_spring_that_pushes_on_its_other_side_along_any_axis) {
+    // 2 -> 1/2 + 3/2 cos 2t up to the anchor, and the same mirrored: back after 4 quarters
+    const double quarter = 0.5 * std::acos(-1.0 / 3.0), late = 10.0 - 8.0 * quarter;
+    const double expected = -(0.5 + 1.5 * std::cos(2.0 * (late - 2.0 * quarter)));
+    ASSERT_GT(late, quarter);
+    ASSERT_LT(late, 3.0 * quarter);
+    const Vector3 spin(1.0, 2.0, 0.5);
+    for (const Vector3& axis : {Vector3(1, 0, 0), Vector3(1, 2, 3), Vector3(0.3, -0.7, 0.2), Vector3(1, 1, 0)})
+        for (const std::string engine : {"taylor", "dop853"})
+            for (const int kind : {0, 1, 2}) {
+                const Vector3 along = axis.normalized();
+                Scene scene(Vector3(0, 0, 0));
+                const RigidBody body(1.0, {0.1, 0.2, 0.25});
+                const BodyHandle b = kind == 0 ? scene.add(Particle{1.0}, FreeStart{.position = 2.0 * along})
+                                     : kind == 1
+                                         ? scene.add(body, Free{}, {.position = 2.0 * along})
+                                         : scene.add(body, Free{}, {.position = 2.0 * along, .angular_velocity = spin});
+                scene.connect(Spring{.stiffness = 4.0, .rest_length = 0.5}, b, Vector3(0, 0, 0));
+                const Trajectory run = simulate(scene, {.until = 10.0, .error = 1e-8, .engine = engine});
+                EXPECT_NEAR(run[b].position(10.0).dot(along), expected, 2e-8) << engine << kind << axis.transpose();
+                EXPECT_EQ(run.events().size(), 5u) << engine << kind << axis.transpose();
+            }
+}
+
 TEST(ClosedForms, with_a_watch_are_as_exact_whatever_is_kept) {
     for (double until = 0.5; until < 20.0; until += 0.37) {
         Scene scene(down);

@@ -305,8 +305,7 @@ private:
             }
             const double moved = scales_.scale(group);
             const double scale = std::max({moved, reach, estimates_[g]});
-            const double allowed = allowed_[g] =
-                std::max(tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group));
+            const double allowed = allowed_[g] = std::max(tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group));
             if (size5 == 0.0 && size3 == 0.0) continue;
             const double rounding = rounding_[g] + h * spread_[g];
             if (size5 > rounding) fifth = std::max(fifth, h * (size5 - rounding) / allowed);
@@ -491,9 +490,9 @@ private:
     double offset_ = 0.0, natural_ = 1.0;             // where the piece begins on it
     std::vector<double> coefficients_, part_;         // of the whole step; of a part of it
     std::vector<double> next_coefficients_, defect_;  // of the step that is tried; of its polynomial
-    std::vector<double> allowed_;             // per group, error of the step that is tried
-    std::vector<double> rounding_, spread_;   // per group, what rounding does to slopes, and more of it in unit time
-    mutable double anchor_ = 0.0;             // a place on the whole step
+    std::vector<double> allowed_;                     // per group, error of the step that is tried
+    std::vector<double> rounding_, spread_;     // per group, what rounding does to slopes, and more of it in unit time
+    mutable double anchor_ = 0.0;               // a place on the whole step
     mutable std::vector<double> anchor_state_;  // and the state there
     MotionScales scales_;
     std::vector<double> estimates_, next_estimates_;  // per group, its scale where there has been no motion yet

@@ -221,16 +221,17 @@ private:
     /// point also where rounding has put the start a little before it.
     bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until) {
         std::vector<double> slope(x.size()), bend(x.size());
-        const auto n = static_cast<std::size_t>(model_.slope(mode, t.hi, x, slope, bend));
+        const Slope known = model_.slope(mode, t.hi, x, slope, bend);
+        const auto n = static_cast<std::size_t>(known.positions);
         if (n == 0) return false;
-        double time = until - t;
+        double time = std::min(until - t, known.pace);
         for (std::size_t i = 0; i < n; ++i)
             if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
         const double h = 0x1p-27 * time;
         if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
         std::vector<double> middle = x, later(x.size()), later_bend(x.size());
         for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-        if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend) > 0) {
+        if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).positions > 0) {
             std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
                       slope.begin() + static_cast<std::ptrdiff_t>(n));
             bend = later_bend;

@@ -65,6 +65,12 @@ struct Happening {
     double impulse = 0.0;  // N s
 };
 
+/// What a slope is of.
+struct Slope {
+    int positions = 0;                                      // among the variables, the first ones; 0: there is no slope
+    double pace = std::numeric_limits<double>::infinity();  // s, in which attitudes turn by about a radian
+};
+
 /// A vector or number of a motion whose error is judged by a scale of its own.
 struct Observed {
     Vector3 value = Vector3::Zero();
@@ -136,11 +142,10 @@ public:
         return {};
     }
 
-    /// x' where the equations are not finite but the motion is, and x'' of the positions. Returns how many of x these
-    /// are, which come first; 0 if there is no slope.
-    virtual int slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/,
-                      std::span<double> /*bend*/) const {
-        return 0;
+    /// x' where the equations are not finite but the motion is, and x'' of the positions.
+    virtual Slope slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/,
+                        std::span<double> /*bend*/) const {
+        return {};
     }
 };
 

@@ -304,24 +304,28 @@ public:
         return after;
     }
 
-    int slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
-              std::span<double> bend) const override {
+    Slope slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
+                std::span<double> bend) const override {
         const StateMap& map = laws_->map();
         std::vector<double> all(at(map.variables())), second(all.size(), 0.0);
+        Slope result;
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_->body(i);
-            if (b.rigid) return 0;
-            laws_->slope(i, mode.slip, t, x, std::span(all).subspan(at(b.first)),
-                         std::span(all).subspan(at(b.first_rate)));
+            double *q_rate = all.data() + b.first, *v_rate = all.data() + b.first_rate;
+            laws_->slope(i, mode.slip, t, x, {q_rate, at(b.positions())}, {v_rate, at(b.velocities())});
+            // coordinates in space bend as their velocities do; attitudes have coordinates of another kind
+            const int attitude = b.rigid ? b.rigid->first_of_attitude() : -1;
+            std::copy_n(v_rate, attitude < 0 ? b.positions() : attitude, second.begin() + b.first);
+            double square = 0.0;
+            for (int k = attitude; attitude >= 0 && k < b.positions(); ++k) square += q_rate[k] * q_rate[k];
+            if (square > 0.0) result.pace = std::min(result.pace, 1.0 / std::sqrt(square));
         }
         for (double s : all)
-            if (!std::isfinite(s)) return 0;
-        std::copy(all.begin() + laws_->positions(), all.end(), second.begin());
+            if (!std::isfinite(s)) return {};
         map.gather(all, slope);
         map.gather(second, bend);
-        int positions = 0;
-        for (int i = 0; i < laws_->positions(); ++i) positions += map.is_simulated(i) ? 1 : 0;
-        return positions;
+        for (int i = 0; i < laws_->positions(); ++i) result.positions += map.is_simulated(i) ? 1 : 0;
+        return result;
     }
 
     /// Positions, velocities, and reactions of rails, body by body.

@@ -102,6 +102,8 @@ public:
         const int attitude = follows_axis ? 5 : 4;
         return kind == Kind::free ? 3 + attitude : kind == Kind::spherical ? attitude : 1;
     }
+    /// The first coordinate of its attitude; -1: it has none.
+    int first_of_attitude() const { return kind == Kind::free ? 3 : kind == Kind::spherical ? 0 : -1; }
     int velocities() const { return kind == Kind::free ? 6 : kind == Kind::spherical ? 3 : 1; }
 
     /// What its coordinates are, in words.

@@ -26,9 +26,9 @@ struct Comparison {
     double error = 0.0;        // twice the largest relative difference
     double certain_until = 0;  // s, up to where it is at most what was asked
     bool same_events = true;
-    bool by_rounding = false;   // nothing but rounding decides which events there are
+    bool by_rounding = false;        // nothing but rounding decides which events there are
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
-    bool stopped = false;       // by whoever was asked whether to proceed
+    bool stopped = false;            // by whoever was asked whether to proceed
 };
 
 class AccuracyCheck {
