@@ -332,7 +332,7 @@ inline double rounding_seen(const HybridModel& model, const Mode& mode, const Cl
         model.observe(mode, options.start + since, x, seen);
         scales.widen(seen);
     }
-    scales.settle(options.error);
+    scales.settle(options.error, span);
     // of some four sums and products
     return 4.0 * scales.rounding();
 }

@@ -440,5 +440,43 @@ TEST(Sliding, other_units_by_powers_of_two_change_no_digit) {
     }
 }
 
+// --- at rest, and where a motion begins ---
+
+/// A bead on a hoop under gravity, held back by c against the horizontal part of its velocity.
+Trajectory held_back(double radius, double c, double angle, double speed) {
+    Scene scene(down);
+    const BodyHandle bead =
+        scene.add(Particle{1.25}, Rail(vertical_circle(radius)), {.parameter = angle, .speed = speed});
+    scene.apply(Force([c](const auto&, const auto&, const auto& v) {
+                    using S = std::decay_t<decltype(v[0])>;
+                    return Vector3Of<S>{-c * locked_sign(v[0]), S(0.0), S(0.0)};
+                }),
+                bead);
+    const Attempt result = attempt(scene, {.until = 3.0, .error = 1e-8});
+    EXPECT_EQ(result.outcome, simulating::Solution::Outcome::good)
+        << result.message << radius << ' ' << angle << ' ' << speed << result.run;
+    return result.run;
+}
+
+TEST(HeldBack, what_rests_is_known_to_rest) {
+    // what rounding makes of balanced forces is no motion
+    for (const double radius : {0.52, 1.05, 2.36})
+        for (const double c : {0.17, 2.36})
+            for (const double angle : {0.0, pi}) {
+                const Trajectory run = held_back(radius, c, angle, 0.0);
+                EXPECT_EQ(run.status(), Status::reached_end);
+                EXPECT_TRUE(run.events().empty()) << run;
+                EXPECT_LE((run[BodyHandle{0}].position(3.0) - run[BodyHandle{0}].position(0.0)).norm(), 1e-14 * radius);
+            }
+}
+
+TEST(HeldBack, nothing_fires_where_a_motion_begins) {
+    for (const double radius : {0.31, 1.75, 2.36})
+        for (const double angle : {0.0, 0.5 * pi, -0.5 * pi, pi})
+            for (const double speed : {0.0, 0.9, -2.3})
+                for (const Event& e : held_back(radius, 1.56, angle, speed).events())
+                    EXPECT_GT(e.time, 1e-9) << e << ' ' << radius << ' ' << angle;
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_sliding

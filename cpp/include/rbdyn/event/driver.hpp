@@ -69,7 +69,7 @@ private:
         if (keep_.what == Keep::What::times) winding_ = model_.winding(t.hi, x);
         enter(record, mode, t, x, {});
         if (!low.empty() && !mode.still) engine_.carry(low);
-        bool fresh = true;
+        bool fresh = true, begins = true;
         int crowded = 0, passes = 0;
         // less than this from the end is the end
         const double least = 2.0 * epsilon * std::abs(until);
@@ -98,7 +98,7 @@ private:
             if (cut < 0.0) {
                 store(record, piece, piece.length, fresh);
                 t = piece.at(piece.length);
-                fresh = false;
+                fresh = begins = false;
                 continue;
             }
             // a true end of this piece at the event, exact in the engine's own terms
@@ -151,7 +151,10 @@ private:
                     if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
             }
             mode = std::move(after);
-            for (const Happening& h : happenings) note(record, h, t);
+            // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event
+            begins = begins && (search_.fires_at_start() || has_not_moved(record, piece, cut, reached));
+            for (const Happening& h : happenings)
+                if (!begins || h.kind == EventKind::watch) note(record, h, t);
             if (crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_)
                 return finish(record, t, Status::inconsistent);
             enter(record, mode, t, x, std::move(handled));
@@ -163,6 +166,14 @@ private:
         }
         const bool stops = search_.settle(record, mode, t, x);
         return finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
+    }
+
+    /// Whether a place on a piece is its beginning, and the state there the first one, as far as rounding can tell.
+    static bool has_not_moved(const Record& record, const Piece& piece, double place, std::span<const double> x) {
+        if (place > 16.0 * epsilon * piece.length) return false;
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (std::abs(x[i] - record.first_state[i]) > 64.0 * epsilon * std::abs(record.first_state[i])) return false;
+        return true;
     }
 
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();

@@ -77,6 +77,7 @@ public:
                                         [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
         double together = std::numeric_limits<double>::infinity();
         if (first != found_.end()) {
+            at_start_ = first->place <= first->doubt;
             together = first->place + first->doubt + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
             fire(guards, *first, together);
         }
@@ -108,6 +109,8 @@ public:
     /// The guards that end the mode, and whether they end the run.
     const std::vector<int>& fired() const { return fired_; }
     bool stops() const { return stops_; }
+    /// Whether that is where the piece begins, as far as rounding of the first of them can tell.
+    bool fires_at_start() const { return at_start_; }
     /// In which a guard that fired passed zero.
     Direction direction(int guard) const { return directions_[static_cast<std::size_t>(guard)]; }
 
@@ -464,7 +467,7 @@ private:
     std::unique_ptr<Evaluator<double>> evaluator_;
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
-    bool stops_ = false;
+    bool stops_ = false, at_start_ = false;
     double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece
     const Guard* broken_ = nullptr;
     RoughPassages rough_;

@@ -78,6 +78,7 @@ struct Observed {
     double size = 0.0;         // its own size, if that is more than its length
     double whole = 0.0;        // what it is a difference of: far below this it is rounding
     Alike alike = Alike::nothing;
+    double drive = 0.0;  // m/s^2: of a velocity that follows its position, the sizes of accelerations that make it up
 };
 
 /// The laws of a scene between events and at them. Immutable; shared by the runs made with it.

@@ -341,7 +341,8 @@ public:
             }
             const PointReport r = laws_->report(i, mode.slip, state.t, state.x, acts);
             out.push_back({r.position, true, 0.0, r.position.norm(), Alike::place});
-            out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity});
+            out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity,
+                           r.effort / laws_->body(i).mass});
             if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort, Alike::force});
         }
     }
@@ -441,7 +442,7 @@ private:
         const PointState<double>& p = all[at(i)];
         if (law.kind == RigidLaw::Kind::free || law.kind == RigidLaw::Kind::prismatic) {
             out.push_back({p.r, true, 0.0, p.r.norm(), Alike::place});
-            out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity});
+            out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity, r.force_effort / laws_->body(i).mass});
         }
         if (law.kind != RigidLaw::Kind::prismatic) {
             // axes of unit length: together they show the angle between two attitudes

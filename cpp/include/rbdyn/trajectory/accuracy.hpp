@@ -82,7 +82,7 @@ public:
         // beyond the end of the better run nothing is known
         if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
         compare_motion(run, better, uncertain);
-        scales_.settle(wanted_);
+        scales_.settle(wanted_, span);
         for (const Difference& d : differences_) {
             const double error =
                 widening_ * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));

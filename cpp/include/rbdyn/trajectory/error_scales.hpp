@@ -28,13 +28,15 @@ public:
             s.high = greater(s.high, o.value);
             s.size = std::max({s.size, o.value.norm(), o.size});
             s.whole = std::max(s.whole, o.whole);
+            s.drive = std::max(s.drive, o.drive);
             s.is_position = o.is_position;
             s.alike = o.alike;
         }
     }
 
-    /// Whatever is seen has been; from here on errors are asked for. `wanted`: the error of the motion.
-    void settle(double wanted) {
+    /// Whatever is seen has been; from here on errors are asked for. `wanted`: the error of the motion; `span`: its
+    /// time [s].
+    void settle(double wanted, double span) {
         constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
         std::array<double, kinds> largest{}, farthest{};
         std::array<int, kinds> count{};
@@ -42,6 +44,9 @@ public:
             s.scale = s.is_position ? (s.high - s.low).norm() : s.size;
             // a body that moves by rounding alone does not move; a reaction that is rounding of the forces is none
             s.is_any = s.scale > nothing * s.whole;
+            // nor has it a velocity, where that is no more than what rounding of its forces makes in that time
+            if (s.drive > 0.0 && &s != scales_.data() && !(&s)[-1].is_any && s.scale <= nothing * s.drive * span)
+                s.is_any = false;
             if (s.alike == Alike::nothing) continue;
             const auto kind = static_cast<std::size_t>(s.alike);
             ++count[kind];
@@ -74,7 +79,7 @@ private:
     struct Scale {
         Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
         Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
-        double size = 0.0, whole = 0.0, scale = 0.0;
+        double size = 0.0, whole = 0.0, scale = 0.0, drive = 0.0;
         bool is_position = false, is_any = false;
         Alike alike = Alike::nothing;
     };
