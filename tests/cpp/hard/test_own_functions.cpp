@@ -98,6 +98,45 @@ TEST(FromRest, a_block_breaks_away_under_a_growing_force_alike_with_every_engine
         }
 }
 
+TEST(FromRest, a_point_follows_a_force_that_begins_as_a_high_power_of_time) {
+    // the integrals of sin^3 and sin^5, twice
+    const auto third = [](double t) { return 0.75 * (t - std::sin(t)) - (t / 3.0 - std::sin(3.0 * t) / 9.0) / 4.0; };
+    const auto fifth = [](double t) {
+        return 0.625 * (t - std::sin(t)) - 0.3125 * (t / 3.0 - std::sin(3.0 * t) / 9.0) +
+               0.0625 * (t / 5.0 - std::sin(5.0 * t) / 25.0);
+    };
+    for (const std::string& engine : simulating::engines())
+        for (const int power : {3, 5}) {
+            Scene scene(Vector3(0, 0, 0));
+            const BodyHandle b = scene.add(Particle{1.0}, FreeStart{});
+            scene.apply(Force([power](const auto& t, const auto&, const auto&) {
+                            using S = std::decay_t<decltype(t)>;
+                            return Vector3Of<S>{pow(sin(t), power), S(0.0), S(0.0)};
+                        }),
+                        b);
+            const Trajectory run = simulate(scene, {.until = 20.0, .error = 1e-9, .engine = engine});
+            for (const double t : {0.5, 7.0, 20.0})
+                EXPECT_NEAR(run[b].position(t)[0], power == 3 ? third(t) : fifth(t), 2e-8) << engine << power;
+        }
+}
+
+TEST(FromRest, a_force_called_back_is_followed_however_late_the_motion_begins) {
+    for (const double start : {0.0, 100.0, -1e4, 1e6})
+        for (const std::string engine : {"dop853", "cvode-adams"})
+            for (const double base : {0.0, 1.0}) {
+                Scene scene(Vector3(0, 0, 0));
+                const BodyHandle b = scene.add(Particle{1.0}, FreeStart{});
+                scene.apply(
+                    called_back("late", [=](double t, const Vector3&,
+                                            const Vector3&) { return Vector3(base + std::sin(t - start), 0, 0); }),
+                    b);
+                const Trajectory run =
+                    simulate(scene, {.until = start + 2.0, .start = start, .error = 1e-8, .engine = engine});
+                EXPECT_NEAR(run[b].position(start + 2.0)[0], 2.0 * base + 2.0 - std::sin(2.0), 1e-8)
+                    << start << engine << base;
+            }
+}
+
 // --- exceptions ---
 
 TEST(Exceptions, of_a_force_pass_unchanged_and_the_run_until_then_is_kept) {

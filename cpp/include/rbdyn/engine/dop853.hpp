@@ -317,8 +317,8 @@ private:
         return fifth * fifth / std::sqrt(fifth * fifth + 0.01 * third * third);
     }
 
-    /// What rounding does to the slopes: that of the state, for a motion far from its origin, that of the terms which
-    /// slopes are made of, where forces in balance let go, and what this does to other slopes within a step, in
+    /// What rounding does to the slopes: that of time and state, for a motion far from their origin, that of the terms
+    /// which slopes are made of, where forces in balance let go, and what this does to other slopes within a step, in
     /// proportion to its length. No shorter step has less of it; so it is taken off what a step is blamed for, for one
     /// that is only forgiven would never grow again.
     void find_rounding(double h) {
@@ -329,15 +329,13 @@ private:
             return change;
         };
         for (int i = 0; i < n(); ++i) y_[at(i)] = x_[at(i)] * (i % 2 == 0 ? 1.0 + epsilon : 1.0 - epsilon);
-        if (!evaluate(t_, y_, defect_.data())) return;
+        if (!evaluate({t_.hi + epsilon * std::abs(t_.hi), 0.0}, y_, defect_.data())) return;
         for (std::size_t g = 0; g < rounding_.size(); ++g) {
             const VariableGroup& group = equations_->groups[g];
             rounding_[g] = 32.0 * largest_change(group);
-            for (int i = group.first; i < group.first + group.count; ++i) {
-                const double own = 16.0 * epsilon * workshop_->evaluator.magnitude(i);
-                rounding_[g] = std::max(rounding_[g], own);
-                y_[at(i)] = x_[at(i)] + h * own;
-            }
+            for (int i = group.first; i < group.first + group.count; ++i)
+                rounding_[g] = std::max(rounding_[g], 16.0 * epsilon * workshop_->evaluator.magnitude(i));
+            for (int i = group.first; i < group.first + group.count; ++i) y_[at(i)] = x_[at(i)] + h * rounding_[g];
         }
         if (!evaluate(t_, y_, defect_.data())) return;
         for (std::size_t g = 0; g < rounding_.size(); ++g) spread_[g] = largest_change(equations_->groups[g]) / h;

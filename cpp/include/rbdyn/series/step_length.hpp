@@ -69,7 +69,12 @@ inline double log_step(const double* size, int p, double scale, double log_toler
     }
     // how far the motion goes within a fraction of the radius that is typical of a step
     const double reach = 0.3 * rough_exp2(log_radius);
-    scale = std::max(scale, reach * (size[1] + reach * (size[2] + reach * size[3])));
+    double within = reach * (size[1] + reach * (size[2] + reach * size[3]));
+    if (first > 3) {
+        within = size[first];
+        for (int k = 0; k < first; ++k) within *= reach;
+    }
+    scale = std::max(scale, within);
     if (!(scale > tiny)) return infinity;
     // the last two terms meet the tolerance, earlier ones are on the way there from one
     double log_length = infinity;
