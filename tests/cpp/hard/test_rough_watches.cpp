@@ -111,5 +111,103 @@ TEST(RoughWatches, that_stop_being_numbers_while_nothing_moves_say_so_too) {
     EXPECT_NE(run.message.find("watched function \"w\""), std::string::npos) << run.message;
 }
 
+// --- corners, touches, and what comes after the end ---
+
+Scene swinging_unit(BodyHandle& body) {
+    Scene scene(Vector3(0, 0, 0));
+    body = scene.add(Particle{1.0}, FreeStart{.velocity = Vector3(1, 0, 0)});
+    scene.connect(Spring{.stiffness = 1.0}, body, Vector3(0, 0, 0));
+    return scene;
+}
+
+TEST(Corners, that_touch_zero_pass_nothing_and_stop_nothing) {
+    for (const std::string& engine : simulating::engines())
+        for (const auto kind : {WatchAction::Kind::record, WatchAction::Kind::stop})
+            for (double c = -0.97; c < 0.97; c += engine == "cvode-bdf" ? 0.3 : 0.0387) {
+                BodyHandle b;
+                Scene scene = swinging_unit(b);
+                scene.watch("w", [=](const auto& now) { return abs(now[b].position()[0] - c); },
+                            {.action = WatchAction{kind}});
+                const Trajectory run = simulate(scene, {.until = 60.0, .error = 1e-7, .engine = engine});
+                EXPECT_EQ(run.status(), Status::reached_end) << engine << c;
+                for (const Event& e : run.events()) EXPECT_EQ(e.kind, EventKind::switching) << engine << c << e;
+            }
+}
+
+TEST(Corners, where_the_run_ends_or_begins_are_none) {
+    for (const std::string& engine : simulating::engines()) {
+        BodyHandle b;
+        Scene ends = swinging_unit(b);
+        ends.watch("w", [=](const auto& now) { return abs(now[b].position()[0] - std::sin(0.5)); });
+        for (const Event& e : simulate(ends, {.until = 0.5, .error = 1e-8, .engine = engine}).events())
+            EXPECT_EQ(e.kind, EventKind::switching) << engine << e;
+        for (const double units : {4.0, 16.0, 30.0, 64.0, 128.0, 256.0}) {
+            Scene begins(Vector3(-1, 0, 0));
+            const BodyHandle p =
+                begins.add(Particle{1.0}, FreeStart{.position = Vector3(1, 0, 0), .velocity = Vector3(1, 0, 0)});
+            begins.watch("w", [=](const auto& now) { return abs(now[p].position()[0] - (1.0 + units * epsilon)); });
+            for (const Event& e : simulate(begins, {.until = 3.0, .error = 1e-8, .engine = engine}).events())
+                EXPECT_EQ(e.kind, EventKind::switching) << engine << units << e;
+        }
+    }
+}
+
+TEST(Touches, do_not_stop_a_run) {
+    for (double c = -0.97; c < 0.97; c += 0.0129) {
+        Scene scene(Vector3(0, 0, 0));
+        const BodyHandle b = scene.add(
+            Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}), {.speed = 1.0});
+        scene.watch("w",
+                    [=](const auto& now) {
+                        const auto y = now[b].position()[1] - c;
+                        return y * y;
+                    },
+                    {.action = WatchAction{WatchAction::Kind::stop}});
+        EXPECT_EQ(simulate(scene, {.until = 100.0, .error = 1e-9, .engine = "taylor"}).status(), Status::reached_end)
+            << c;
+    }
+}
+
+TEST(Stops, note_nothing_that_comes_after_them_however_vague_their_own_time_is) {
+    Scene scene(Vector3(0, 0, 0));
+    const BodyHandle b = scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
+                                   {.parameter = 0.1, .speed = 1.0});
+    scene.watch("seven", [=](const auto& now) { return pow(now[b].position()[1], 7); },
+                {.direction = Direction::rising, .action = WatchAction{WatchAction::Kind::stop}});
+    scene.watch("later", [=](const auto& now) { return now[b].parameter() - (2.0 * pi + 1e-3); });
+    const Trajectory run = simulate(scene, {.until = 20.0});
+    ASSERT_EQ(run.events().size(), 1u);
+    EXPECT_NEAR(run.events()[0].time, 2.0 * pi - 0.1, 1e-8);
+}
+
+TEST(HighPowers, from_where_a_step_begins_hide_no_root) {
+    for (const int power : {5, 7, 9}) {
+        Scene scene(Vector3(0, 0, 0));
+        const BodyHandle b = scene.add(Particle{1.0}, FreeStart{.velocity = Vector3(1, 0, 0)});
+        scene.watch("w", [=](const auto& now) { return pow(sin(now[b].position()[0]), power); });
+        const Trajectory run = simulate(scene, {.until = 20.0, .error = 1e-9});
+        ASSERT_EQ(run.events().size(), 6u) << power;
+        for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(run.events()[k].time, (k + 1) * pi, 1e-9 * (k + 1)) << power;
+    }
+}
+
+TEST(InfiniteSlopes, of_recorded_functions_are_passed_by_every_engine) {
+    for (const std::string& engine : simulating::engines())
+        for (int k = 0; k < 15; ++k) {
+            const double root = 0.113 + 0.051 * k;
+            Scene scene(down);
+            const BodyHandle b = scene.add(Particle{1.0}, FreeStart{.velocity = Vector3(1, 0, 3.3)});
+            scene.apply(Drag{.linear = 0.1, .quadratic = 0.3}, b);
+            scene.watch("cbrt", [=](const auto& now) { return cbrt(now.time() - root); });
+            scene.watch("edge", [=](const auto& now) { return sqrt(abs(now.time() - root)) - 0.1; });
+            const Trajectory run = simulate(scene, {.until = 1.0, .error = 1e-7, .engine = engine});
+            std::vector<double> roots;
+            for (const Event& e : run.events())
+                if (e.kind == EventKind::watch) roots.push_back(e.time);
+            ASSERT_EQ(roots.size(), 3u) << engine << root;
+            for (int i = 0; i < 3; ++i) EXPECT_NEAR(roots[static_cast<std::size_t>(i)], root + 0.01 * (i - 1), 1e-9);
+        }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_rough_watches

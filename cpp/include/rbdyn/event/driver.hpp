@@ -67,7 +67,7 @@ private:
             if (x[i] != record.first_state[i]) low[i] = 0.0;
         record.first_state = x;
         if (keep_.what == Keep::What::times) winding_ = model_.winding(t.hi, x);
-        enter(record, mode, t, x, {});
+        enter(record, mode, t, x, {}, true);
         if (!low.empty() && !mode.still) engine_.carry(low);
         bool fresh = true, begins = true;
         int crowded = 0, passes = 0;
@@ -157,7 +157,7 @@ private:
                 if (!begins || h.kind == EventKind::watch) note(record, h, t);
             if (crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_)
                 return finish(record, t, Status::inconsistent);
-            enter(record, mode, t, x, std::move(handled));
+            enter(record, mode, t, x, std::move(handled), begins);
             // the digits beyond doubles of what the event did not set
             for (std::size_t i = 0; i < x.size(); ++i)
                 if (x[i] != reached[i]) low_[i] = 0.0;
@@ -202,9 +202,10 @@ private:
         finish(record, t, Status::not_finite);
     }
 
-    void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x, std::vector<bool> handled) {
+    void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x, std::vector<bool> handled,
+               bool begins = false) {
         record.modes.push_back(mode);
-        search_.enter(mode, std::move(handled));
+        search_.enter(mode, std::move(handled), begins);
         if (!mode.still) engine_.start(*mode.equations, mode.parameters, t, x);
     }
 

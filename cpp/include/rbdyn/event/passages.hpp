@@ -57,6 +57,7 @@ public:
         int first = 0;
         while (first <= degree && q_[at(first)] == 0.0) ++first;
         leaves_ = first > degree ? 0 : q_[at(first)] > 0.0 ? 1 : -1;
+        leaves_from_ = 0.0;
         if (leaves_ == 0) return;
         finder_.find(q_.data() + first, degree - first, roots_);
         // far from zero at the end of the run, too
@@ -69,6 +70,8 @@ public:
 
     /// The side it leaves its beginning to; 0: it is rounding all along.
     int leaves() const { return leaves_; }
+    /// From where on it is more than rounding on that side.
+    double leaves_from() const { return leaves_from_; }
     /// In order; its side changes at each.
     const std::vector<Place>& places() const { return places_; }
 
@@ -118,23 +121,26 @@ private:
         return std::abs(g) <= noise(x, at_start) ? 0 : g > 0.0 ? 1 : -1;
     }
 
-    /// Whether the guard is more than rounding anywhere between two roots, or a root and an end.
-    bool is_lobe(double a, double b) const {
+    /// The side of the guard between two roots, or a root and an end; 0: it is rounding everywhere there. Not by the
+    /// number of roots: one of a pair that touch may be lost.
+    int lobe(double a, double b) const {
         for (const double part : {0.5, 0.75, 0.25, 0.9375, 0.0625})
-            if (sign(a + part * (b - a), a == 0.0) != 0) return true;
-        return (a == 0.0 && sign(0.0, true) != 0) || (b == 1.0 && sign(1.0, a == 0.0) != 0);
+            if (const int side = sign(a + part * (b - a), a == 0.0); side != 0) return side;
+        if (a == 0.0 && sign(0.0, true) != 0) return sign(0.0, true);
+        return b == 1.0 ? sign(1.0, a == 0.0) : 0;
     }
 
     template <class AtEnd>
     void keep_lobes(const Arrival& a, const AtEnd& at_end) {
-        const int starts = leaves_;
         const std::size_t count = roots_.size();
         int now = 0;
         std::size_t since = 0;  // the root that ends the last lobe
         leaves_ = 0;
+        leaves_from_ = 0.0;
         const auto pass = [&](int side, std::size_t before) {
             if (now == 0) {
                 leaves_ = side;
+                if (before > 0) leaves_from_ = before <= count ? roots_[before - 1] : 1.0;
             } else if (side != now) {
                 // of several roots with nothing between them the middle one
                 add(before > since ? roots_[(since + before - 1) / 2] : 1.0);
@@ -143,8 +149,8 @@ private:
             since = before;
         };
         for (std::size_t i = 0; i <= count; ++i) {
-            const int side = i % 2 == 0 ? starts : -starts;
-            if (is_lobe(i == 0 ? 0.0 : roots_[i - 1], i == count ? 1.0 : roots_[i])) pass(side, i);
+            const int side = lobe(i == 0 ? 0.0 : roots_[i - 1], i == count ? 1.0 : roots_[i]);
+            if (side != 0) pass(side, i);
         }
         if (a.late && now != 0)
             if (const int after = beyond(*a.late, a.reach, at_end); after != 0) pass(after, count);
@@ -178,7 +184,7 @@ private:
     std::vector<Place> places_;
     series::Coefficients q_{}, noise_{};
     int degree_ = 0, leaves_ = 0;
-    double looseness_ = 1.0, at_start_ = 0.0;
+    double looseness_ = 1.0, at_start_ = 0.0, leaves_from_ = 0.0;
     bool has_noise_ = false;
 };
 

@@ -22,6 +22,7 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/rough_passages.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/at_zero.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/series/fit.hpp"
@@ -35,9 +36,10 @@ public:
     EventSearch(const HybridModel& model, Engine& engine, double slack)
         : model_(model), engine_(engine), slack_(slack) {}
 
-    /// A mode begins. Guards in `handled`, by index, began it with their zero.
-    void enter(const Mode& mode, std::vector<bool> handled) {
+    /// A mode begins. Guards in `handled`, by index, began it with their zero. `begins`: with it the motion.
+    void enter(const Mode& mode, std::vector<bool> handled, bool begins) {
         handled_ = std::move(handled);
+        begins_ = begins;
         sides_.assign(mode.equations->guards.size(), 0);
         ends_.assign(mode.equations->guards.size(), 0.0);
     }
@@ -58,6 +60,7 @@ public:
         stops_ = false;
         broken_ = nullptr;
         touch_ = std::numeric_limits<double>::infinity();
+        for (Watched& w : watched_) w.known_from = 0.0;
         if (guards.empty()) return -1.0;
         const Piece& piece = engine_.piece();
         found_.clear();
@@ -73,20 +76,32 @@ public:
             return -1.0;
         }
         sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
-        const auto first = std::find_if(found_.begin(), found_.end(),
-                                        [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
-        double together = std::numeric_limits<double>::infinity();
+        auto first = std::find_if(found_.begin(), found_.end(),
+                                  [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
+        // a watched function with a corner reaches zero where the distinction in it switches, rounding aside
+        if (first != found_.end() && !first->breaks && guards[first->guard].watch >= 0) {
+            const auto corner = std::find_if(first, found_.end(), [&](const Found& f) {
+                return is_distinction(guards[f.guard]) && !f.breaks && are_near(*first, f);
+            });
+            if (corner != found_.end()) first = corner;
+        }
+        double together = std::numeric_limits<double>::infinity(), noted = together;
         if (first != found_.end()) {
             at_start_ = first->place <= first->doubt;
             together = first->place + first->doubt + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
+            // what is known to come later than the end of the mode is not noted, however little is known of that
+            noted = together - first->doubt + std::min(first->doubt, 0x1p-40);
             fire(guards, *first, together);
         }
         const double cut = first != found_.end() ? polished(mode, first->place * piece.length) : -1.0;
+        // the side to which a function would go beyond the end of the mode is not the one it was on
+        for (Watched& w : watched_)
+            if (w.known_from > 0.0 && cut >= 0.0 && w.known_from * piece.length >= cut) w.side = 0;
         note_doubt(cut >= 0.0 ? cut : piece.length);
         for (const Found& f : found_) {
             // what comes after the end of the mode is found again in the next one, by its side
             const Guard& guard = guards[f.guard];
-            if (f.place - f.doubt > together || !guard.is_watched()) continue;
+            if (f.place - f.doubt > noted || !guard.is_watched()) continue;
             if (f.waits) {
                 watched(guard).reached = f.rising ? 1 : -1;
                 continue;
@@ -94,6 +109,7 @@ public:
             if (f.breaks) continue;
             side_of(guard) = f.rising ? 1 : -1;
             if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
+            if (begins_ && f.place <= f.doubt) continue;
             const double place = f.place * piece.length;
             note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
         }
@@ -150,8 +166,7 @@ public:
             const int reached = std::exchange(watched(guard).reached, 0);
             const Found f{0.0, 0.0, 0, reached > 0};
             if (!matches(guard, f)) continue;
-            const int after = guard.output >= 0 && !mode.still ? leading_sign(mode, t.hi, x, guard.output) : 0;
-            if (after != 0 && after != reached) continue;
+            if (const int after = side_after(mode, guard, t, x); after != 0 && after != reached) continue;
             note(record, guard, f.direction(), t);
             stops = stops || guard.role == GuardRole::stop;
         }
@@ -160,6 +175,14 @@ public:
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+    /// The side a watched function that was at zero where a mode begins goes to in it; 0: it stays, or no one can tell.
+    static int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x) {
+        if (guard.output < 0 || mode.still) return 0;
+        // its value there is the error of the state, unless it has jumped
+        const bool is_zero = is_zero_at(mode, t.hi, x, guard.output, 1e-6);
+        return leading_sign(mode, t.hi, x, guard.output, is_zero ? 1 : 0);
+    }
 
     struct Found {
         double place, doubt;  // on [0, 1] of the piece
@@ -173,6 +196,7 @@ private:
     struct Watched {
         int side = 0;                               // it is on; 0: not known yet
         int reached = 0;                            // the side it would go to from the zero where the mode began
+        double known_from = 0.0;                    // where on the piece its side becomes known; 0: it is
         std::optional<double> zero = std::nullopt;  // its value where it fired last
     };
 
@@ -191,12 +215,12 @@ private:
         };
         // a watched function of what switches there (an absolute value) may have a corner and turn back
         const bool switches = std::any_of(found_.begin(), found_.end(), [&](const Found& f) {
-            return is_together(f) && guards[f.guard].kind == EventKind::switching && !guards[f.guard].is_watched();
+            return is_together(f) && is_distinction(guards[f.guard]);
         });
         for (Found& f : found_) {
             const Guard& guard = guards[f.guard];
             if (!is_together(f)) continue;
-            if (guard.watch >= 0 && switches && f.place + f.doubt >= first.place) {
+            if (guard.watch >= 0 && switches && (f.place + f.doubt >= first.place || are_near(f, first))) {
                 f.waits = true;
                 continue;
             }
@@ -207,6 +231,13 @@ private:
             directions_[f.guard] = f.direction();
             stops_ = stops_ || guard.role == GuardRole::stop;
         }
+    }
+
+    /// Of a case distinction: a change of mode that may leave a corner in what is watched.
+    static bool is_distinction(const Guard& guard) { return guard.kind == EventKind::switching && !guard.is_watched(); }
+    /// Whether two places of one zero, computed apart, may be these.
+    static bool are_near(const Found& a, const Found& b) {
+        return std::abs(a.place - b.place) <= 16.0 * (a.doubt + b.doubt);
     }
 
     static bool matches(const Guard& guard, const Found& f) {
@@ -307,6 +338,15 @@ private:
             arrival.at_zero = !is_watch;
             if (is_watch && guard.watch >= 0) arrival.zero = watched(guard).zero;
         }
+        const auto begins_at_zero = [&](double few) {
+            state_.resize(static_cast<std::size_t>(engine_.piece().variables));
+            engine_.piece().state(0.0, state_);
+            return is_zero_at(mode, engine_.piece().start.hi, state_, guard.output, few);
+        };
+        // what tells on which side a distinction begins tells it of its guard, and of a function with a corner there
+        if (fresh && begins_ && (is_watch || is_distinction(guard))) arrival.at_zero = begins_at_zero(8.0 * epsilon);
+        // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped
+        if (fresh && guard.watch >= 0 && watched(guard).reached != 0) arrival.at_zero = begins_at_zero(1e-6);
         // two pieces meet within the error of the first
         if (!fresh && is_watch && starts != side && std::isfinite(end)) arrival.gap = 2.0 * std::abs(end - q[0]);
         if (is_last) {
@@ -341,8 +381,12 @@ private:
             const int reached = std::exchange(watched(guard).reached, 0);
             if (leaves == 0) leaves = reached;
         }
+        if (guard.watch >= 0) watched(guard).known_from = 0.0;
         if (leaves == 0) return;
-        if (guard.is_watched() && known == 0) known = side_of(guard) = leaves;
+        if (guard.is_watched() && known == 0) {
+            known = side_of(guard) = leaves;
+            if (guard.watch >= 0) watched(guard).known_from = lo + passages_.leaves_from() * (hi - lo);
+        }
         if (leaves != known) {
             found_.push_back({lo, 0.0, g, leaves > 0});
             if (!guard.is_watched()) return;
@@ -369,6 +413,8 @@ private:
     void seek_by_values(const Mode& mode, const Guard& guard, std::size_t g, double sign, bool fresh, bool is_last) {
         using series::Fit;
         const Piece& piece = engine_.piece();
+        // its values tell whether what was reached where the mode began is passed
+        if (fresh && guard.watch >= 0) watched(guard).reached = 0;
         const auto value = [&](double x) { return sign * value_at(mode, guard, x * piece.length, true); };
         // the side so far, with what was already found on this piece
         const auto side = [&] {
@@ -426,6 +472,33 @@ private:
             x = std::clamp(x - g / slope * (hi - lo), lo, hi);
             if (!(std::abs(x - f.place) < 1e-3 * (hi - lo)) || x == f.place) break;
         }
+        enclose(f, lo, hi, value);
+    }
+
+    /// The same where the polynomial's slope is not that of the function, as on a step very long beside the place: its
+    /// sign on both sides, then halves.
+    template <class Value>
+    static void enclose(Found& f, double lo, double hi, const Value& value) {
+        const double at_place = f.rising ? value(f.place) : -value(f.place);
+        if (!(std::abs(at_place) > 0.0) || f.place <= lo) return;
+        // the other side is ahead of a place before the zero, behind one after it
+        const double way = at_place < 0.0 ? 1.0 : -1.0;
+        double near = f.place, far = near, step = 2.0 * epsilon * f.place;
+        for (int k = 0; k < 40; ++k, step *= 2.0) {
+            far = std::clamp(f.place + way * step, lo, hi);
+            const double g = f.rising ? value(far) : -value(far);
+            if (!std::isfinite(g)) return;
+            if (g * way >= 0.0) break;
+            near = far;
+            if (far == lo || far == hi || k == 39) return;
+        }
+        while (std::abs(far - near) > 2.0 * epsilon * std::abs(far)) {
+            const double middle = 0.5 * (near + far);
+            const double g = f.rising ? value(middle) : -value(middle);
+            (g * way >= 0.0 ? far : near) = middle;
+            if (middle == near && middle == far) break;
+        }
+        f.place = far;
     }
 
     /// Whether a watched function whose side is another one where the piece begins, with a value, has passed a pole on
@@ -467,7 +540,7 @@ private:
     std::unique_ptr<Evaluator<double>> evaluator_;
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
-    bool stops_ = false, at_start_ = false;
+    bool stops_ = false, at_start_ = false, begins_ = false;
     double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece
     const Guard* broken_ = nullptr;
     RoughPassages rough_;

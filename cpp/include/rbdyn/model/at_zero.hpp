@@ -12,10 +12,11 @@
 
 namespace rbdyn {
 
-/// Of an output of a mode's equations at (t, x). Half a unit in the last place of each number, times a few for what is
-/// computed from it before it gets here (a speed along a rail is divided by |r'|).
-inline bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output) {
-    constexpr double few = 8.0 * std::numeric_limits<double>::epsilon();
+/// Of an output of a mode's equations at (t, x). `few`: the relative error of all numbers, by default half a unit in
+/// the last place, times a few for what is computed from them before they get here (a speed along a rail is divided by
+/// |r'|).
+inline bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output,
+                       double few = 8.0 * std::numeric_limits<double>::epsilon()) {
     JacobianEvaluator f(mode.equations->program);
     f.set_parameters(mode.parameters);
     f.differentiate(t, x);

@@ -252,11 +252,7 @@ private:
             }
             const auto surface = surface_of(e, guard);
             if (!surface || refused.contains(*surface) || before.sides.contains(*surface)) continue;
-            if (touched != nullptr ? !touched->contains(*surface)
-                                   : std::abs(evaluated().output(guard.output)) >
-                                             64.0 * epsilon * evaluated().magnitude(guard.output) &&
-                                         !is_zero_at(mode, t, x, guard.output))
-                continue;
+            if (touched != nullptr ? !touched->contains(*surface) : !is_zero_at(mode, t, x, guard.output)) continue;
             const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
             if (sign * leading_sign(mode, t, x, guard.output, 1) < 0.0) decided.sliding.insert(*surface);
         }
