@@ -44,7 +44,8 @@ public:
     /// Estimated global error, each quantity relative to its own scale in this motion; none with rtol.
     std::optional<double> error() const { return data_->error; }
     const Statistics& statistics() const { return data_->statistics; }
-    const Events& events() const { return data_->events; }
+    const Events& events() const& { return data_->events; }
+    Events events() && { return data_->events; }  // of a run that ends with the expression, they outlive it
     const Plan& plan() const { return data_->plan; }
     const Scene& scene() const { return data_->scene; }
     std::shared_ptr<const RunData> data() const { return data_; }
