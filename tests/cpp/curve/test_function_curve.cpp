@@ -272,6 +272,16 @@ TEST(FunctionCurve, is_not_taken_for_a_line_by_what_lies_between_samples) {
     EXPECT_NEAR(hat.length(-1.0, 1.0), 2.0 + 2.0 * width * (std::sqrt(2.0) - 1.0), 16 * epsilon);
 }
 
+TEST(FunctionCurve, that_is_closed_is_the_same_in_every_round_also_between_samples) {
+    const Curve bumped(
+        [](const auto& u) {
+            return Point{cos(u), sin(u), exp(-1e8 * (u - 0.123) * (u - 0.123))};
+        },
+        {-pi, pi}, true);
+    EXPECT_NEAR(bumped.position(0.123 + 2.0 * pi).z(), 1.0, 1e-6);
+    EXPECT_NEAR(bumped.position(0.123 - 6.0 * pi).z(), 1.0, 1e-6);
+}
+
 TEST(FunctionCurve, refuses_numbers_that_are_to_change_for_it_is_measured_once) {
     rbdyn::Parameter radius(2.0, "radius");
     const auto circle = [&](const auto& u) { return Point{radius * cos(u), radius * sin(u), 0.0}; };

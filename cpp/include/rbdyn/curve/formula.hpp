@@ -73,6 +73,22 @@ inline bool is_on_line(const Function& r) {
     });
 }
 
+/// Whether a function of one input depends on it by sines and cosines alone.
+inline bool is_of_angles(const Function& f) {
+    std::vector<bool> is_other(static_cast<std::size_t>(f.size()), false);
+    for (std::int32_t n = 0; n < f.size(); ++n) {
+        const Node& node = f.node(n);
+        if (node.operation == Operation::sine || node.operation == Operation::cosine) continue;
+        bool is = node.operation == Operation::input;
+        for (const std::int32_t operand : node.operands())
+            is = is || (operand >= 0 && is_other[static_cast<std::size_t>(operand)]);
+        is_other[static_cast<std::size_t>(n)] = is;
+    }
+    const auto& results = f.output_nodes();
+    return std::none_of(results.begin(), results.end(),
+                        [&](std::int32_t n) { return is_other[static_cast<std::size_t>(n)]; });
+}
+
 /// Whether a function consists of several formulas, or of one that may have a corner: a root, a length, an angle.
 inline bool may_have_corners(const Function& f) {
     for (std::int32_t n = 0; n < f.size(); ++n) switch (f.node(n).operation) {

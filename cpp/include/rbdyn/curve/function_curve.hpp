@@ -10,11 +10,10 @@
 // agree too.
 //
 // A closed curve meets itself in position and r' at the ends of the domain, and its parameter counts on. Where the
-// function goes on with the same period it is used as it is; else the curve is repeated, with a jump of r'' at the seam
-// if the function has it so.
-// What rounding makes of r' and of r' x r'' is bounded by running error analysis (expression/rounded.hpp), the
-// parameter itself being rounded: below that bound the curve has a cusp, or is straight.
-// Invariant: finite, with r' and r'', at all samples of the domain.
+// function is one of sines and cosines and goes on with the same period it is used as it is; else the curve is
+// repeated, with a jump of r'' at the seam if the function has it so. What rounding makes of r' and of r' x r'' is
+// bounded by running error analysis (expression/rounded.hpp), the parameter itself being rounded: below that bound the
+// curve has a cusp, or is straight. Invariant: finite, with r' and r'', at all samples of the domain.
 #pragma once
 
 #include <algorithm>
@@ -112,6 +111,7 @@ public:
             placement_ = {};
         }
         record(function, placement_.exact_axes(), placement_.origin, straight_ ? 1 : moving);
+        repeats_ = closed_ && !curves::is_of_angles(function);
         if (closed_) close(looked);
     }
 
