@@ -160,7 +160,7 @@ TEST(CurvatureJumps, of_a_function_keep_the_energy) {
          [](double u) { return u < 0.0 ? Vector3(u, 0.0, 0.0) : Vector3(std::sin(u), 0.0, 1.0 - std::cos(u)); }},
     };
     for (const Case& c : cases)
-        for (const std::string& engine : {"taylor", "dop853"}) {
+        for (const char* engine : {"taylor", "dop853"}) {
             SCOPED_TRACE(std::string(c.what) + " " + engine);
             const Sent sent(c.curve, c.start, c.speed);
             const auto [words, run] = sent.run(engine, 1.0, 1e-10);
