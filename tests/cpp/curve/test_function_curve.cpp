@@ -222,6 +222,66 @@ TEST(FunctionCurve, may_distinguish_cases) {
     EXPECT_EQ(rail.position(-0.5), Vector3(-0.5, 0, 0));
 }
 
+TEST(FunctionCurve, of_straight_pieces_is_those_pieces_and_no_line) {
+    const double lift = 0.3;
+    const std::vector<Curve> all{
+        Curve([=](const auto& u) {
+            return Point{u, 0.0, max(u, Expression(lift))};
+        }),
+        Curve(
+            [=](const auto& u) {
+                return Point{u, 0.0, max(u, Expression(lift))};
+            },
+            {-1, 1}),
+        Curve([=](const auto& u) {
+            return Point{u, 0.0, where(u > lift, u, Expression(lift))};
+        }),
+        Curve([=](const auto& u) {
+            return Point{u, 0.0, 0.5 * (u + lift + abs(u - lift))};
+        }),
+    };
+    for (const Curve& curve : all) {
+        EXPECT_FALSE(curve.straight());
+        for (const double u : {-0.9, 0.0, 0.25, 0.5, 0.9}) {
+            EXPECT_LE((curve.position(u) - Vector3(u, 0.0, std::max(u, lift))).norm(), epsilon) << u;
+            EXPECT_NEAR(curve.frenet(u).tangent.z(), u > lift ? std::sqrt(0.5) : 0.0, 2 * epsilon) << u;
+            EXPECT_EQ(curve.curvature(u), 0.0) << u;
+            EXPECT_FALSE(curve.jumps_at(u)) << u;
+        }
+        EXPECT_TRUE(curve.jumps_at(lift));
+        EXPECT_THROW(curve.frenet(lift), InvalidInput);
+        EXPECT_NEAR(curve.length(-1.0, 1.0), 1.3 + 0.7 * std::sqrt(2.0), 8 * epsilon);
+    }
+    // a line that the formula shows to be one, though it turns back
+    const Curve line([](const auto& u) { return Point{abs(u), 0.0, 2.0 * abs(u) - 1.0}; });
+    EXPECT_TRUE(line.straight());
+    EXPECT_TRUE(line.jumps_at(0.0));
+    EXPECT_EQ(line.position(-0.5), Vector3(0.5, 0.0, 0.0));
+    // the same function, written in two ways
+    EXPECT_TRUE(Curve([](const auto& u) { return Point{u * u + 2.0 * u, 0.0, 0.7 * u * (u + 2.0)}; }).straight());
+}
+
+TEST(FunctionCurve, is_not_taken_for_a_line_by_what_lies_between_samples) {
+    const Curve bump([](const auto& u) { return Point{u, 0.0, exp(-1e8 * (u - 0.123) * (u - 0.123))}; }, {-1, 1});
+    EXPECT_FALSE(bump.straight());
+    EXPECT_EQ(bump.position(0.123), Vector3(0.123, 0.0, 1.0));
+    const double width = 1e-3;
+    const Curve hat([=](const auto& u) { return Point{u, 0.0, max(Expression(0.0), width - abs(u - 0.123))}; });
+    EXPECT_FALSE(hat.straight());
+    EXPECT_NEAR(hat.position(0.123).z(), width, 1e-18);
+    EXPECT_NEAR(hat.length(-1.0, 1.0), 2.0 + 2.0 * width * (std::sqrt(2.0) - 1.0), 16 * epsilon);
+}
+
+TEST(FunctionCurve, that_is_closed_is_the_same_in_every_round_also_between_samples) {
+    const Curve bumped(
+        [](const auto& u) {
+            return Point{cos(u), sin(u), exp(-1e8 * (u - 0.123) * (u - 0.123))};
+        },
+        {-pi, pi}, true);
+    EXPECT_NEAR(bumped.position(0.123 + 2.0 * pi).z(), 1.0, 1e-6);
+    EXPECT_NEAR(bumped.position(0.123 - 6.0 * pi).z(), 1.0, 1e-6);
+}
+
 TEST(FunctionCurve, refuses_numbers_that_are_to_change_for_it_is_measured_once) {
     rbdyn::Parameter radius(2.0, "radius");
     const auto circle = [&](const auto& u) { return Point{radius * cos(u), radius * sin(u), 0.0}; };

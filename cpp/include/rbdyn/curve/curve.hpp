@@ -8,8 +8,9 @@
 // Degenerate cases: a curve that is straight all along has kappa = tau = 0 and one frame throughout, that of least
 // rotation from anywhere: normal nearest to world z, or to world x if vertical. Where kappa is zero at one u alone (an
 // inflection) the frame is its limit from the side of smaller u, and kappa = tau = 0. On a straight stretch of a spline
-// it is that of the last bend before, or that of a line if there is none. Where r' = 0 (a cusp) there is no tangent,
-// and asking for one is an error. Invariant: the frame is orthonormal and right-handed, never NaN.
+// it is that of the last bend before, or that of a line if there is none. Where r' = 0 (a cusp) or r' jumps (a
+// corner) there is no tangent, and asking for one is an error. Invariant: the frame is orthonormal and right-handed,
+// never NaN.
 //
 // To add a kind of curve: a header beside this one, and its name in CurveKinds below.
 #pragma once
@@ -224,6 +225,16 @@ public:
         return curves::unit(product).dot(third(u)) / curves::norm(product);
     }
 
+    /// Whether r or r' jumps at u, within rounding: no motion along the curve goes on there.
+    bool jumps_at(double u) const {
+        return asked([&](const auto& form) {
+            if constexpr (requires { form.jumps_at(u); })
+                return form.jumps_at(u);
+            else
+                return false;
+        });
+    }
+
     /// Throws InvalidInput unless the curve has a tangent at u.
     void require_regular(double u) const {
         curves::require_finite(name(), "parameter", u);
@@ -231,6 +242,8 @@ public:
         require(regular, name(), "parameter", u,
                 "the curve has a cusp there, |r'| = " + text(curves::norm(own(u).first)) +
                     ", and no tangent: choose a parameter where r' is not zero");
+        require(!jumps_at(u), name(), "parameter", u,
+                "the curve or its tangent jumps there, and no motion goes on: choose a parameter beside it");
     }
 
     bool operator==(const Curve& other) const { return *form_ == *other.form_ && placement_ == other.placement_; }

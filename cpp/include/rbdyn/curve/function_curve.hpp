@@ -1,16 +1,19 @@
 // A curve given by any function of its parameter: r(u), recorded, with the derivatives that follow from it.
 //
 // A component that is a constant in the recorded function vanishes in own axes: a plane curve parallel to two axes of
-// the world has those axes, its own origin lies in its plane. A curve that is straight within rounding wherever it is
-// looked at has the axes of Line, about a point of its own. Else own axes are the world's. Numbers of the
+// the world has those axes, its own origin lies in its plane. A curve that its formula shows to be straight
+// (formula.hpp) has the axes of Line, about a point of its own. Else own axes are the world's. Numbers of the
 // user's (`Parameter`) are taken as they are when the curve is made.
 //
+// A function may distinguish cases, and so have places where r'' jumps, and others where r' or r does: there it has no
+// tangent, and is not regular. A jump is one by more than 1e-9 of |r'|, to which the ends of a closed curve have to
+// agree too.
+//
 // A closed curve meets itself in position and r' at the ends of the domain, and its parameter counts on. Where the
-// function goes on with the same period it is used as it is; else the curve is repeated, with a jump of r'' at the seam
-// if the function has it so.
-// What rounding makes of r' and of r' x r'' is bounded by running error analysis (expression/rounded.hpp), the
-// parameter itself being rounded: below that bound the curve has a cusp, or is straight.
-// Invariant: finite, with r' and r'', at all samples of the domain.
+// function is one of sines and cosines and goes on with the same period it is used as it is; else the curve is
+// repeated, with a jump of r'' at the seam if the function has it so. What rounding makes of r' and of r' x r'' is
+// bounded by running error analysis (expression/rounded.hpp), the parameter itself being rounded: below that bound the
+// curve has a cusp, or is straight. Invariant: finite, with r' and r'', at all samples of the domain.
 #pragma once
 
 #include <algorithm>
@@ -24,6 +27,7 @@
 
 #include "rbdyn/curve/arc_length.hpp"
 #include "rbdyn/curve/checks.hpp"
+#include "rbdyn/curve/formula.hpp"
 #include "rbdyn/curve/own_axes.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/curve/stretch.hpp"
@@ -96,8 +100,10 @@ public:
                 "one must: a curve is not a single point");
         record(function, widened(Matrix3(Matrix3::Identity())), Vector3::Zero(), 3);
         const Looked looked = look();
-        if (looked.straight) {
-            straight_ = true;
+        straight_ = curves::is_on_line(function);
+        may_have_corners_ = curves::may_have_corners(function);
+        distinctions_ = function.distinctions();
+        if (straight_) {
             placement_ = placed(at(samples().front()).position, curves::axes_of_line(at(looked.fastest).first));
         } else if (moving == 2) {
             placement_ = placed(placement_.origin, curves::axes_without(constant[2] ? 2 : constant[1] ? 1 : 0));
@@ -105,6 +111,7 @@ public:
             placement_ = {};
         }
         record(function, placement_.exact_axes(), placement_.origin, straight_ ? 1 : moving);
+        repeats_ = closed_ && !curves::is_of_angles(function);
         if (closed_) close(looked);
     }
 
@@ -137,6 +144,25 @@ public:
                plain_length(domain_.begin, end);
     }
     bool regular_at(double u) const { return !may_vanish(rounded(point_, 3, local(u))); }
+    /// Whether r or r' jumps, within rounding of u.
+    bool jumps_at(double u) const {
+        if (!may_have_corners_ && !repeats_) return false;
+        const Domain all = domain();
+        const bool is_finite = std::isfinite(domain_.begin) && std::isfinite(domain_.end);
+        const double scale = std::max(std::abs(u), is_finite ? domain_.end - domain_.begin : 1.0);
+        // from a few roundings of u to what a root of a motion may be wrong by
+        for (const double near : {0x1p-46, 0x1p-40, 0x1p-34}) {
+            const double a = std::max(u - near * scale, all.begin), b = std::min(u + near * scale, all.end);
+            const CurvePoint<double> p = own(a), q = own(b);
+            const double speed = std::max(curves::norm(p.first), curves::norm(q.first)),
+                         bend = std::max(curves::norm(p.second), curves::norm(q.second));
+            const double size = std::max(curves::norm(p.position), curves::norm(q.position));
+            const double way = 2.0 * speed * (b - a) + rounding(0, a, b) + agreed * size + gap_,
+                         turn = 2.0 * bend * (b - a) + rounding(3, a, b) + agreed * speed + turn_;
+            if (curves::norm(q.position - p.position) > way || curves::norm(q.first - p.first) > turn) return true;
+        }
+        return false;
+    }
     bool straight() const { return straight_; }
     /// The binormal where the curvature is zero within rounding, in own axes; nothing where the curve bends.
     ///
@@ -191,7 +217,6 @@ private:
 
     /// What the samples of the domain show.
     struct Looked {
-        bool straight;
         double fastest;        // sample where |r'| is largest
         double extent, speed;  // of positions; largest |r'|
     };
@@ -221,7 +246,7 @@ private:
     /// the first sample must be so.
     Looked look() const {
         const bool all = std::isfinite(domain_.begin) && std::isfinite(domain_.end);
-        Looked looked{true, 0.0, 0.0, 0.0};
+        Looked looked{0.0, 0.0, 0.0};
         std::optional<Vector3> low, high;
         bool is_first = true;
         for (const double u : samples()) {
@@ -233,7 +258,6 @@ private:
             low = low ? lesser(*low, p.position) : p.position;
             high = high ? greater(*high, p.position) : p.position;
             const Components first = rounded(point_, 3, u);
-            if (turning(first, rounded(point_, 6, u))) looked.straight = false;
             const double speed = may_vanish(first) ? 0.0 : curves::norm(p.first);
             if (speed > looked.speed) {
                 looked.speed = speed;
@@ -271,6 +295,10 @@ private:
                 repeats_ = repeats_ || !(curves::norm(q.position - p.position) <= agreed * looked.extent) ||
                            !(curves::norm(q.first - p.first) <= agreed * looked.speed);
             }
+        if (repeats_) {
+            gap_ = 2.0 * agreed * looked.extent;
+            turn_ = 2.0 * agreed * looked.speed;
+        }
         once_ = plain_length(domain_.begin, domain_.end);
     }
 
@@ -302,7 +330,32 @@ private:
             size = std::max(size, curves::norm(p.position) + std::abs(u) * curves::norm(p.first));
         }
         const double floor = 8.0 * std::numeric_limits<double>::epsilon() * size;
-        return curves::arc_length([&](double u) { return curves::norm(at(u).first); }, u0, u1, floor, name_);
+        double length = 0.0, from = u0;
+        for (const double to : formula_ends(u0, u1)) {
+            length += curves::arc_length([&](double u) { return curves::norm(at(u).first); }, from, to, floor, name_);
+            from = to;
+        }
+        return length;
+    }
+    /// Where one formula ends between two parameters and another begins, as far as samples show it, and the last one.
+    std::vector<double> formula_ends(double u0, double u1) const {
+        std::vector<double> ends;
+        constexpr int parts = 64;
+        const auto value = [&](double u, int k) {
+            return distinctions_(std::span<const double>(&u, 1))[static_cast<std::size_t>(k)];
+        };
+        for (int k = 0; k < distinctions_.outputs(); ++k)
+            for (int i = 0; i < parts; ++i) {
+                double a = u0 + (u1 - u0) * i / parts, b = i + 1 == parts ? u1 : u0 + (u1 - u0) * (i + 1) / parts;
+                const bool is_above = value(a, k) > 0.0;
+                if ((value(b, k) > 0.0) == is_above) continue;
+                for (double m = a + 0.5 * (b - a); m > a && m < b; m = a + 0.5 * (b - a))
+                    ((value(m, k) > 0.0) == is_above ? a : b) = m;
+                if (b > u0 && b < u1) ends.push_back(b);
+            }
+        std::sort(ends.begin(), ends.end());
+        ends.push_back(u1);
+        return ends;
     }
 
     /// Three results of a recorded function, with bounds on their rounding, u being known to a unit in its last place.
@@ -311,6 +364,13 @@ private:
         x.error = std::numeric_limits<double>::epsilon() * std::abs(u);
         const std::vector<Rounded> y = function(std::span<const Rounded>(&x, 1));
         return {y[result], y[result + 1], y[result + 2]};
+    }
+    static double error_of(const Components& v) { return v[0].error + v[1].error + v[2].error; }
+    /// What rounding may make of the difference of three results at two parameters.
+    double rounding(std::size_t result, double a, double b) const {
+        double sum = 0.0;
+        for (const double u : {a, b}) sum += error_of(rounded(point_, result, local(u)));
+        return 2.0 * sum;
     }
     static bool may_vanish(const Components& v) { return v[0].may_vanish() && v[1].may_vanish() && v[2].may_vanish(); }
     /// a x b, unless it may vanish.
@@ -325,10 +385,13 @@ private:
     std::string name_;
     Function point_;  // r, r', r'' in own axes
     Function third_;
+    Function distinctions_;  // what cases are distinguished by
     Placement placement_;
     bool straight_ = false;
-    bool repeats_ = false;  // rounds are counted: the function does not go on by itself
-    double once_ = 0.0;     // length of a round
+    bool may_have_corners_ = false;
+    bool repeats_ = false;           // rounds are counted: the function does not go on by itself
+    double once_ = 0.0;              // length of a round
+    double gap_ = 0.0, turn_ = 0.0;  // by which r and r' may differ at the ends of one
 };
 
 inline FunctionForm FunctionCurve::form() const {

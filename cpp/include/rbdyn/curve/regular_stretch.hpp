@@ -1,11 +1,15 @@
 // The stretch of a curve around a parameter on which its tangent is known to be defined, found as it is asked for.
 //
-// Where r' = 0 (a cusp, or a parameter that stands still) or r' has no end (a slope that becomes vertical), the motion
-// along a curve has no law by its parameter, though series in time may well go on through such a point: at a cusp that
-// is reached without speed u grows evenly with time. So where a bead is about to go is looked at beforehand.
+// Where r' = 0 (a cusp, or a parameter that stands still), jumps (a corner) or has no end (a slope that becomes
+// vertical), the motion along a curve has no law by its parameter, though series in time may well go on through such a
+// point: at a cusp that is reached without speed u grows evenly with time. So where a bead is about to go is looked at
+// beforehand.
 //
 // On [a, b] with the middle m and the half h, r' does not vanish and keeps its size if |r'(m)| > 2 h max |r''|, r'' at
-// a, m and b; else the interval is halved. A singular point is where halving ends at the spacing of numbers.
+// a, m and b; it does not jump if it changes from a to b by no more than these allow, or by less than 1e-9 of itself.
+// Else the interval is halved. A singular point is where halving ends at the spacing of numbers.
+// A corner that a case distinction makes is met as the event that it is, too: between places that are looked at there
+// may be two that make up for each other.
 // Invariant: what has been looked at once is not looked at again.
 #pragma once
 
@@ -78,19 +82,24 @@ private:
     }
 
     bool is_regular(double a, double b) {
-        const auto [speed, bend] = rates(a + 0.5 * (b - a));
-        const auto [first_speed, first_bend] = rates(a);
-        const auto [last_speed, last_bend] = rates(b);
+        const Rates middle = rates(a + 0.5 * (b - a)), first = rates(a), last = rates(b);
         const bool is_defined =
-            first_speed > 0.0 && last_speed > 0.0 && std::isfinite(first_speed + last_speed + speed);
-        return is_defined && speed > std::abs(b - a) * std::max({bend, first_bend, last_bend});
+            first.speed > 0.0 && last.speed > 0.0 && std::isfinite(first.speed + last.speed + middle.speed);
+        const double change = std::abs(b - a) * std::max({middle.bend, first.bend, last.bend});
+        constexpr double unseen = 1e-9;
+        return is_defined && middle.speed > change &&
+               norm(last.first - first.first) <= 4.0 * change + unseen * middle.speed;
     }
-    /// |r'| and |r''|.
-    std::pair<double, double> rates(double u) {
+    /// r', |r'| and |r''|.
+    struct Rates {
+        Vector3 first;
+        double speed, bend;
+    };
+    Rates rates(double u) {
         const CurvePoint<double> p = curve_.own(u);
-        const double speed = norm(p.first), bend = norm(p.second);
-        if (bend > sharpness_ * speed) sharpness_ = bend / speed;
-        return {speed, bend};
+        const Rates r{p.first, norm(p.first), norm(p.second)};
+        if (r.bend > sharpness_ * r.speed) sharpness_ = r.bend / r.speed;
+        return r;
     }
 
     Curve curve_;

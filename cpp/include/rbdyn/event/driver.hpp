@@ -131,6 +131,9 @@ private:
             std::vector<Happening> happenings;
             const Equations* before = mode.equations;
             Mode after = model_.next(mode, search_.fired(), t.hi, x, happenings);
+            if (std::any_of(happenings.begin(), happenings.end(),
+                            [](const Happening& h) { return h.kind == EventKind::singular; }))
+                return finish(record, t, Status::not_finite);
             // the guards just handled are at their zero, whatever rounding makes of them: those of the same equations,
             // those of the same surface in others, and watched functions
             std::vector<bool> handled(after.equations->guards.size(), false);

@@ -140,6 +140,16 @@ public:
         return record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
     }
 
+    /// What signs and choices between two formulas depend on: they change where one of these passes zero.
+    Function distinctions() const {
+        Function result = *this;
+        result.outputs_.clear();
+        for (std::int32_t n = 0; n < size(); ++n)
+            if (node(n).operation == Operation::sign || node(n).operation == Operation::select)
+                result.outputs_.push_back(node(n).a);
+        return result;
+    }
+
     // --- as data ---
 
     /// Node i of the recorded operations, which come before what uses them.

@@ -228,6 +228,10 @@ public:
 
     Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
               std::vector<Happening>& happenings) const override {
+        if (const int i = at_corner(mode, fired, x); i >= 0) {
+            happenings.push_back({EventKind::singular, i, Direction::either, {}});
+            return mode;
+        }
         Mode after = mode;
         std::vector<int> flipped;
         bool is_new = false;
@@ -414,6 +418,19 @@ private:
     /// A variable that is simulated.
     double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
 
+    /// The first bead on a rail that jumps, with its tangent or by itself, where a distinction changes; -1: none.
+    int at_corner(const Mode& mode, std::span<const int> fired, std::span<const double> x) const {
+        const bool has_changed = std::any_of(fired.begin(), fired.end(), [&](int index) {
+            return mode.equations->guards[at(index)].kind == EventKind::switching;
+        });
+        for (int i = 0; has_changed && i < bodies(); ++i) {
+            const PointLaws::Body& b = laws_->body(i);
+            if (!b.curve || mode.slip[at(i)] == flies || !laws_->map().is_simulated(b.first)) continue;
+            if (b.curve->jumps_at(laws_->map().value(b.first, x))) return i;
+        }
+        return -1;
+    }
+
     /// What is singular in a curve near a parameter, in words; empty if nothing is.
     static std::string singular_at(const Curve& curve, double u) {
         const double speed = curve.first(u).norm(), before = curve.first(u - 0.125).norm(),
@@ -423,7 +440,7 @@ private:
         // a rate of the parameter that is beyond all measure beside a finite speed, or none of the speed
         if (speed < 1e-6 * usual) return "it has a cusp or its parameter stands still, r' = 0, and no tangent";
         if (speed > 1e6 * usual) return "it becomes vertical, |r'| = " + text(speed) + " and growing";
-        const bool is_singular = stretch.end_above(u + near) || stretch.end_below(u - near);
+        const bool is_singular = curve.jumps_at(u) || stretch.end_above(u + near) || stretch.end_below(u - near);
         return is_singular ? "its tangent jumps or is not defined" : "";
     }
 

@@ -1,7 +1,8 @@
 // Where a bead comes to a singular point of its rail (curve/regular_stretch.hpp), on the pieces of an engine.
 //
-// Two ways of going wrong, both smooth in time:
+// Ways of going wrong, all smooth in time:
 //   through r' = 0     u(t) passes a cusp that the bead comes to slowly
+//   across a corner    u(t) goes on with the formula of one side
 //   back from |r'| = infinity   u(t) turns at the last parameter of a slope that becomes vertical, with a speed |r'|
 //   |w|
 //                               that is not zero: on both sides of a turn a bead is as fast as it is long from it, and
@@ -41,10 +42,13 @@ public:
         if (!std::isfinite(width)) return std::nullopt;
         // it may have landed, or been put, elsewhere
         if (fresh) stretch_.include(u[0]);
+        // before it by what u is rounded, so that the last state is one of this side
+        const double before = 16.0 * epsilon * std::max(std::abs(range.low), std::abs(range.high));
         std::optional<double> place;
-        if (const auto end = stretch_.end_above(range.high)) place = passed(piece.order, *end, 1.0);
+        if (const auto end = stretch_.end_above(range.high)) place = passed(piece.order, *end - before, 1.0);
         if (const auto end = stretch_.end_below(range.low))
-            if (const auto other = passed(piece.order, *end, -1.0); other && !(place && *place < *other)) place = other;
+            if (const auto other = passed(piece.order, *end + before, -1.0); other && !(place && *place < *other))
+                place = other;
         // where |r'| varies little as far as the piece goes a turn is one
         if (rate_ >= 0 && stretch_.sharpness() * width > most_even) {
             take(w, piece.order, piece.length);
