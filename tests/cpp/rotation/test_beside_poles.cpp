@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 
 #include "rbdyn/trajectory/euler_track.hpp"
 
@@ -19,7 +21,8 @@ struct Precession {
     mutable long long asked = 0;
 
     Turning operator()(double t) const {
-        ++asked;
+        // a way without end fails instead
+        if (++asked > 1000000) throw std::runtime_error("asked for too often");
         // by two turns a quaternion keeps its sign
         const EulerAngles within{beta, std::fmod(precession * t, 4.0 * pi), std::fmod(spin * t, 4.0 * pi)};
         return {turn({1, 0, 0}, alpha) * quaternion(within), angular_velocity(within, Vector3(0.0, precession, spin))};
@@ -76,7 +79,7 @@ TEST(BesidePoles, an_axis_that_goes_round_beside_a_pole_is_followed_in_a_few_ste
                 for (const double precession : {3.0, 0.2}) {
                     const Precession motion{is_upright ? tilt : pi - tilt, ratio * tilt, precession, 2.0};
                     EulerTrack track;
-                    const double turns = 12.0, t = 2.0 * pi * turns / precession;
+                    const double turns = 6.0, t = 2.0 * pi * turns / precession;
                     const EulerAngles a = track.at(0, t, motion(t).attitude, 0.0, motion.start(), motion);
                     expect_same(a, motion.after(turns), motion.tolerance(turns),
                                 std::to_string(tilt) + " " + std::to_string(ratio));
@@ -114,7 +117,7 @@ TEST(BesidePoles, a_swing_is_followed_past_the_pole_and_goes_through_it_when_it_
         const EulerAngles a = track.at(0, 1.0, motion(1.0).attitude, 0.0, start, motion);
         const bool is_past = miss > 3e-10;
         EXPECT_NEAR(a.theta, is_past ? start.theta : -start.theta, 1e-14) << miss;
-        EXPECT_NEAR(std::abs(a.psi - start.psi), is_past ? pi - 2.0 * std::atan(miss / std::tan(0.5)) : 0.0,
+        EXPECT_NEAR(std::abs(a.psi - start.psi), is_past ? pi - 2.0 * std::atan(std::sin(miss) / std::tan(0.5)) : 0.0,
                     is_past ? 1e-13 : 2.0 * miss / std::tan(0.5) + 1e-13)
             << miss;
         EXPECT_NEAR(a.psi + a.phi, start.psi + start.phi, 2.0 * miss + 1e-14) << miss;

@@ -113,10 +113,10 @@ private:
         : period_(r.period), first_(start.time), start_(start.angles) {
         // the shortest turn from the third axis to that of the motion; half a turn about the first if it is opposite
         const Vector3 e = r.axis / r.axis.norm();
-        const double up = 1.0 + e[2], across = std::hypot(e[0], e[1]);
+        const double across = std::hypot(e[0], e[1]), up = e[2] > 0.0 ? 1.0 + e[2] : across * across / (1.0 - e[2]);
         Quaternion a{1.0, 0.0, 0.0, 0.0};
         if (across > 0.0 || e[2] < 0.0)
-            a = up > 0.0 ? normalized(Quaternion{up, -e[1], e[0], 0.0}) : Quaternion{0.0, 1.0, 0.0, 0.0};
+            a = across > 0.0 ? normalized(Quaternion{up, -e[1], e[0], 0.0}) : Quaternion{0.0, 1.0, 0.0, 0.0};
         to_axis_ = conjugate(a);
         a1_ = {a.w, a.z};
         a2_ = {a.x, a.y};
