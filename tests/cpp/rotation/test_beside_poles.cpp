@@ -14,6 +14,11 @@ namespace rbdyn::test::test_beside_poles {
 constexpr double pi = std::numbers::pi;
 constexpr double tilts[] = {1e-3, 1e-5, 1e-8, 1e-9, 3e-11, 1e-12};
 
+/// A way without end fails.
+void count(long long& asked) {
+    if (++asked > 1000000) throw std::runtime_error("the motion is asked for too often");
+}
+
 /// A body whose third axis goes round K, at an angle beta from it, while K lies at an angle alpha from the world's
 /// third axis: Rx(alpha) Rz(precession t) Rx(beta) Rz(spin t). It counts how often it is asked.
 struct Precession {
@@ -21,8 +26,7 @@ struct Precession {
     mutable long long asked = 0;
 
     Turning operator()(double t) const {
-        // a way without end fails instead
-        if (++asked > 1000000) throw std::runtime_error("asked for too often");
+        count(asked);
         // by two turns a quaternion keeps its sign
         const EulerAngles within{beta, std::fmod(precession * t, 4.0 * pi), std::fmod(spin * t, 4.0 * pi)};
         return {turn({1, 0, 0}, alpha) * quaternion(within), angular_velocity(within, Vector3(0.0, precession, spin))};
@@ -59,7 +63,7 @@ TEST(BesidePoles, a_spin_about_an_axis_at_rest_moves_phi_alone_and_asks_for_no_s
             for (const double spin : {4.96, -0.01}) {
                 long long asked = 0;
                 const auto motion = [&](double t) -> Turning {
-                    ++asked;
+                    count(asked);
                     return {quaternion({theta, 0.3, 0.2 + spin * t}), Vector3(0, 0, spin)};
                 };
                 EulerTrack track;
@@ -109,7 +113,7 @@ TEST(BesidePoles, a_swing_is_followed_past_the_pole_and_goes_through_it_when_it_
     for (const double miss : {1e-3, 1e-6, 1e-9, 4e-10, 2e-11, 1e-13, 0.0}) {
         long long asked = 0;
         const auto motion = [&](double t) -> Turning {
-            ++asked;
+            count(asked);
             return {turn({0, 1, 0}, miss) * turn({1, 0, 0}, t - 0.5), Vector3(1, 0, 0)};
         };
         EulerTrack track;
@@ -129,7 +133,7 @@ TEST(BesidePoles, an_attitude_that_trembles_with_rounding_costs_no_more_than_the
     // theta = 0 but for noise in every component, and an angular velocity that says otherwise
     long long asked = 0;
     const auto motion = [&](double t) -> Turning {
-        ++asked;
+        count(asked);
         const double noise = 1e-13 * std::sin(1e9 * t);
         return {quaternion({1e-13 + noise, 1e5 * noise, 2.0 * t}), Vector3(1e-3, 0, 2.0)};
     };
