@@ -108,6 +108,20 @@ TEST(BesidePoles, turns_of_what_comes_back_are_known_without_going_through_them)
             }
 }
 
+TEST(BesidePoles, a_motion_that_ends_before_it_comes_back_is_followed) {
+    const Precession motion{1e-5, 1.5e-5, 3.0, 2.0};
+    const double turns = 20.0, end = 2.0 * pi * turns / motion.precession;
+    const auto till_end = [&](double t) {
+        if (t > end) throw InvalidInput("after the end");
+        return motion(t);
+    };
+    Recurrence late = motion.recurrence();
+    late.period = 2.0 * end;
+    EulerTrack track;
+    const EulerAngles a = track.at(0, end, motion(end).attitude, 0.0, motion.start(), till_end, late);
+    expect_same(a, motion.after(turns), motion.tolerance(turns), "");
+}
+
 TEST(BesidePoles, a_swing_is_followed_past_the_pole_and_goes_through_it_when_it_is_nearer_than_told) {
     // the axis goes along a great circle that misses the pole; past it psi has turned by nearly pi, through it by none
     for (const double miss : {1e-3, 1e-6, 1e-9, 4e-10, 2e-11, 1e-13, 0.0}) {

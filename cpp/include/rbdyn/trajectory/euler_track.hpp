@@ -40,10 +40,12 @@ public:
         const auto keep = [&](const EulerStep& s) { steps.push_back(s); };
         try {
             if (recurrence && (t - steps.back().time) * steps.back().speed > few) {
-                if (!known.is_tried) {
+                // away from the start, which may be a pole; a period that is not over by t says nothing sooner, and the
+                // run may end before it
+                const double later =
+                    std::max(start + 2.0 * euler_path::longest / steps.front().speed, steps.back().time);
+                if (!known.is_tried && later + recurrence->period <= t) {
                     known.is_tried = true;
-                    // away from the start, which may be a pole
-                    const double later = start + 2.0 * euler_path::longest / steps.front().speed;
                     euler_path::follow(steps.back(), later, motion, keep);
                     known.turns = EulerTurns::of(*recurrence, steps.back(), motion);
                 }
