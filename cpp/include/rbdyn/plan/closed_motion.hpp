@@ -108,10 +108,15 @@ public:
         law_.set_attitude(s.attitude * conjugate(law_.frame_attitude), law_.frame * s.angular_velocity, since, q, v);
     }
     double error(double since) const override { return top_.error(since); }
-    /// About the vertical, after a nutation; of axes in the body only if the third is the top's.
+    /// About the vertical, after a nutation; of axes in the body only if the third is the top's. One whose weight turns
+    /// nothing precesses about its angular momentum, and any time is a period.
     std::optional<Recurrence> recurrence() const override {
         if (std::abs(law_.frame(2, 2)) != 1.0) return std::nullopt;
-        return Recurrence{up_, top_.nutation_period()};
+        if (top_.nutation_period() > 0.0) return Recurrence{up_, top_.nutation_period()};
+        const LagrangeTop::State s = top_.at({});
+        Vector3 momentum = s.angular_velocity;
+        for (int i = 0; i < 3; ++i) momentum[i] *= law_.exact.moments[i].hi;
+        return Recurrence{to_world<double>(s.attitude, momentum), 1.0 / s.angular_velocity.norm()};
     }
     std::string name() const override { return "Lagrange's top"; }
 

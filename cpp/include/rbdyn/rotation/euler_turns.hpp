@@ -58,6 +58,19 @@ public:
         return result;
     }
 
+    /// The turns of a period as exactly as times up to t need them, where a component is so small that its argument
+    /// has few digits: by periods doubled, each known well enough from those before.
+    template <class Motion>
+    void reach(double t, Motion&& motion) {
+        const Lift first = samples_.front().lift;
+        for (; first_ + 2.0 * counted_ * period_ <= t; counted_ *= 2.0) {
+            const double n = 2.0 * counted_;
+            const Quaternion q = to_axis_ * motion(first_ + n * period_).attitude;
+            const Lift there = next_to({first.s + n * growth_.s, first.r + n * growth_.r}, q);
+            growth_ = {(there.s - first.s) / n, (there.r - first.r) / n};
+        }
+    }
+
     /// The angles at a time at or after that start, where the attitude is `now`; none if they do not give it.
     std::optional<EulerAngles> at(double t, const Quaternion& now) const {
         const Lifted is = lifted(t, now);
@@ -66,7 +79,9 @@ public:
         const EulerAngles a = continue_from(guess, now);
         const double off =
             std::max({std::abs(a.theta - guess.theta), std::abs(a.psi - guess.psi), std::abs(a.phi - guess.phi)});
-        if (!(off < 1e-3)) return std::nullopt;
+        // components are good to a few 1e-16, and their arguments to as much over their size
+        const double nearest = std::min(std::abs(upright(now)), std::abs(fallen(now)));
+        if (!(off < 1e-3 + 1e-14 / nearest)) return std::nullopt;
         return a;
     }
 
@@ -91,16 +106,17 @@ private:
     };
     struct Terms {
         double p, q, arg_p, arg_q;  // sizes and lifted arguments
+        bool differ() const { return std::abs(p - q) > std::max(tie * (p + q), rounding); }
     };
 
     EulerTurns(const Recurrence& r, const EulerStep& start)
         : period_(r.period), first_(start.time), start_(start.angles) {
         // the shortest turn from the third axis to that of the motion; half a turn about the first if it is opposite
         const Vector3 e = r.axis / r.axis.norm();
-        const double up = 1.0 + e[2], across = std::hypot(e[0], e[1]);
+        const double across = std::hypot(e[0], e[1]), up = e[2] > 0.0 ? 1.0 + e[2] : across * across / (1.0 - e[2]);
         Quaternion a{1.0, 0.0, 0.0, 0.0};
         if (across > 0.0 || e[2] < 0.0)
-            a = up > 0.0 ? normalized(Quaternion{up, -e[1], e[0], 0.0}) : Quaternion{0.0, 1.0, 0.0, 0.0};
+            a = across > 0.0 ? normalized(Quaternion{up, -e[1], e[0], 0.0}) : Quaternion{0.0, 1.0, 0.0, 0.0};
         to_axis_ = conjugate(a);
         a1_ = {a.w, a.z};
         a2_ = {a.x, a.y};
@@ -133,6 +149,13 @@ private:
                 std::abs(fallen(q)) > none ? next_to(known.r, std::arg(fallen(q))) : known.r};
     }
 
+    static double smaller(const Quaternion& q) { return std::min(std::abs(upright(q)), std::abs(fallen(q))); }
+    /// How long the arguments take to turn by a tenth or so; the spin alone moves none but evenly [s].
+    static double longest(const Quaternion& q, const Vector3& omega) {
+        const double least = smaller(q), turn = 0.1 / omega.norm();
+        return least > none ? std::min(turn, 0.25 * least / std::hypot(omega[0], omega[1])) : turn;
+    }
+
     /// Through one period: lifts, and where terms change places.
     template <class Motion>
     bool walk(Motion&& motion) {
@@ -150,27 +173,27 @@ private:
         std::array<Terms, 2> before{terms_of(0, q, lift), terms_of(1, q, lift)};
         bool ever[2] = {false, false}, any[2] = {false, false};  // whether the terms of a sum ever differ, ever are
         const double end = first_ + period_;
+        double widest = 0.0;
         for (int steps = 0; t < end; ++steps) {
             if (steps > most_steps) return false;
-            // along the axis one of the two is nothing all the time, or this is no way to go
-            const double c = std::abs(upright(q)), d = std::abs(fallen(q)), least = std::min(c, d);
-            if (least > none && least < 1e-8) return false;
-            const double reach = least > none ? std::min(0.1, 0.25 * least) : 0.1;
-            double step = std::min(reach / now.angular_velocity.norm(), end - t);
+            const double far = longest(q, now.angular_velocity);
+            double step = std::min(far, end - t);
             Turning then = seen(t + step);
-            while (then.angular_velocity.norm() * step > 2.0 * reach && step > 1e-12 * period_) {
+            while (step > 2.0 * longest(then.attitude, then.angular_velocity) && step > 1e-12 * period_) {
                 step *= 0.5;
                 then = seen(t + step);
             }
-            if (std::min(std::abs(upright(then.attitude)), std::abs(fallen(then.attitude))) <= none && least > none)
-                return false;
+            // along the axis one of the two is nothing all the time, or this is no way to go
+            const double least = smaller(q), less = smaller(then.attitude);
+            widest = std::max(widest, least);
+            if (less <= none && least > none && widest > 100.0 * none) return false;
             const double later = end - (t + step) <= 1e-12 * period_ ? end : t + step;
             const Lift there = next_to(lift, then.attitude);
             for (int which : {0, 1}) {
                 const Terms after = terms_of(which, then.attitude, there);
                 const Terms& was = before[static_cast<std::size_t>(which)];
                 any[which] = any[which] || after.p > none || after.q > none;
-                ever[which] = ever[which] || std::abs(after.p - after.q) > tie || std::abs(was.p - was.q) > tie;
+                ever[which] = ever[which] || after.differ() || was.differ();
                 if ((was.p > was.q) != (after.p > after.q))
                     swaps_[which].push_back(swap(which, seen, t, later, lift, was.p > was.q));
                 before[static_cast<std::size_t>(which)] = after;
@@ -256,11 +279,12 @@ private:
         return static_cast<double>(sum);
     }
 
-    // a component of nothing; two terms that are one size; of a period near a separatrix
-    static constexpr double none = 1e-13, tie = 1e-12;
+    // a component of nothing; two terms that are one size, of their own and of all; of a period near a separatrix
+    static constexpr double none = 1e-13, tie = 1e-12, rounding = 4e-15;
     static constexpr int most_steps = 100000;
 
     double period_, first_;
+    double counted_ = 1.0;  // periods of which the turns are known
     EulerAngles start_;
     Lifted begin_{0.0, 0.0, 0.0};
     Quaternion to_axis_;

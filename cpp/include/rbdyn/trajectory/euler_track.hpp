@@ -40,24 +40,32 @@ public:
         const auto keep = [&](const EulerStep& s) { steps.push_back(s); };
         try {
             if (recurrence && (t - steps.back().time) * steps.back().speed > few) {
-                if (!known.is_tried) {
+                // away from the start, which may be a pole; a period that is not over by t says nothing sooner, and the
+                // run may end before it
+                const double later =
+                    std::max(start + 2.0 * euler_path::longest / steps.front().speed, steps.back().time);
+                if (!known.is_tried && later + recurrence->period <= t) {
                     known.is_tried = true;
-                    // away from the start, which may be a pole
-                    const double later = start + 2.0 * euler_path::longest / steps.front().speed;
                     euler_path::follow(steps.back(), later, motion, keep);
                     known.turns = EulerTurns::of(*recurrence, steps.back(), motion);
                 }
-                if (known.turns)
+                if (known.turns) {
+                    known.turns->reach(t, motion);
                     if (const auto angles = known.turns->at(t, now)) return *angles;
+                }
             }
-            euler_path::follow(steps.back(), t, motion, keep);
+            if (t >= steps.back().time)
+                return continue_from(euler_path::follow(steps.back(), t, motion, keep).angles, now);
+            const auto later = std::upper_bound(steps.begin(), steps.end(), t,
+                                                [](double time, const EulerStep& s) { return time < s.time; });
+            if (later == steps.begin()) return continue_from(steps.front().angles, now);
+            // between two steps beside a pole there may be more
+            const auto forget = [](const EulerStep&) {};
+            return continue_from(euler_path::follow(*std::prev(later), t, motion, forget).angles, now);
         } catch (const InvalidInput&) {
             // what was not kept says nothing of turns; theta stays on its side
             return euler_path::beside(steps.back().angles, now);
         }
-        const auto later = std::upper_bound(steps.begin(), steps.end(), t,
-                                            [](double time, const EulerStep& s) { return time < s.time; });
-        return continue_from(later == steps.begin() ? steps.front().angles : std::prev(later)->angles, now);
     }
 
 private:
