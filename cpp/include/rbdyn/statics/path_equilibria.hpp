@@ -346,7 +346,7 @@ private:
                 point.u = end;
         if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
         // at a cusp r' vanishes, and Q with it
-        const auto speed = [&](double u) { return forces_.speed(u); };
+        const auto speed = [&](double place) { return forces_.speed(place); };
         const double aside = 0x1p-6 * half;
         if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
         point.stable = zero->is_stable();
