@@ -141,6 +141,18 @@ def test_a_run_is_pickled_with_the_numbers_it_ran_with():
     np.testing.assert_allclose(other[ball].acceleration(0.0), [-4.0, 0, 0])
 
 
+@pytest.mark.parametrize(("stiffness", "rest_length"), [("k", 0.2), (3.0, "k"), ("k", "l"), ("k", 0.0)])
+def test_a_run_is_pickled_whatever_its_numbers_are_multiplied_with(stiffness, rest_length):
+    # 3 times 0.2 is no double
+    numbers = {"k": rb.parameter(3.0, "k"), "l": rb.parameter(0.7, "l")}
+    spring = rb.Spring(numbers.get(stiffness, stiffness), numbers.get(rest_length, rest_length))
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[1, 0, 0])
+    scene.connect(spring, ball, [0, 0, 0])
+    run = rb.simulate(scene, until=1.0)
+    assert_same(run, pickle.loads(pickle.dumps(run)))
+
+
 def test_handles_are_good_for_a_run_that_was_pickled():
     scene = belt()
     run = pickle.loads(pickle.dumps(rb.simulate(scene, 3.0)))

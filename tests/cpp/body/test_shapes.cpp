@@ -243,6 +243,31 @@ TEST(Solid, what_is_narrow_is_found_or_refused_never_passed_over) {
     EXPECT_NE(refusal([&] { shapes::solid(grain, cube); }).find("solid: "), std::string::npos);
 }
 
+TEST(Solid, thin_plates_with_sharp_edges_are_found_wherever_they_are) {
+    const SolidBounds cube{{0, 1}, {0, 1}, {0, 1}};
+    // of a ten-thousandth of the range and more, along each axis, on a background a thousandth as dense or on none
+    Random random(11);
+    for (int trial = 0; trial < 6; ++trial) {
+        const int axis = trial % 3;
+        const double half = 0.5 * std::pow(10.0, random.uniform(-4.0, -2.5)), at = random.uniform(0.01, 0.99);
+        const double background = trial < 3 ? 1e-3 : 0.0;
+        const auto plate = [=](double x, double y, double z) {
+            const double place[] = {x, y, z};
+            return background + (std::abs(place[axis] - at) < half ? 1.0 : 0.0);
+        };
+        // edges are closed in on by halving, or that takes too many cells
+        try {
+            EXPECT_NEAR(shapes::solid(plate, cube).mass(), background + 2.0 * half, 1e-11) << half << " at " << at;
+        } catch (const InvalidInput& refusal) {
+            EXPECT_EQ(std::string(refusal.what()).find("mass is 0"), std::string::npos) << half << " at " << at;
+        }
+    }
+    const auto two = [](double x, double, double) {
+        return std::abs(x - 0.5123) < 0.001 || std::abs(x - 0.77) < 0.001 ? 1.0 : 0.0;
+    };
+    EXPECT_NEAR(shapes::solid(two, cube, 0.05).mass(), 0.004, 0.05 * 0.004);
+}
+
 TEST(Solid, bounds_and_densities_that_are_none_are_refused) {
     const auto one = [](double, double, double) { return 1.0; };
     const auto solid = [](const auto& density, const SolidBounds& bounds) {

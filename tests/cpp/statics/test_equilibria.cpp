@@ -209,6 +209,71 @@ TEST(Equilibria, zeros_of_every_order_are_found_where_they_are_and_judged_by_the
         }
 }
 
+TEST(Equilibria, flat_minima_up_to_the_power_20_are_where_they_are_and_stable) {
+    // z = sign (u - a)^n: beside gravity the force along the rail is rounding from a - 0.15 to a + 0.15
+    for (const int n : {4, 8, 12, 16, 17, 18, 19, 20, 21})
+        for (const double a : {0.0, 0.1, -0.3137})
+            for (const double sign : {1.0, -1.0})
+                for (const bool is_product : {false, true}) {
+                    const Curve curve(
+                        [=](const auto& u) {
+                            using S = std::decay_t<decltype(u)>;
+                            const S x = u - S(a);
+                            S power = sign * (is_product ? S(1.0) : pow(x, static_cast<double>(n)));
+                            for (int k = 0; is_product && k < n; ++k) power = power * x;
+                            return Vector3Of<S>{u, S(0.0), power};
+                        },
+                        Domain{-1.0, 1.1});
+                    const auto all = equilibria(bead_on(curve));
+                    ASSERT_EQ(all.size(), 1u) << n << " at " << a;
+                    EXPECT_NEAR(all[0].coordinates[0], a, 1e-15) << n;
+                    EXPECT_TRUE(all[0].decided) << n << " at " << a;
+                    EXPECT_EQ(all[0].stable, n % 2 == 0 && sign > 0.0) << n << " at " << a;
+                    EXPECT_FALSE(all[0].interval.has_value());
+                }
+    for (const int n : {16, 18, 20}) {
+        Polynomial valley{.domain = {-1.0, 1.1}};
+        for (int k = 0; k <= n; ++k) valley.coefficients.push_back({k == 1 ? 1.0 : 0.0, 0.0, k == n ? 1.0 : 0.0});
+        for (const double start : {0.5, 0.0, 1.0}) {
+            Scene scene;
+            const auto bead = scene.add(Particle{.mass = 2.0}, Rail(along_x), {.parameter = start});
+            scene.apply(Potential([=](const auto& r) { return -pow(r[0], static_cast<double>(n)); }), bead);
+            for (const Scene& s : {bead_on(valley, std::nullopt, {}, start), scene}) {
+                const auto all = equilibria(s);
+                ASSERT_EQ(all.size(), 1u) << n << " from " << start;
+                EXPECT_NEAR(all[0].coordinates[0], 0.0, 1e-15) << n;
+                EXPECT_TRUE(all[0].stable && all[0].decided) << n;
+            }
+        }
+    }
+}
+
+TEST(Equilibria, what_rounding_hides_is_one_place_in_the_middle_and_not_decided) {
+    for (const int n : {26, 30, 40})
+        for (const double a : {0.0, 0.1, -0.3137}) {
+            const Curve curve(
+                [=](const auto& u) {
+                    using S = std::decay_t<decltype(u)>;
+                    return Vector3Of<S>{u, S(0.0), pow(u - S(a), static_cast<double>(n))};
+                },
+                Domain{-1.0, 1.1});
+            const auto all = equilibria(bead_on(curve));
+            ASSERT_EQ(all.size(), 1u) << n << " at " << a;
+            EXPECT_FALSE(all[0].decided || all[0].stable) << n << " at " << a;
+            ASSERT_TRUE(all[0].interval.has_value());
+            EXPECT_TRUE(all[0].interval->first < a && a < all[0].interval->second) << n << " at " << a;
+            // places are looked at by the thirty-second part of a piece
+            if (a != 0.0) EXPECT_NEAR(all[0].coordinates[0], a, 0.01) << n;
+        }
+    // level all along is known to be level; so is what is level to where its formula ends
+    const auto level = equilibria(bead_on(along_x));
+    ASSERT_EQ(level.size(), 1u);
+    EXPECT_TRUE(level[0].decided && level[0].interval);
+    const auto plain = equilibria(bead_under([](const auto& x) { return where(x > 1.0, 1.0 - x, x * 0.0); }));
+    ASSERT_EQ(plain.size(), 1u);
+    EXPECT_TRUE(plain[0].decided && plain[0].interval);
+}
+
 TEST(Equilibria, a_small_lower_order_rules_over_a_large_higher_one) {
     // F = e (x - a) - (x - a)^3, e down to where the zeros beside it are rounding of what F is a unit away
     for (const double e : {1e-3, 1e-7, 1e-9})

@@ -49,7 +49,8 @@ inline Expression log(const Expression& x) {
     return recording::unary(x, Operation::logarithm, [](const auto& v) { return log(v); });
 }
 
-/// x^n for a constant n; small whole powers become products.
+/// x^n for a constant n; small whole powers become products, which have a series at zero: as many as equilibria look
+/// for.
 inline Expression pow(const Expression& x, double n) {
     if (x.is_number()) return Numbers::active()->power(x, n);
     if (x.is_constant())
@@ -59,7 +60,7 @@ inline Expression pow(const Expression& x, double n) {
         });
     if (n == 0.0) return 1.0;
     if (n == 0.5) return sqrt(x);
-    if (n == std::floor(n) && std::abs(n) <= 16.0) {
+    if (n == std::floor(n) && std::abs(n) <= 32.0) {
         Expression result = 1.0, base = x;
         for (int k = static_cast<int>(std::abs(n)); k > 0; k /= 2) {
             if (k % 2 == 1) result = result * base;

@@ -1,8 +1,9 @@
 // What the Taylor coefficients of a program's outputs are sums of: the rounding of a coefficient is a few epsilon times
 // the sum of the sizes of its terms, whatever is left of them.
 //
-// Sums and products are taken of sizes, through all of them that lie one in another. Of any other instruction the size
-// is that of its result, and what its operand is a difference of counts as far as it changes the result.
+// Sums are taken of sizes, through all of them that lie one in another. Of any other instruction, products included,
+// the size is that of its result, and what its operands are differences of counts as far as it changes the result: so
+// powers of a difference are known to rounding of the difference, however small they are.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +31,7 @@ public:
         for (int slot = 0; slot <= program_->inputs(); ++slot) take(slot);
         for (const Instruction& i : program_->instructions()) {
             if (i.code == Code::combine) {
-                combine(i);
+                combine(i, series);
                 continue;
             }
             take(i.out);
@@ -79,7 +80,7 @@ public:
 private:
     double* of(int slot) { return sizes_.data() + static_cast<std::ptrdiff_t>(slot) * row_; }
 
-    void combine(const Instruction& i) {
+    void combine(const Instruction& i, const SeriesEvaluator& series) {
         std::vector<double> sum(static_cast<std::size_t>(row_), 0.0);
         const auto weight = [&](int w) { return std::abs(scalars_[static_cast<std::size_t>(w)]); };
         if (i.weight >= 0) sum[0] = weight(i.weight);
@@ -91,7 +92,10 @@ private:
             const ProductTerm& t = program_->products(i)[j];
             for (int k = 0; k < row_; ++k) {
                 double product = 0.0;
-                for (int l = 0; l <= k; ++l) product += of(t.a)[l] * of(t.b)[k - l];
+                for (int l = 0; l <= k; ++l) {
+                    const double a = std::abs(series.coefficients(t.a)[l]), b = of(t.b)[k - l];
+                    product += a * b + (of(t.a)[l] - a) * std::abs(series.coefficients(t.b)[k - l]);
+                }
                 sum[static_cast<std::size_t>(k)] += weight(t.weight) * product;
             }
         }

@@ -56,7 +56,10 @@ public:
     /// are such.
     [[gnu::cold]] bool restore(Mode& mode, double t, std::span<const double> x, const Decisions& decided) const {
         const Structure* const s = structure(mode, t, x, decided);
-        if (s == nullptr || at(s->equations.program.parameters()) != mode.parameters.size()) return false;
+        if (s == nullptr) return false;
+        // numbers of the user's that are no doubles take as many again (numbers.hpp)
+        const std::size_t count = at(s->equations.program.parameters()), kept = mode.parameters.size();
+        if (kept != count && (!s->equations.numbers || kept != 2 * count)) return false;
         mode.equations = &s->equations;
         return true;
     }

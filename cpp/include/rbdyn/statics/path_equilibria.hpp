@@ -11,6 +11,11 @@
 // searched for one turn; with a torsion spring, whose moment in the end outgrows all that repeats itself, as far as
 // there can be any, 1000 turns to both sides at most.
 // Accuracy: rounding of Q over its slope. Zeros nearer than rounding lets them be told apart count as one.
+//
+// Where Q is rounding beside the forces on a stretch, that is one of equilibria only if its formula ends with it: a
+// force that goes on smoothly to more than rounding is zero at single places (identity theorem). Those are what the
+// derivatives say if the signs of Q on both sides agree; if they do not, the whole stretch is one equilibrium, not
+// decided.
 #pragma once
 
 #include <algorithm>
@@ -53,7 +58,15 @@ public:
             find_held();
             for (const Interval& i : held_) result.push_back(resting(i, true));
         } else {
-            for (const Interval& i : flat_) result.push_back(resting(i, false));
+            for (const Interval& i : flat_) {
+                result.push_back(resting(i, false));
+                result.back().decided =
+                    std::none_of(felt_.begin(), felt_.end(), [&](double u) { return u >= i.first && u <= i.second; });
+            }
+            for (const Interval& i : hidden_) {
+                result.push_back({{i.first + 0.5 * (i.second - i.first)}, false, i});
+                result.back().decided = false;
+            }
         }
         for (const Point& p : points_) {
             if (inside(forces_.rough() ? held_ : flat_, p.u)) continue;
@@ -82,9 +95,17 @@ private:
     struct Point {
         double u = 0.0, half = 0.0;
         bool stable = false, pushed = true;
-        double slope = 0.0;   // dQ/du of a simple zero
-        int order = 1;        // 0: not decided
-        double radius = 0.0;  // within which rounding leaves it
+        double slope = 0.0;         // dQ/du of a simple zero
+        int order = 1;              // 0: not decided
+        double radius = 0.0;        // within which rounding leaves it
+        int before = 0, after = 0;  // signs of Q beside it, if known
+    };
+    /// Where Q is rounding, at several places one after the other; the signs of Q where it goes on smoothly.
+    struct Stretch {
+        double from = 0.0, to = 0.0;
+        int places = 1, before = 0, after = 0;
+        bool goes_on() const { return places > 2 && (before != 0 || after != 0); }
+        bool has(double u) const { return u >= from && u <= to; }
     };
 
     /// Where the torsion springs of a hinge have no moment together, and how far from there anything else can be as
@@ -197,7 +218,9 @@ private:
             const Piece& p = path_[i];
             const double noise = p.noise();
             if (p.bound() <= noise) {
-                if (is_pushed(p.middle)) extend(flat_, i);
+                if (!is_pushed(p.middle)) continue;
+                extend(flat_, i);
+                if (is_felt(p)) felt_.push_back(p.middle);
                 continue;
             }
             const double* q = p.output[along].data();
@@ -213,7 +236,11 @@ private:
             for (const double x : flat_places(p)) add(p, x);
             if (i > 0) add_jump(path_[i - 1], p);
         }
-        finish(flat_);
+        // pieces that grow ever shorter towards a zero do not reach it
+        if (!path_.empty() && !std::isfinite(low_)) add_near(path_.front().begin(), 32.0 * path_.front().half);
+        if (!path_.empty() && !std::isfinite(high_)) add_near(path_.back().end(), 32.0 * path_.back().half);
+        const std::vector<Stretch> stretches = find_stretches();
+        for (const Stretch& s : stretches) add_near(s.from + 0.5 * (s.to - s.from), 2.0 * (s.to - s.from));
         for (Point& p : points_) p.u = in_window(p.u);
         std::sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) { return a.u < b.u; });
         // those that rounding does not tell apart are one: that of the highest order
@@ -231,29 +258,96 @@ private:
             is_one(apart.front(), apart.back(), apart.front().u + round_ - apart.back().u))
             apart.pop_back();
         points_ = std::move(apart);
+        for (const Stretch& s : stretches) judge(s);
+        finish(flat_);
+    }
+
+    /// Whether Q on a piece is more than the rounding of its own terms.
+    bool is_felt(const Piece& p) {
+        const auto& c = pieces_.about(p.middle, p.half).output[along];
+        const std::array<double, statics::order + 1> sizes = pieces_.sizes();
+        for (std::size_t k = 0; k < c.size(); ++k)
+            if (std::abs(c[k]) > 64.0 * epsilon * sizes[k]) return true;
+        return false;
+    }
+    /// Those that go on smoothly at an end, and so are no equilibria all along.
+    std::vector<Stretch> find_stretches() const {
+        std::vector<Stretch> all;
+        bool is_open = false;
+        int last = 0;
+        constexpr int steps = 32;
+        for (std::size_t i = 0; i < path_.size(); ++i) {
+            const Piece& p = path_[i];
+            if (i > 0 && (p.cut_below || path_[i - 1].cut_above || !adjoin(path_[i - 1].end(), p))) {
+                is_open = false;
+                last = 0;
+            }
+            for (int k = -steps; k <= steps; ++k) {
+                const double x = static_cast<double>(k) / steps, q = p.value(PathForces::along, x);
+                if (std::abs(q) > p.noise()) {
+                    last = q < 0.0 ? -1 : 1;
+                    if (is_open) all.back().after = last;
+                    is_open = false;
+                } else if (is_open) {
+                    all.back().to = p.place(x);
+                    ++all.back().places;
+                } else {
+                    all.push_back({p.place(x), p.place(x), 1, last});
+                    is_open = true;
+                }
+            }
+        }
+        std::erase_if(all, [](const Stretch& s) { return !s.goes_on(); });
+        return all;
+    }
+    /// Keeps the zeros of a stretch if they and the signs beside it agree; else all of it is one that is not decided.
+    void judge(const Stretch& stretch) {
+        std::erase_if(flat_, [&](const Interval& i) { return i.first >= stretch.from && i.second <= stretch.to; });
+        std::erase_if(points_, [&](const Point& p) { return p.order == 0 && stretch.has(p.u); });
+        int sign = stretch.before, count = 0;
+        bool agree = true;
+        const auto meet = [&](int other) { agree = agree && (sign == 0 || other == 0 || sign == other); };
+        for (const Point& p : points_) {
+            if (!stretch.has(p.u)) continue;
+            ++count;
+            meet(p.before);
+            sign = p.after;
+        }
+        meet(stretch.after);
+        if (count > 0 && agree) return;
+        std::erase_if(points_, [&](const Point& p) { return stretch.has(p.u); });
+        if (is_pushed(stretch.from + 0.5 * (stretch.to - stretch.from))) hidden_.emplace_back(stretch.from, stretch.to);
     }
 
     /// Takes a zero found on a piece, to rounding.
     void add(const Piece& piece, double x) {
-        Point point{piece.place(x), piece.half};
         for (const double end : {-1.0, 1.0}) {
             const bool is_cut = end < 0.0 ? piece.cut_below : piece.cut_above;
             if (is_cut && std::abs(x - end) <= 1e-9) return add_corner(piece.place(end), piece.half);
         }
-        const auto zero = statics::PathZeros(pieces_).near(point.u, piece.half);
+        add_near(piece.place(x), piece.half);
+    }
+    /// Takes a zero near u, looked at in units of `half`, if there is one.
+    void add_near(double u, double half) {
+        Point point{u, half};
+        const auto zero = statics::PathZeros(pieces_).near(u, half);
         if (!zero) return;
         point.u = zero->place;
         point.order = zero->order;
         point.radius = zero->radius;
-        if (zero->order == 1) point.slope = zero->lead / piece.half;
+        if (zero->order > 0) {
+            point.after = zero->lead < 0.0 ? -1 : 1;
+            point.before = zero->order % 2 == 0 ? point.after : -point.after;
+        }
+        if (zero->order == 1) point.slope = zero->lead / half;
         // an end of the rail, within rounding
         for (const double end : {low_, high_})
-            if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), piece.half))
+            if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), half))
                 point.u = end;
         if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
         // at a cusp r' vanishes, and Q with it
-        const auto speed = [&](double u) { return forces_.speed(u); };
-        const double aside = 0x1p-6 * piece.half;
+        const auto speed = [&](double place) { return forces_.speed(place); };
+        const double aside = 0x1p-6 * half;
         if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
         point.stable = zero->is_stable();
         point.pushed = is_pushed(point.u);
@@ -416,7 +510,8 @@ private:
     double low_ = 0.0, high_ = 0.0, round_ = 0.0;
     std::vector<Piece> path_;
     std::vector<Point> points_;
-    std::vector<Interval> flat_, held_;
+    std::vector<Interval> flat_, held_, hidden_;
+    std::vector<double> felt_;  // middles of pieces in flat_ on which Q is small, but more than rounding of its terms
     std::vector<std::pair<double, int>> ends_;  // of held intervals, as the pieces have them
 };
 

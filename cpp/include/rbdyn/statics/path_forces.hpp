@@ -119,7 +119,8 @@ inline Effort effort(const PointLaws& laws, int body, const std::vector<PointSta
     const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
     Effort sum;
     sum.add(rounded(b.force).norm(), b.rigid ? b.rigid->center : zero);
-    for (const auto& function : b.functions) sum.force += force_of<double>(function, 0.0, r, zero).norm();
+    // high powers far away, whose squares overflow
+    for (const auto& function : b.functions) sum.force += force_of<double>(function, 0.0, r, zero).stableNorm();
     for (const RigidLoad& load : b.loads) {
         if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
             sum.moment += spring->stiffness * (std::abs(p.rigid->coordinate) + std::abs(spring->rest_angle));
