@@ -170,7 +170,13 @@ inline void put(Writer& w, const Record& record) {
     w.put(record.entries().size());
     for (std::size_t i = 0; i < record.entries().size(); ++i) {
         const Record::Entry& e = record.entries()[i];
-        w.put(e);
+        // one by one: what lies between them in memory is nobody's
+        w.put(e.start);
+        w.put(e.unit);
+        w.put(e.length);
+        w.put(e.order);
+        w.put(e.mode);
+        w.put(e.after_event);
         const Piece piece = record.piece(i);
         for (int v = 0; v < piece.variables; ++v)
             for (int k = 0; k <= piece.order; ++k) w.put(piece.variable(v)[k]);
@@ -192,7 +198,13 @@ inline Record take_record(Reader& r, const Plan& plan) {
     for (std::size_t i = 0; i < wound; ++i) record.windings.push_back(r.list<double>());
     if (r.take<bool>()) record.closed = plan.closed;
     for (auto left = r.take<std::size_t>(); left > 0; --left) {
-        const auto e = r.take<Record::Entry>();
+        Record::Entry e{};
+        r.take(e.start);
+        r.take(e.unit);
+        r.take(e.length);
+        r.take(e.order);
+        r.take(e.mode);
+        r.take(e.after_event);
         std::vector<double> coefficients;
         for (int k = 0; k < record.variables * (e.order + 1); ++k) coefficients.push_back(r.take<double>());
         record.append({e.start, e.unit, e.length, record.variables, e.order, coefficients.data(), e.order + 1},
