@@ -116,6 +116,18 @@ def test_a_block_at_the_edge_of_its_cone_begins_to_slide_silently(pull):
     assert run[block].speed(1.0) == pytest.approx(0.2, rel=1e-6)
 
 
+@pytest.mark.parametrize("trace", [None, False])
+@pytest.mark.parametrize("until", [1.0, 1e5, 1e9, 1e10])
+def test_two_places_beside_the_top_of_a_throw_are_found_however_long_the_run(until, trace):
+    speed = 9.81 * 0.37
+    level = speed**2 / 2 / 9.81 * (1 - 1e-6)
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    ball = scene.add(rb.Particle(1.0), velocity=[0, 0, speed])
+    scene.watch("level", lambda now: now[ball].position[2] - level, trace=trace)
+    run = rb.simulate(scene, until, error=1e-9)
+    assert run.events.times("level") == pytest.approx([0.37 * (1 - 1e-3), 0.37 * (1 + 1e-3)], rel=1e-11)
+
+
 def test_random_scenes_lose_no_event_and_make_none_up():
     count = random_events().tried(200, seed=12)
     assert count.wrong == 0, count.examples[:5]
