@@ -24,7 +24,7 @@ _Numbers: typing.TypeAlias = (
 )
 _Attitude: typing.TypeAlias = numpy.typing.ArrayLike | EulerAngles | Rotation
 _End: typing.TypeAlias = BodyHandle | BodyPoint | numpy.typing.ArrayLike
-_Vector: typing.TypeAlias = numpy.typing.ArrayLike | collections.abc.Sequence[float | Parameter]
+_Vector: typing.TypeAlias = numpy.typing.ArrayLike | collections.abc.Sequence[typing.Any]
 _Function: typing.TypeAlias = collections.abc.Callable[..., typing.Any]
 _Of1: typing.TypeAlias = collections.abc.Callable[[typing.Any], typing.Any]
 _Of3: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any, typing.Any], typing.Any]

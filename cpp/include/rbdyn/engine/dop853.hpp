@@ -305,16 +305,22 @@ private:
             }
             const double moved = scales_.scale(group);
             const double scale = std::max({moved, reach, estimates_[g]});
-            const double allowed = allowed_[g] = std::max(tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group));
+            allowed_[g] = std::max(tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group));
             if (size5 == 0.0 && size3 == 0.0) continue;
-            const double rounding = rounding_[g] + h * spread_[g];
-            if (size5 > rounding) fifth = std::max(fifth, h * (size5 - rounding) / allowed);
-            if (size3 > rounding) third = std::max(third, h * (size3 - rounding) / allowed);
+            fifth = std::max(fifth, blamed(h * size5, h, g));
+            third = std::max(third, blamed(h * size3, h, g));
             // a trial that is too long but roughly right tells the scale of motion that has hardly begun
             if (moved == 0.0) next_estimates_[g] = h * size5 < 0.5 * reach ? reach : 0.0;
         }
         if (fifth == 0.0) return 0.0;
         return fifth * fifth / std::sqrt(fifth * fifth + 0.01 * third * third);
+    }
+
+    /// An error of a step over the one allowed, without what rounding makes of it where that counts.
+    double blamed(double error, double h, std::size_t g) const {
+        const double rounding = h * (rounding_[g] + h * spread_[g]);
+        if (rounding > 0x1p-8 * allowed_[g]) error -= rounding;
+        return error > 0.0 ? error / allowed_[g] : 0.0;
     }
 
     /// What rounding does to the slopes: that of time and state, for a motion far from their origin, that of the terms
@@ -391,8 +397,7 @@ private:
             double size = 0.0;
             for (int i = group.first; i < group.first + group.count; ++i)
                 size = std::max(size, std::abs(defect_[at(i)]));
-            const double excess = size - h * (rounding_[g] + h * spread_[g]);
-            if (excess > 0.0) error = std::max(error, defect_weight * excess / allowed_[g]);
+            error = std::max(error, defect_weight * blamed(size, h, g));
         }
         return error;
     }

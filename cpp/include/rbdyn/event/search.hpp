@@ -109,7 +109,6 @@ public:
             if (f.breaks) continue;
             side_of(guard) = f.rising ? 1 : -1;
             if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
-            if (begins_ && f.place <= f.doubt) continue;
             const double place = f.place * piece.length;
             note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
         }
@@ -233,6 +232,16 @@ private:
         }
     }
 
+    /// Whether a motion begins where a distinction in its mode changes.
+    bool begins_on_edge(const Mode& mode) {
+        state_.resize(static_cast<std::size_t>(engine_.piece().variables));
+        engine_.piece().state(0.0, state_);
+        const auto& guards = mode.equations->guards;
+        return std::any_of(guards.begin(), guards.end(), [&](const Guard& g) {
+            return is_distinction(g) && g.output >= 0 && is_zero_at(mode, engine_.piece().start.hi, state_, g.output);
+        });
+    }
+
     /// Of a case distinction: a change of mode that may leave a corner in what is watched.
     static bool is_distinction(const Guard& guard) { return guard.kind == EventKind::switching && !guard.is_watched(); }
     /// Whether two places of one zero, computed apart, may be these.
@@ -343,8 +352,9 @@ private:
             engine_.piece().state(0.0, state_);
             return is_zero_at(mode, engine_.piece().start.hi, state_, guard.output, few);
         };
-        // what tells on which side a distinction begins tells it of its guard, and of a function with a corner there
-        if (fresh && begins_ && (is_watch || is_distinction(guard))) arrival.at_zero = begins_at_zero(8.0 * epsilon);
+        // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
+        if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
+            arrival.at_zero = begins_at_zero(8.0 * epsilon);
         // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped
         if (fresh && guard.watch >= 0 && watched(guard).reached != 0) arrival.at_zero = begins_at_zero(1e-6);
         // two pieces meet within the error of the first

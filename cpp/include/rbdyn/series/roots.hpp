@@ -86,7 +86,8 @@ inline double bracketed_root(const double* c, int degree, double lo, double hi) 
         if (g == 0.0) return x;
         ((g < 0.0) == rises ? lo : hi) = x;
         double next = x - g / slope;
-        if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
+        // far from a root very near to zero, of which Newton's method sees nothing but the rounding of x
+        if (!(next > lo && next < hi)) next = lo > 0.0 ? 0.5 * (lo + hi) : 0x1p-32 * hi;
         if (next == x || std::abs(next - x) <= 1e-17 * std::abs(x)) return next;
         x = next;
         if (hi - lo <= 2.3e-16 * std::abs(hi)) return x;

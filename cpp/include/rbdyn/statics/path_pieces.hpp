@@ -23,8 +23,7 @@ namespace rbdyn {
 
 namespace statics {
 
-/// Four more than the degree up to which polynomials are known for such.
-inline constexpr int order = 24;
+inline constexpr int order = 20;
 
 /// The roots of c in [-1, 1] at which its sign changes, in increasing order.
 inline std::vector<double> roots_about_middle(const double* c, int degree) {
