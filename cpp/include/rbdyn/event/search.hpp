@@ -354,7 +354,7 @@ private:
         };
         // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
         if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
-            arrival.at_zero = begins_at_zero(8.0 * epsilon);
+            arrival.at_zero = begins_at_zero((is_watch ? 32.0 : 8.0) * epsilon);
         // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped
         if (fresh && guard.watch >= 0 && watched(guard).reached != 0) arrival.at_zero = begins_at_zero(1e-6);
         // two pieces meet within the error of the first
