@@ -234,12 +234,16 @@ private:
 
     /// Whether a motion begins where a distinction in its mode changes.
     bool begins_on_edge(const Mode& mode) {
-        state_.resize(static_cast<std::size_t>(engine_.piece().variables));
-        engine_.piece().state(0.0, state_);
         const auto& guards = mode.equations->guards;
         return std::any_of(guards.begin(), guards.end(), [&](const Guard& g) {
-            return is_distinction(g) && g.output >= 0 && is_zero_at(mode, engine_.piece().start.hi, state_, g.output);
+            return is_distinction(g) && g.output >= 0 && begins_at_zero(mode, g, 8.0 * epsilon);
         });
+    }
+    /// Whether a guard is zero where the piece begins, all numbers known to `few` of themselves.
+    bool begins_at_zero(const Mode& mode, const Guard& guard, double few) {
+        state_.resize(static_cast<std::size_t>(engine_.piece().variables));
+        engine_.piece().state(0.0, state_);
+        return is_zero_at(mode, engine_.piece().start.hi, state_, guard.output, few);
     }
 
     /// Of a case distinction: a change of mode that may leave a corner in what is watched.
@@ -347,16 +351,12 @@ private:
             arrival.at_zero = !is_watch;
             if (is_watch && guard.watch >= 0) arrival.zero = watched(guard).zero;
         }
-        const auto begins_at_zero = [&](double few) {
-            state_.resize(static_cast<std::size_t>(engine_.piece().variables));
-            engine_.piece().state(0.0, state_);
-            return is_zero_at(mode, engine_.piece().start.hi, state_, guard.output, few);
-        };
         // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
         if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
-            arrival.at_zero = begins_at_zero((is_watch ? 32.0 : 8.0) * epsilon);
+            arrival.at_zero = begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon);
         // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped
-        if (fresh && guard.watch >= 0 && watched(guard).reached != 0) arrival.at_zero = begins_at_zero(1e-6);
+        if (fresh && guard.watch >= 0 && watched(guard).reached != 0)
+            arrival.at_zero = begins_at_zero(mode, guard, 1e-6);
         // two pieces meet within the error of the first
         if (!fresh && is_watch && starts != side && std::isfinite(end)) arrival.gap = 2.0 * std::abs(end - q[0]);
         if (is_last) {
@@ -506,7 +506,6 @@ private:
             const double middle = 0.5 * (near + far);
             const double g = f.rising ? value(middle) : -value(middle);
             (g * way >= 0.0 ? far : near) = middle;
-            if (middle == near && middle == far) break;
         }
         f.place = far;
     }

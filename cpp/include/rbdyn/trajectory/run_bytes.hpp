@@ -158,6 +158,16 @@ inline Mode take_mode(Reader& r, const PointsModel& model, double t, std::span<c
     return mode;
 }
 
+/// What is kept of an entry, one by one: what lies between its fields in memory is nobody's.
+template <class Entry, class Visit>
+void each_field(Entry& e, const Visit& visit) {
+    visit(e.start);
+    visit(e.unit);
+    visit(e.length);
+    visit(e.order);
+    visit(e.mode);
+    visit(e.after_event);
+}
 inline void put(Writer& w, const Record& record) {
     w.put(record.start);
     w.put(record.end);
@@ -170,13 +180,7 @@ inline void put(Writer& w, const Record& record) {
     w.put(record.entries().size());
     for (std::size_t i = 0; i < record.entries().size(); ++i) {
         const Record::Entry& e = record.entries()[i];
-        // one by one: what lies between them in memory is nobody's
-        w.put(e.start);
-        w.put(e.unit);
-        w.put(e.length);
-        w.put(e.order);
-        w.put(e.mode);
-        w.put(e.after_event);
+        each_field(e, [&](const auto& field) { w.put(field); });
         const Piece piece = record.piece(i);
         for (int v = 0; v < piece.variables; ++v)
             for (int k = 0; k <= piece.order; ++k) w.put(piece.variable(v)[k]);
@@ -199,12 +203,7 @@ inline Record take_record(Reader& r, const Plan& plan) {
     if (r.take<bool>()) record.closed = plan.closed;
     for (auto left = r.take<std::size_t>(); left > 0; --left) {
         Record::Entry e{};
-        r.take(e.start);
-        r.take(e.unit);
-        r.take(e.length);
-        r.take(e.order);
-        r.take(e.mode);
-        r.take(e.after_event);
+        each_field(e, [&](auto& field) { r.take(field); });
         std::vector<double> coefficients;
         for (int k = 0; k < record.variables * (e.order + 1); ++k) coefficients.push_back(r.take<double>());
         record.append({e.start, e.unit, e.length, record.variables, e.order, coefficients.data(), e.order + 1},
