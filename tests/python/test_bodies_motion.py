@@ -368,6 +368,20 @@ def test_a_pendulum_has_the_period_of_the_elliptic_integral_and_its_bearing_a_qu
     assert run[arm].reaction_torque(0.0).shape == (3,)
 
 
+@pytest.mark.parametrize("tiny", [1.8e-3, 3e-6])
+def test_a_small_torque_of_a_heavy_pendulum_on_its_hinge_is_judged_by_what_it_is_a_difference_of(tiny):
+    # the weight turns it about the axis alone: the bearing's torque is of the deviation moments, and has all digits
+    body = rb.RigidBody(4.6, [[0.9, 0, 0], [0, 0.85, tiny], [0, tiny, 0.06]], com=[0, 0, -0.83])
+    scene, arm = held(body, rb.Revolute([0, 1, 0], point=[0, 0, -0.05]), gravity=[0, 0, -9.8], angle=0.08)
+    run = rb.simulate(scene, 20.0, error=1e-12)
+    motion = run[arm]
+    assert run.error < 1e-14
+    for t in (0.0, 3.3, 20.0):
+        turn, rate, push = motion.rotation_matrix(t), motion.rate(t), motion.angular_acceleration(t)[1]
+        expected = turn @ [tiny * rate**2, 0.0, tiny * push]  # I alpha + omega x I omega, about the axis nothing
+        assert_allclose(motion.reaction_torque(t), expected, rtol=0, atol=1e-14 * tiny)
+
+
 def test_a_hinge_that_is_no_principal_axis_carries_the_torque_of_the_deviation_moments():
     scene, wheel = held(STONE, rb.Revolute([0, 0, 1], point=[0.1, -0.2, 0.3]), gravity=None, rate=3.0)
     motion = rb.simulate(scene, 2.0, error=1e-12)[wheel]

@@ -1,7 +1,7 @@
 // What acts on a rigid body, and what its joint must exert.
 //
 // Reactions of ideal joints (7.57, 7.60): Phi = m a_G - F, and about the point o that the joint holds
-//     M = I_G omega' + omega x I_G omega - M_G + (G - o) x Phi, M_G the moment of what acts on it about G.
+//     M = I_G omega' + omega x I_G omega + (G - o) x m a_G - M_o, M_o the moment of what acts on it about o.
 #pragma once
 
 #include <cmath>
@@ -60,6 +60,43 @@ void add_load(Wrench<S>& w, const RigidLaw& law, const RigidState<S>& s, const R
     w.add(s, f, point);
 }
 
+/// How G moves, in the frame: (m a_G, I_G alpha + omega x I_G omega). `rates`: as RigidLaw::accelerations() gives them.
+template <class S>
+std::pair<Vector3Of<S>, Vector3Of<S>> momentum_rates(const RigidLaw& law, const RigidState<S>& s,
+                                                     const std::pair<Vector3Of<S>, Vector3Of<S>>& rates) {
+    const Vector3Of<S> c = RigidLaw::constant<S>(law.exact.center);
+    const auto inertia = [&](const Vector3Of<S>& a) { return curves::turned<S>(law.inertia, a); };
+    const Vector3Of<S> a =
+        cross<S>(rates.first, c) + cross<S>(s.omega, cross<S>(s.omega, c)) + s.to_frame(rates.second);
+    return {Vector3Of<S>(a * S(law.mass)), Vector3Of<S>(inertia(rates.first) + cross<S>(s.omega, inertia(s.omega)))};
+}
+
+/// The torque about o of a hinge or a slide on its body, in the frame: of 7.48 about o, what loads leave. About the
+/// axis of a hinge it is none.
+template <class S>
+Vector3Of<S> torque_of_joint(const RigidLaw& law, const RigidState<S>& s, const Wrench<S>& w,
+                             const std::pair<Vector3Of<S>, Vector3Of<S>>& rates) {
+    const auto [moved, spun] = momentum_rates<S>(law, s, rates);
+    Vector3Of<S> torque = spun + cross<S>(RigidLaw::constant<S>(law.exact.center), moved) - w.moment;
+    if (law.kind == RigidLaw::Kind::revolute) torque[2] = S(0.0);
+    return torque;
+}
+
+/// The sizes of what that is a difference of, component by component, for about the axis of a hinge terms may be large.
+inline double effort_of_torque(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
+                               const std::pair<Vector3, Vector3>& rates) {
+    const auto [moved, spun] = momentum_rates<double>(law, s, rates);
+    const Vector3 loads = w.moment - law.center.cross(s.to_frame(w.force)), force = w.force.cwiseAbs();
+    const Vector3 arm = law.center.cwiseAbs(),
+                  f = moved.cwiseAbs() + Vector3(s.axes.e1.cwiseAbs().dot(force), s.axes.e2.cwiseAbs().dot(force),
+                                                 s.axes.e3.cwiseAbs().dot(force));
+    Vector3 effort =
+        spun.cwiseAbs() + loads.cwiseAbs() +
+        Vector3(arm[1] * f[2] + arm[2] * f[1], arm[2] * f[0] + arm[0] * f[2], arm[0] * f[1] + arm[1] * f[0]);
+    if (law.kind == RigidLaw::Kind::revolute) effort[2] = 0.0;
+    return effort.norm();
+}
+
 /// Motion and reactions of a rigid body at a time.
 struct RigidReport {
     Quaternion attitude;
@@ -110,11 +147,8 @@ private:
         reaction = law.mass * center_acceleration - force;
         force_effort = law.mass * center_acceleration.norm() + force.norm();
         if (law.kind == RigidLaw::Kind::spherical) return;
-        const Vector3 spun = law.inertia * turning + s.omega.cross(law.inertia * s.omega);
-        const Vector3 about_center = w.moment - law.center.cross(s.to_frame(force));
-        const Vector3 needed = spun - about_center + law.center.cross(s.to_frame(reaction));
-        reaction_torque = s.to_world(needed);
-        torque_effort = spun.norm() + w.moment.norm() + law.center.norm() * force_effort;
+        reaction_torque = s.to_world(torque_of_joint<double>(law, s, w, rates));
+        torque_effort = effort_of_torque(law, s, w, rates);
     }
 };
 

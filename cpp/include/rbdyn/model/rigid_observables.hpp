@@ -33,10 +33,7 @@ S observed(const RigidLaw& law, const RigidState<S>& s, const Wrench<S>& w, cons
         case Quantity::reaction: return law.kind == RigidLaw::Kind::free ? S(0.0) : reaction()[c];
         case Quantity::reaction_torque: {
             if (law.turns_freely()) return S(0.0);
-            const Vector3Of<S> turning = law.accelerations<S>(s, v_rate).first;
-            const Vector3Of<S> spun = inertia(turning) + cross<S>(s.omega, inertia(s.omega));
-            const Vector3Of<S> about_center = w.moment - cross<S>(center, s.to_frame(w.force));
-            return s.to_world(Vector3Of<S>(spun - about_center + cross<S>(center, s.to_frame(reaction()))))[c];
+            return s.to_world(torque_of_joint<S>(law, s, w, law.accelerations<S>(s, v_rate)))[c];
         }
         case Quantity::kinetic_energy: {
             const Vector3Of<S> v = s.velocity(center);
