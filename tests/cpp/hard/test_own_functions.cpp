@@ -1,8 +1,10 @@
 // Functions of the user's that fail: by exceptions, by numbers that are not finite; and models of the user's own.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
+#include <random>
 
 #include "support.hpp"
 
@@ -66,6 +68,101 @@ TEST(Callbacks, are_not_asked_for_positions) {
     EXPECT_EQ(*calls, before);
     (void)run[first].acceleration(1.0);
     EXPECT_EQ(*calls, before + 1);
+}
+
+// --- lengths that pass zero ---
+
+/// Pressed across its line by (a + b sin(k t)) n + miss m, n and m across it and each other.
+struct Pressed {
+    Vector3 along, n, m;
+    double a, b, k, miss;
+
+    template <class S>
+    Vector3Of<S> operator()(const S& t) const {
+        using std::sin;
+        const S size = a + b * sin(k * t);
+        return {n[0] * size + S(miss * m[0]), n[1] * size + S(miss * m[1]), n[2] * size + S(miss * m[2])};
+    }
+    Scene scene(bool is_recorded) const {
+        Scene s;
+        const BodyHandle bead =
+            s.add(Particle{1.0}, Rail(Line{.direction = along}, Coulomb{0.05, 0.05}), {.parameter = 0.0, .speed = 5.0});
+        s.apply(is_recorded
+                    ? Force([*this](const auto& t, const auto&, const auto&) { return (*this)(Expression(t)); })
+                    : called_back("press",
+                                  [*this](double t, const Vector3&, const Vector3&) -> Vector3 { return (*this)(t); }),
+                bead);
+        return s;
+    }
+};
+
+TEST(Callbacks, that_press_a_bead_through_zero_make_the_events_of_recorded_ones) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> part(0.0, 1.0);
+    int passages = 0;
+    for (int i = 0; i < 24; ++i) {
+        const Vector3 along = Vector3(part(random), part(random) - 0.5, part(random) - 0.5).normalized();
+        const Vector3 n = along.cross(Vector3(part(random), 1.0, part(random))).normalized();
+        const Pressed press{i % 3 == 0 ? Vector3(1, 0, 0) : along,
+                            i % 3 == 0 ? Vector3(0, 0, 1) : n,
+                            i % 3 == 0 ? Vector3(0, 1, 0) : Vector3(along.cross(n)),
+                            2.0 * part(random) - 1.0,
+                            2.0,
+                            1.0 + 4.0 * part(random),
+                            0.0};
+        std::vector<double> times;
+        for (int j = -1; j < 10; ++j)
+            for (const double angle : {std::asin(-press.a / press.b), pi - std::asin(-press.a / press.b)})
+                if (const double t = (angle + 2.0 * pi * j) / press.k; t > 0.0 && t < 3.0) times.push_back(t);
+        std::sort(times.begin(), times.end());
+        passages += static_cast<int>(times.size());
+        for (const std::string& engine : simulating::engines())
+            for (const bool is_recorded : {true, false}) {
+                if (engine == "taylor" && !is_recorded) continue;
+                const Trajectory run =
+                    simulate(press.scene(is_recorded), {.until = 3.0, .error = 1e-8, .engine = engine});
+                const std::vector<double> found = run.events().times("normal-zero");
+                ASSERT_EQ(found.size(), times.size()) << i << ' ' << engine << ' ' << is_recorded << kinds(run);
+                for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(found[k], times[k], 1e-8);
+            }
+    }
+    EXPECT_GT(passages, 24);
+}
+
+TEST(Callbacks, that_press_a_bead_closely_past_zero_make_no_event) {
+    for (const double miss : {1.0, 1e-2, 1e-4, 1e-6}) {
+        const Pressed press{{1, 0, 0}, {0, 0.6, 0.8}, {0, -0.8, 0.6}, 0.3, 2.0, 3.0, miss};
+        for (const std::string& engine : simulating::engines())
+            for (const bool is_recorded : {true, false}) {
+                // series do not tell what is far below the error asked for
+                if (engine == "taylor" && (!is_recorded || miss < 1e-5)) continue;
+                const Trajectory run =
+                    simulate(press.scene(is_recorded), {.until = 3.0, .error = 1e-8, .engine = engine});
+                EXPECT_EQ(kinds(run), "") << engine << ' ' << is_recorded << ' ' << miss;
+            }
+    }
+}
+
+TEST(Callbacks, that_drag_what_is_thrown_upwards_see_its_speed_pass_zero) {
+    const Vector3 up = Vector3(1.0, 2.0, 3.0).normalized();
+    for (const bool is_recorded : {true, false})
+        for (const std::string& engine : simulating::engines()) {
+            if (engine == "taylor" && !is_recorded) continue;
+            Scene scene;
+            const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, 8.0 * up});
+            scene.apply(Drag{.quadratic = 0.1}, ball);
+            const Vector3 weight = -10.0 * up;
+            scene.apply(is_recorded
+                            ? Force([=](const auto&, const auto&, const auto&) {
+                                  return Vector3Of<Expression>{weight[0], weight[1], weight[2]};
+                              })
+                            : called_back("weight", [=](double, const Vector3&, const Vector3&) { return weight; }),
+                        ball);
+            const Trajectory run = simulate(scene, {.until = 1.5, .error = 1e-9, .engine = engine});
+            ASSERT_EQ(kinds(run), "switch") << engine << ' ' << is_recorded;
+            // v = 10 tan(c - t), tan c = 0.8
+            EXPECT_NEAR(run.events()[0].time, std::atan(0.8), 1e-8) << engine << ' ' << is_recorded;
+        }
 }
 
 // --- motion from rest ---

@@ -57,6 +57,7 @@ public:
         }
         parameters_.assign(parameters.begin(), parameters.end());
         integrator_->set_parameters(parameters_);
+        integrator_->guards.enter(parameters_);
         t_ = t;
         x_.assign(x.begin(), x.end());
         running_ = false;

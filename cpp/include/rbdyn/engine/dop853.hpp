@@ -54,6 +54,7 @@ public:
         }
         parameters_.assign(parameters.begin(), parameters.end());
         set_parameters();
+        workshop_->guards.enter(parameters_);
         t_ = t;
         x_.assign(x.begin(), x.end());
         std::fill(low_.begin(), low_.end(), 0.0);

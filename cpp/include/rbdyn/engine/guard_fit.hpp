@@ -1,6 +1,10 @@
 // Guards along a piece as polynomials through their values (series/fit.hpp): for equations without a series.
 //
 // The piece's polynomial stands for the motion; the fit is held against the guards themselves between the points.
+//
+// A length that passes zero goes on below it, as its series does: at each point it has the sign that makes its vector
+// turn by less than a right angle from the one before. Where the vector turns round, it must pass zero, or the fit does
+// not hold.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/fit.hpp"
@@ -33,10 +38,33 @@ public:
           rounding_(equations.guards.size()) {
         for (std::size_t g = 0; g < equations.guards.size(); ++g)
             if (equations.guards[g].output >= 0 && !equations.is_variable(equations.guards[g])) fitted_.push_back(g);
+        for (const std::size_t g : fitted_) {
+            const Switch* s = equations.switch_of(equations.guards[g]);
+            if (s == nullptr || !s->is_norm) continue;
+            const Instruction* norm = equations.program.norm(equations.guards[g].output);
+            if (norm != nullptr) lengths_.push_back({g, s->parameter, {norm->a, norm->b, norm->c}});
+        }
     }
 
-    void set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
-        evaluator_.set_parameters(parameters, rounding);
+    /// A mode begins: what is known of the sides of lengths is what its parameters say.
+    void enter(std::span<const double> parameters) {
+        for (Length& l : lengths_) {
+            l.is_known = false;
+            l.starts_at_zero = parameters[static_cast<std::size_t>(l.flag)] != 0.0;
+        }
+    }
+    /// The last fit is kept, and what is fitted next goes on from its end.
+    void go_on() {
+        for (Length& l : lengths_) {
+            const Vector3& last = l.at[Fit::points - 1];
+            if (!(last.norm() > rounding * l.size)) continue;
+            l.before = last;
+            l.is_known = true;
+        }
+    }
+
+    void set_parameters(std::span<const double> parameters, Program::Rounding constants) {
+        evaluator_.set_parameters(parameters, constants);
     }
 
     /// How far a fit is from the guards: by the largest error over what is allowed, and over the guard's largest value.
@@ -58,9 +86,12 @@ public:
                 const double value = evaluator_.output(output);
                 values_[g * Fit::points + static_cast<std::size_t>(j)] = value;
                 largest_[g] = std::max(largest_[g], std::abs(value));
-                if (j == 0) rounding_[g] = 64.0 * epsilon * evaluator_.magnitude(output);
+                if (j == 0) rounding_[g] = rounding * evaluator_.magnitude(output);
             }
+            for (Length& l : lengths_) l.at[static_cast<std::size_t>(j)] = vector(l);
         }
+        bool is_followed = true;
+        for (Length& l : lengths_) is_followed = follow(l, piece, length, tolerance) && is_followed;
         for (const std::size_t g : fitted_) {
             double* c = coefficients_.data() + g * Fit::points;
             allowed_[g] = std::max(tolerance * largest_[g], rounding_[g]);
@@ -68,6 +99,7 @@ public:
             double power = 1.0;
             for (int k = 1; k < Fit::points; ++k) c[k] /= (power *= length);
         }
+        if (!is_followed) return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
         return miss(piece, length);
     }
 
@@ -89,6 +121,67 @@ public:
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static constexpr double rounding = 64.0 * epsilon;
+
+    /// A guard that is the length of a vector.
+    struct Length {
+        std::size_t guard;
+        int flag;      // the parameter that says that it starts at zero
+        int parts[3];  // the slots of the vector's components
+        std::array<Vector3, Fit::points> at = {};
+        Vector3 before = Vector3::Zero();  // at the end of what was fitted before
+        double size = 0.0;                 // the largest so far: rounding of that is no direction
+        bool is_known = false, starts_at_zero = false;
+    };
+    Vector3 vector(const Length& l) const {
+        return {evaluator_.slot(l.parts[0]), evaluator_.slot(l.parts[1]), evaluator_.slot(l.parts[2])};
+    }
+
+    /// Gives the values of a length the signs it has on [0, length] of the piece. Returns whether it is zero wherever
+    /// these change.
+    bool follow(Length& l, const Piece& piece, double length, double tolerance) {
+        double* values = values_.data() + l.guard * Fit::points;
+        const double largest = largest_[l.guard];
+        if (!std::isfinite(largest)) return true;
+        l.size = std::max(l.size, largest);
+        const double noise = rounding * l.size;
+        // where it begins at zero, the first that is more than an error of the place
+        const double least = l.is_known ? 0.0 : l.starts_at_zero ? std::max(1e-3 * largest, noise) : noise;
+        std::size_t first = 0;
+        while (first + 1 < Fit::points && !(l.at[first].norm() > least)) ++first;
+        Vector3 last = l.is_known ? l.before : l.at[first];
+        double sign = 1.0, from = 0.0;
+        for (std::size_t j = 0; j < Fit::points; ++j) {
+            const double place = Fit::place(static_cast<int>(j)) * length;
+            if (last.dot(l.at[j]) < 0.0 && l.at[j].norm() > noise) {
+                if (j < first) {
+                    values[j] = -values[j];
+                    continue;
+                }
+                if (j > first && !passes_zero(l, piece, last, from, place, std::max(tolerance * largest, noise)))
+                    return false;
+                sign = -sign;
+            }
+            values[j] *= sign;
+            if (j < first || !(l.at[j].norm() > noise)) continue;
+            last = l.at[j];
+            from = place;
+        }
+        return true;
+    }
+
+    /// Whether a vector that turns round between two places of the piece, before them along `last`, is zero on the way.
+    bool passes_zero(const Length& l, const Piece& piece, const Vector3& last, double from, double to, double allowed) {
+        const Vector3 along = last.normalized();
+        Vector3 there = last;
+        for (int k = 0; k < 60 && to - from > epsilon * to; ++k) {
+            const double middle = 0.5 * (from + to);
+            evaluate(piece, middle);
+            there = vector(l);
+            (there.dot(along) > 0.0 ? from : to) = middle;
+        }
+        return (there - there.dot(along) * along).norm() <= allowed;
+    }
 
     void evaluate(const Piece& piece, double tau) {
         piece.state(tau, state_);
@@ -103,8 +196,10 @@ private:
             for (const std::size_t g : fitted_) {
                 if (!std::isfinite(values_[g * Fit::points])) continue;
                 const double* c = coefficients_.data() + g * Fit::points;
-                const double error =
-                    std::abs(evaluator_.output(equations_->guards[g].output) - series::value(c, order, tau));
+                double fit = series::value(c, order, tau);
+                const Switch* s = equations_->switch_of(equations_->guards[g]);
+                if (s != nullptr && s->is_norm) fit = std::abs(fit);
+                const double error = std::abs(evaluator_.output(equations_->guards[g].output) - fit);
                 if (error <= allowed_[g]) continue;
                 const double infinity = std::numeric_limits<double>::infinity();
                 worst.allowed = std::isnan(error) ? infinity : std::max(worst.allowed, error / allowed_[g]);
@@ -118,6 +213,7 @@ private:
     Evaluator<double> evaluator_;
     std::vector<double> state_, values_, coefficients_, allowed_, largest_, rounding_;
     std::vector<std::size_t> fitted_;
+    std::vector<Length> lengths_;
 };
 
 }  // namespace rbdyn

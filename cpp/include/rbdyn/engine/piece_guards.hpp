@@ -48,6 +48,12 @@ public:
         if (fit_) fit_->set_parameters(parameters, rounding);
     }
 
+    /// A mode begins, with these parameters.
+    void enter(std::span<const double> parameters) {
+        if (fit_) fit_->enter(parameters);
+        goes_on_ = false;
+    }
+
     /// Looks at another piece; `is_rest`: what was left of the last one. Returns its length, or less: how far the
     /// guards' coefficients hold.
     double begin(const Piece& piece, bool is_rest = false) {
@@ -59,6 +65,8 @@ public:
             least_ = std::ldexp(piece.length, -most_halvings);
         }
         if (!need_more_) return piece.length;
+        if (fit_ && goes_on_) fit_->go_on();
+        goes_on_ = true;
         if (fit_) return fitted_length();
         expand();
         return std::min(piece.length, series_length());
@@ -174,6 +182,7 @@ private:
     std::vector<signed char> rough_;        // by guard; empty: none is
     int fits_left_ = 0;                     // on this step
     double first_try_ = 0.0, least_ = 0.0;  // lengths of its parts
+    bool goes_on_ = false;                  // there was a piece of this mode
     bool need_more_ = false;                // than the variables themselves
     Piece piece_;
     std::array<double, 32> row_{};

@@ -88,6 +88,8 @@ public:
         return abs(output(index));
     }
     T switch_value(int index) const { return slots_[static_cast<std::size_t>(program_->switch_output(index))]; }
+    /// What an instruction read or wrote.
+    T slot(int index) const { return slots_[static_cast<std::size_t>(index)]; }
 
 protected:
     /// A function of the user's, in doubles whatever T is.

@@ -74,6 +74,12 @@ public:
     int output(int index) const { return output_slots_[static_cast<std::size_t>(index)]; }
     const std::vector<Switch>& switches() const { return switches_; }
     int switch_output(int index) const { return output(outputs_ + index); }
+    /// The norm that an output, also of a switch, is; none if it is something else.
+    const Instruction* norm(int index) const {
+        for (const Instruction& i : instructions_)
+            if (i.code == Code::norm && i.out == output(index)) return &i;
+        return nullptr;
+    }
     const std::vector<Instruction>& instructions() const { return instructions_; }
     const Term* terms(const Instruction& i) const { return terms_.data() + i.first_term; }
     const ProductTerm* products(const Instruction& i) const { return products_.data() + i.first_product; }
