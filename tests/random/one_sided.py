@@ -15,7 +15,7 @@ import numpy as np
 import rbdyn as rb
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 TIGHT = dict(method="DOP853", rtol=1e-12, atol=1e-13)
 
@@ -122,10 +122,18 @@ def laws(case, until):
                 return None
             # what has just left grows away from the rail
             below = [k for k in range(1, len(times)) if gaps[k] < 0.0]
-            if any(0.0 < abs(g) < close for g in gaps[20:]):
-                smallest = min(abs(gaps[20:]))
-                if smallest < close * 1e-2 and not below:
-                    return None
+
+            def gap(x, path=flown.sol):
+                return case.side * case.shape.gap(path(x)[:2])
+
+            # what comes back along the curve it left touches it: whether that is a landing is too close to call
+            for k in range(20, min(below[0] + 1 if below else len(times), len(times) - 1)):
+                if gaps[k - 1] >= gaps[k] <= gaps[k + 1] and gaps[k] < 1e-4:
+                    turn = minimize_scalar(
+                        gap, bounds=times[[k - 1, k + 1]], method="bounded", options={"xatol": 1e-12}
+                    )
+                    if abs(turn.fun) < close * 1e-2:
+                        return None
             if not below:
                 t, y = until, flown.sol(until)
                 place, velocity = y[:2], y[2:]
@@ -133,10 +141,6 @@ def laws(case, until):
             k = below[0]
             if k < 3:
                 return None
-
-            def gap(x, path=flown.sol):
-                return case.side * case.shape.gap(path(x)[:2])
-
             hit = brentq(gap, times[k - 1], times[k], xtol=1e-14)
             y = flown.sol(hit)
             t, place, velocity = hit, y[:2], y[2:]

@@ -90,6 +90,27 @@ TEST(RoughPassages, find_every_root_and_no_pole) {
     }
 }
 
+TEST(RoughPassages, know_a_pole_from_a_root_and_a_jump_however_near_the_function_is_first_looked_at) {
+    // between two doubles, of which time resolves a few
+    constexpr double place = 0.3, beside = 2e-17, finest = 4e-16;
+    const std::vector<double> away{1e-3, 1e-8, 1e-13, 1e-15, 1e-16};
+    for (const double before : away)
+        for (const double after : away) {
+            // nothing tells what is closer than time resolves from its surroundings
+            if (before + after < 64.0 * finest) continue;
+            const double a = place - before, b = place + after;
+            const auto is_pole = [&](auto f) {
+                return RoughPassages::is_pole([&](double x) { return f(x - place - beside); }, a, b,
+                                              f(-before) > 0 ? 1 : -1, finest);
+            };
+            EXPECT_TRUE(is_pole([](double d) { return 1.0 / d; })) << before << ' ' << after;
+            EXPECT_TRUE(is_pole([](double d) { return -1.0 / (d * d * d); })) << before << ' ' << after;
+            EXPECT_FALSE(is_pole([](double d) { return d; })) << before << ' ' << after;
+            EXPECT_FALSE(is_pole([](double d) { return std::cbrt(d); })) << before << ' ' << after;
+            EXPECT_FALSE(is_pole([](double d) { return d < 0.0 ? -1.0 : 2.0 + d; })) << before << ' ' << after;
+        }
+}
+
 TEST(RoughPassages, of_a_function_that_is_rough_by_itself_cost_no_more) {
     // values with errors of 1e-9, as a table may have
     const Found now = found([](double x) { return x - 0.3 + 1e-9 * std::sin(1e9 * x); });

@@ -146,7 +146,8 @@ private:
     template <class Value>
     static Change closed(const Value& value, double a, double b, int known, double finest) {
         double low = std::abs(value(a)), high = std::abs(value(b));
-        const double first = std::max(low, high), width = b - a, begin = a, end = b;
+        // one of the two may be beside the pole from the first
+        const double first = low > 0.0 ? std::min(low, high) : high, width = b - a, begin = a, end = b;
         for (int k = 0; k < 60 && b - a > finest; ++k) {
             const double middle = 0.5 * (a + b), v = value(middle);
             if (!std::isfinite(v)) return {middle, middle, true};
