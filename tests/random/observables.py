@@ -740,6 +740,9 @@ def keeps(rig, run, check, times, seed):
                     x, y = np.asarray(x), np.asarray(y)
                     if name == "euler_rates" and not np.isfinite(x).all():
                         continue
+                    if name == "euler_rates" and keep == "end":
+                        # angles without a path are those with theta >= 0
+                        x[0] *= np.sign(np.sin(a.euler_angles(t)[0])) * np.sign(np.sin(b.euler_angles(t)[0]))
                     if name == "euler_angles" and keep == "end":
                         y = Rotation.from_euler("ZXZ", y[[1, 0, 2]]).as_matrix()
                         x = Rotation.from_euler("ZXZ", x[[1, 0, 2]]).as_matrix()

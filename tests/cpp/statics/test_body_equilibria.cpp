@@ -3,7 +3,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <numbers>
+#include <random>
 
+#include "rbdyn/body/shapes.hpp"
 #include "rbdyn/model/assembly.hpp"
 #include "rbdyn/statics/equilibria.hpp"
 #include "refusal.hpp"
@@ -163,6 +165,24 @@ TEST(BodyEquilibria, an_upright_rod_on_a_torsion_spring_is_stable_from_the_criti
                 EXPECT_NEAR(psi * psi / (-6.0 * off), 1.0, -off + 1e-2 * std::pow(10.0, k - 10)) << off;
             }
         }
+}
+
+TEST(BodyEquilibria, an_upright_rod_is_found_upright_wherever_the_search_begins) {
+    // at zero all terms of the moment vanish, and with them what rounding makes of it
+    const RigidBody rod = shapes::rod(4.0, 128.0, Vector3(0, 0, 1)).shifted({0, 0, 64.0});
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> part(0.0, 1.0);
+    for (int i = 0; i < 300; ++i) {
+        const double off = i == 0 ? -0x1.94867f80b0e3fp-8 : -std::pow(10.0, -1.0 - 3.0 * part(random));
+        const double start = i == 0 ? -0x1.a903e24c10470p-2 : 2.0 * part(random) - 1.0;
+        Scene scene({0, 0, -9.8125});
+        const BodyHandle h = scene.add(rod, across, {.angle = start});
+        scene.apply(TorsionSpring{.stiffness = (1.0 + off) * 4.0 * 9.8125 * 64.0}, h);
+        const auto all = equilibria(scene);
+        ASSERT_EQ(all.size(), 3u) << i << ' ' << off;
+        EXPECT_NEAR(all[1].coordinates[0], 0.0, 1e-15) << i << ' ' << off;
+        EXPECT_FALSE(all[1].stable) << i << ' ' << off;
+    }
 }
 
 TEST(BodyEquilibria, a_rod_on_a_ball_joint_held_by_springs_is_judged_in_fourth_order_where_the_second_vanishes) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "support.hpp"
 
@@ -207,6 +208,28 @@ TEST(Equilibria, zeros_of_every_order_are_found_where_they_are_and_judged_by_the
             EXPECT_EQ(all[0].stable, n % 2 == 0 && sign < 0.0) << n << " at " << a << " from " << start;
             EXPECT_TRUE(all[0].decided);
         }
+}
+
+TEST(Equilibria, a_double_zero_between_triple_ones_is_found_wherever_the_search_begins) {
+    constexpr double a = -0x1.7f4cacb36068ep+0, b = -0x1.04811f274f890p+0, c = 0x1.018df8ebd3d30p-3,
+                     scale = -0x1.2237849c0ba5dp+2;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> part(0.0, 1.0);
+    for (int i = 0; i < 100; ++i) {
+        const double start = i == 0 ? 0x1.3c576a79a234cp+1 : 6.0 * part(random) - 3.0;
+        Scene scene;
+        const BodyHandle bead = scene.add(Particle{2.0}, Rail(along_x), {.parameter = start});
+        scene.apply(Force([=](const auto&, const auto& r, const auto&) {
+                        using S = std::decay_t<decltype(r[0])>;
+                        const S p = r[0] - a, q = r[0] - b, s = r[0] - c;
+                        return Vector3Of<S>{scale * (p * (p * p)) * (q * q) * (s * (s * s)), S(0.0), S(0.0)};
+                    }),
+                    bead);
+        const auto all = equilibria(scene);
+        ASSERT_EQ(all.size(), 3u) << start;
+        EXPECT_NEAR(all[1].coordinates[0], b, 1e-9) << start;
+        EXPECT_FALSE(all[1].stable) << start;
+    }
 }
 
 TEST(Equilibria, flat_minima_up_to_the_power_20_are_where_they_are_and_stable) {

@@ -173,7 +173,7 @@ private:
                     for (int k = 0; k <= degree; ++k)
                         derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
                 for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                    if (degree == statics::order || std::abs(p.value(PathForces::along, x)) <= p.noise())
+                    if (degree == statics::order || p.may_vanish(x))
                         splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
             }
             for (const double x : flat_places(p)) splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
@@ -231,7 +231,7 @@ private:
                 for (int k = 0; k <= degree; ++k)
                     derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
                 for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                    if (std::abs(p.value(PathForces::along, x)) <= noise) add(p, x);
+                    if (p.may_vanish(x)) add(p, x);
             }
             for (const double x : flat_places(p)) add(p, x);
             if (i > 0) add_jump(path_[i - 1], p);

@@ -60,6 +60,11 @@ struct PathPiece {
         for (const double c : output[PathForces::along]) sum += std::abs(c);
         return sum;
     }
+    /// Whether Q at x may be zero: its powers are summed with their own rounding.
+    bool may_vanish(double x) const {
+        return std::abs(value(PathForces::along, x)) <=
+               std::max(noise(), 64.0 * std::numeric_limits<double>::epsilon() * bound());
+    }
 };
 
 }  // namespace statics

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "rbdyn/statics/path_pieces.hpp"
 
@@ -66,8 +67,12 @@ private:
             const double x = -c[k - 1] / (m * c[k]);
             if (!(std::abs(x) < 0.5 * last)) break;
             last = std::abs(x);
-            place += half * x;
-            if (place == place - half * x) break;
+            const double before = std::exchange(place, place + half * x);
+            if (place == before) break;
+            if (std::abs(place) > 1e-6 * std::abs(before)) continue;
+            // at zero, where all terms vanish, Newton's steps are never small: their error leaves zero itself
+            look(before, half);
+            if (std::abs(place) <= half * rounding_[k - 1] / std::abs(m * c_[k])) place = 0.0;
         }
         if (!(std::abs(place - u) <= 0.25 * half)) return std::nullopt;
         look(place, half);
