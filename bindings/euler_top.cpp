@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <rbdyn/model/euler_top.hpp>
 #include <rbdyn/simulate.hpp>
+#include <rbdyn/trajectory/run_bytes.hpp>
 
 #include "run.hpp"
 
@@ -90,6 +91,8 @@ The body's axes are principal at that point. Raises InvalidInput for others.)")
              R"(The variables at a time [s], or at each of an array of times; they come last.
 
 side: at a jump the state "after" it, or "before". Raises InvalidInput for a time the run does not hold.)")
+        .def(py::pickle([](const StateRun& r) { return py::bytes(rbdyn::bytes_of(r)); },
+                        [](const py::bytes& d) { return rbdyn::state_run_from(d.cast<std::string>()); }))
         .def("__str__", &printed<StateRun>)
         .def("__repr__", [](const StateRun& r) {
             return "<StateRun: " + std::string(name_of(r.status())) + " at t = " + rbdyn::text(r.end()) + " s>";

@@ -59,6 +59,19 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
                  return py::isinstance<Equilibrium>(b) && a == b.cast<const Equilibrium&>();
              })
         .def("__hash__", [](const Equilibrium& e) { return py::hash(numbers_of(e.coordinates)); })
+        .def(py::pickle(
+            [](const Equilibrium& e) {
+                return py::make_tuple(e.coordinates, e.stable, e.interval, e.periods, rows_of(e.axes), e.decided);
+            },
+            [](const py::tuple& d) {
+                Equilibrium e{d[0].cast<std::vector<double>>(), d[1].cast<bool>()};
+                e.interval = d[2].cast<std::optional<std::pair<double, double>>>();
+                e.periods = d[3].cast<std::vector<double>>();
+                for (const auto& [x, y, z] : d[4].cast<std::vector<std::tuple<double, double, double>>>())
+                    e.axes.emplace_back(x, y, z);
+                e.decided = d[5].cast<bool>();
+                return e;
+            }))
         .def("__str__", &printed<Equilibrium>)
         .def("__repr__", [](const Equilibrium& e) {
             return "Equilibrium(coordinates=" + tuple_text(e.coordinates) +
@@ -99,6 +112,16 @@ An empty list: none was found. Raises InvalidInput for a scene without bodies, w
 or are called back, or with rails that move.)");
 }
 
+/// A potential with the scene it is of, as that was.
+struct BoundPotential : rbdyn::RailPotential {
+    BoundPotential(const BoundScene& given, const BodyHandle& handle)
+        : RailPotential(given.scene, given.handles.body(handle, "rail_potential")),
+          scene{given.scene.frozen(), given.handles},
+          bead(handle) {}
+    BoundScene scene;
+    BodyHandle bead;
+};
+
 void bind_rail_potential(py::module_& m) {
     using rbdyn::RailPotential, rbdyn::TurningPoints;
     py::class_<TurningPoints>(m, "TurningPoints", "Where a motion along a rail turns round next, as parameters.")
@@ -109,6 +132,11 @@ void bind_rail_potential(py::module_& m) {
                  return py::isinstance<TurningPoints>(b) && a == b.cast<const TurningPoints&>();
              })
         .def("__hash__", [](const TurningPoints& t) { return py::hash(py::make_tuple(t.below, t.above)); })
+        .def(
+            py::pickle([](const TurningPoints& t) { return py::make_tuple(t.below, t.above); },
+                       [](const py::tuple& d) {
+                           return TurningPoints{d[0].cast<std::optional<double>>(), d[1].cast<std::optional<double>>()};
+                       }))
         .def("__iter__", [](const TurningPoints& t) { return py::iter(py::make_tuple(t.below, t.above)); })
         .def("__repr__", [](const TurningPoints& t) {
             return "TurningPoints(below=" + shown_value(t.below) + ", above=" + shown_value(t.above) + ")";
@@ -116,7 +144,7 @@ void bind_rail_potential(py::module_& m) {
 
     const char* const user = "RailPotential";
     const auto at = [user](const ArrayLike& u, auto&& f) { return over(u, user, "parameter", f); };
-    py::class_<RailPotential>(
+    py::class_<BoundPotential>(
         m, "RailPotential",
         R"(The potential of a bead along its rail at rest (eqs. 7.18-7.22), F_t = +dU/ds (the chapter's sign).
 
@@ -124,23 +152,23 @@ U is zero at the beginning of the curve, or at u = 0 where it has none. A parame
 shape.)")
         .def(
             "value",
-            [at](const RailPotential& p, const ArrayLike& u) { return at(u, [&](double x) { return p.value(x); }); },
+            [at](const BoundPotential& p, const ArrayLike& u) { return at(u, [&](double x) { return p.value(x); }); },
             py::arg("u"), "U [J].")
         .def(
             "tangential_force",
-            [at](const RailPotential& p, const ArrayLike& u) {
+            [at](const BoundPotential& p, const ArrayLike& u) {
                 return at(u, [&](double x) { return p.tangential_force(x); });
             },
             py::arg("u"), "F_t = dU/ds [N] (eq. 7.15). Raises InvalidInput at a cusp.")
         .def(
             "work_of_forces",
-            [at](const RailPotential& p, const ArrayLike& u) {
+            [at](const BoundPotential& p, const ArrayLike& u) {
                 return at(u, [&](double x) { return p.work_of_forces(x); });
             },
             py::arg("u"), "The part of U that is the work of Force functions [J].")
         .def(
             "energy",
-            [](const RailPotential& p, const ArrayLike& u, const ArrayLike& speed) {
+            [](const BoundPotential& p, const ArrayLike& u, const ArrayLike& speed) {
                 auto f = py::vectorize([&](double x, double v) { return p.energy(x, v); });
                 return py::reinterpret_borrow<Values>(
                     py::object(f(doubles(u, "RailPotential", "parameter"), doubles(speed, "RailPotential", "speed"))));
@@ -148,7 +176,7 @@ shape.)")
             py::arg("u"), py::arg("speed") = 0.0, "m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.")
         .def(
             "speed",
-            [at](const RailPotential& p, const ArrayLike& u, double energy) {
+            [at](const BoundPotential& p, const ArrayLike& u, double energy) {
                 return at(u, [&](double x) { return p.speed(x, energy); });
             },
             py::arg("u"), py::arg("energy"),
@@ -169,13 +197,13 @@ motion that does not come back.)")
              R"(The time of the motion with an energy [J] straight from u0 to u1 [s] (eq. 7.22), negative if u1 < u0.
 
 Raises InvalidInput if it turns round before.)")
-        .def("__repr__", [](const RailPotential& p) { return "<RailPotential: " + printed(p) + ">"; });
+        .def(py::pickle(
+            [](const BoundPotential& p) { return py::make_tuple(p.scene, p.bead); },
+            [](const py::tuple& d) { return BoundPotential(d[0].cast<const BoundScene&>(), d[1].cast<BodyHandle>()); }))
+        .def("__repr__", [](const BoundPotential& p) { return "<RailPotential: " + printed<RailPotential>(p) + ">"; });
 
     m.def(
-        "rail_potential",
-        [](const BoundScene& scene, const BodyHandle& bead) {
-            return RailPotential(scene.scene, scene.handles.body(bead, "rail_potential"));
-        },
+        "rail_potential", [](const BoundScene& scene, const BodyHandle& bead) { return BoundPotential(scene, bead); },
         py::arg("scene"), py::arg("bead"),
         R"(The potential of a bead of a scene along its rail at rest (eq. 7.18), also where a force has none in space.
 

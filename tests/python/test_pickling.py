@@ -261,3 +261,32 @@ def test_a_run_is_read_by_another_process(tmp_path):
     told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     (ball,) = run.bodies
     assert told.strip() == f"{run[ball].acceleration(2.0).tolist()!r} {run.energy(2.5)}"
+
+
+def test_what_a_scene_says_at_rest_is_pickled():
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    bead = scene.add(rb.Particle(0.5), rb.Rail(rb.Circle(radius=1.0, start=[0, 0, -1], toward=[1, 0, 0])))
+    potential = rb.rail_potential(scene, bead)
+    scene.apply(rb.Force([1.0, 0.0, 0.0]), bead)  # it is of the scene as that was
+    copied = pickle.loads(pickle.dumps(potential))
+    u = np.linspace(-3, 3, 7)
+    assert np.array_equal(copied.value(u), potential.value(u)) and str(copied) == str(potential)
+    turns = potential.turning_points(potential.energy(0.0, 1.0), 0.0)
+    assert pickle.loads(pickle.dumps(turns)) == turns
+    top = rb.Scene(gravity=[0, 0, -9.81])
+    top.add(rb.RigidBody(1.0, [1.0, 2.0, 2.5], com=[0, 0, 0.5]), rb.Spherical())
+    for state in [*rb.equilibria(scene), *rb.equilibria(top)]:
+        other = pickle.loads(pickle.dumps(state))
+        assert other == state and repr(other) == repr(state)
+
+
+def test_a_run_in_euler_angles_is_pickled():
+    top = rb.EulerTop(rb.RigidBody(1.0, [1.0, 1.0, 0.5], com=[0, 0, 0.5], inertia_about="origin"), 9.81)
+    run = rb.simulate(top, top.state(rb.EulerAngles(1.0, 0.0, 0.0), [0.5, 0.2, 8.0]), 2.0)
+    copied = pickle.loads(pickle.dumps(run))
+    t = np.linspace(0, 2, 11)
+    assert np.array_equal(copied.state(t), run.state(t))
+    for name in ("status", "start", "end", "certain_until", "engine", "error", "events"):
+        assert getattr(copied, name) == getattr(run, name)
+    with pytest.raises(rb.InvalidInput, match="none of a run"):
+        type(run).__new__(type(run)).__setstate__(b"rubbish")

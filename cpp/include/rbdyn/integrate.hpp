@@ -94,6 +94,10 @@ inline void validate(const SimulateOptions& o) {
                "a run ends after its start, which is " + text(o.start) +
                    " s; motion backwards is motion with reversed velocities");
     if (o.rtol) {
+        if (o.error != SimulateOptions{}.error)
+            refuse("simulate", "error", o.error,
+                   "it is given beside rtol " + text(*o.rtol) +
+                       "; error is global and estimated, rtol local and without an estimate: give one");
         require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
                 "a local tolerance lies between 1e-16 and 0.1");
     } else if (!(o.error >= least_error && o.error <= 0.1)) {

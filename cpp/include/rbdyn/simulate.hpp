@@ -117,6 +117,8 @@ public:
     const Work& work() const { return solution_->record.work; }
 
     int variables() const { return static_cast<int>(solution_->record.first_state.size()); }
+    /// All that was computed.
+    const simulating::Solution& solution() const { return *solution_; }
     /// The state at a time. Throws InvalidInput for a time the run does not hold.
     std::vector<double> state(double t, Side side = Side::after) const { return state_at(solution_->record, t, side); }
 

@@ -247,7 +247,8 @@ TEST(Exceptions, of_a_force_pass_unchanged_and_the_run_until_then_is_kept) {
                         return -r;
                     }));
             };
-            const SimulateOptions options{.until = 200.0, .error = 1e-10, .rtol = rtol};
+            const SimulateOptions options{
+                .until = 200.0, .error = rtol ? SimulateOptions{}.error : 1e-10, .rtol = rtol};
             try {
                 (void)simulate(scene(), options);
                 FAIL();
@@ -287,13 +288,16 @@ TEST(Exceptions, of_a_force_that_is_recorded_come_when_it_is_recorded) {
 /// The run fails at the time given, and says why.
 void expect_not_finite(const Scene& scene, double at, double within, const std::vector<std::string>& says) {
     for (const auto& rtol : {std::optional<double>(), std::optional<double>(1e-8)}) {
-        const Attempt result = attempt(scene, {.until = 5.0, .error = 1e-8, .rtol = rtol});
+        const Attempt result =
+            attempt(scene, {.until = 5.0, .error = rtol ? SimulateOptions{}.error : 1e-8, .rtol = rtol});
         EXPECT_EQ(result.outcome, Outcome::broken) << result.message;
         EXPECT_EQ(result.run.status(), Status::not_finite);
         EXPECT_NEAR(result.run.end(), at, within) << result.message;
         for (const std::string& part : says)
             EXPECT_NE(result.message.find(part), std::string::npos) << part << " in: " << result.message;
-        EXPECT_THROW((void)simulate(scene, {.until = 5.0, .error = 1e-8, .rtol = rtol}), IntegrationError);
+        EXPECT_THROW(
+            (void)simulate(scene, {.until = 5.0, .error = rtol ? SimulateOptions{}.error : 1e-8, .rtol = rtol}),
+            IntegrationError);
     }
 }
 
@@ -582,6 +586,11 @@ TEST(OwnModels, that_blow_up_end_with_a_status_and_keep_what_there_is) {
         EXPECT_NEAR(e.run.state(0.5)[0], 2.0, 1e-7);
     }
     EXPECT_NEAR(simulate(BlowUp{}, {1.0}, {.until = 0.875, .error = 1e-11}).state(0.875)[0], 8.0, 1e-9);
+}
+
+TEST(Options, with_an_error_beside_a_local_tolerance_are_refused) {
+    EXPECT_THROW((void)simulate(Pendulum{}, {1.0, 0.0}, {.until = 1.0, .error = 1e-8, .rtol = 1e-8}), InvalidInput);
+    EXPECT_THROW((void)simulate(Scene(), {.until = 1.0, .error = 1e-8, .rtol = 1e-8}), InvalidInput);
 }
 
 TEST(OwnModels, with_input_that_breaks_a_rule_are_refused) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,13 +17,14 @@
 #include <vector>
 
 #include "rbdyn/plan/kept_plan.hpp"
+#include "rbdyn/simulate.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn {
 
 namespace run_bytes {
 
-inline constexpr std::string_view head = "rbdyn run 1";
+inline constexpr std::string_view head = "rbdyn run 1", state_head = "rbdyn state run 1";
 
 /// Bytes that are written one after the other.
 class Writer {
@@ -143,8 +145,8 @@ inline void put(Writer& w, const Mode& mode) {
     w.put(choices);
     w.put(std::vector<std::uint64_t>(mode.equations->sliding.begin(), mode.equations->sliding.end()));
 }
-/// A mode that a motion is in at a time, at a state.
-inline Mode take_mode(Reader& r, const PointsModel& model, double t, std::span<const double> x) {
+/// A mode that a motion is in at a time, at a state. No model: without its equations.
+inline Mode take_mode(Reader& r, const PointsModel* model, double t, std::span<const double> x) {
     Mode mode;
     mode.slip = r.list<signed char>();
     mode.parameters = r.list<double>();
@@ -154,7 +156,7 @@ inline Mode take_mode(Reader& r, const PointsModel& model, double t, std::span<c
     Decisions decided;
     for (const Choice& c : r.list<Choice>()) decided.forced[c.id] = c.choice;
     for (const std::uint64_t surface : r.list<std::uint64_t>()) decided.sliding.insert(surface);
-    if (!model.restore(mode, t, x, decided)) Reader::refuse();
+    if (model != nullptr && !model->restore(mode, t, x, decided)) Reader::refuse();
     return mode;
 }
 
@@ -190,7 +192,9 @@ inline void put(Writer& w, const Record& record) {
     w.put(record.events.size());
     for (const Event& e : record.events) put(w, e);
 }
-inline Record take_record(Reader& r, const Plan& plan) {
+/// `has_equations`: of a model, whose modes are restored.
+inline Record take_record(Reader& r, const PointsModel* model, const std::shared_ptr<const ClosedForm>& closed,
+                          bool has_equations = true) {
     Record record;
     r.take(record.start);
     r.take(record.end);
@@ -200,7 +204,7 @@ inline Record take_record(Reader& r, const Plan& plan) {
     record.first_state = r.list<double>();
     const auto wound = r.take<std::size_t>();
     for (std::size_t i = 0; i < wound; ++i) record.windings.push_back(r.list<double>());
-    if (r.take<bool>()) record.closed = plan.closed;
+    if (r.take<bool>()) record.closed = closed;
     for (auto left = r.take<std::size_t>(); left > 0; --left) {
         Record::Entry e{};
         each_field(e, [&](auto& field) { r.take(field); });
@@ -217,8 +221,8 @@ inline Record take_record(Reader& r, const Plan& plan) {
                                         [&](const Record::Entry& e) { return e.mode == static_cast<int>(m); });
         std::vector<double> x = record.first_state;
         if (first != entries.end()) record.piece(static_cast<std::size_t>(first - entries.begin())).state(0.0, x);
-        if (!plan.model) Reader::refuse();
-        record.modes.push_back(take_mode(r, *plan.model, first != entries.end() ? first->start.hi : record.start, x));
+        if (has_equations && model == nullptr) Reader::refuse();
+        record.modes.push_back(take_mode(r, model, first != entries.end() ? first->start.hi : record.start, x));
     }
     for (auto left = r.take<std::size_t>(); left > 0; --left) record.events.push_back(take_event(r));
     return record;
@@ -239,7 +243,7 @@ inline RunData take_run(Reader& r, Scene scene, Plan plan) {
     data.scene = std::move(scene);
     data.plan = std::move(plan);
     data.model = data.plan.model;
-    data.record = take_record(r, data.plan);
+    data.record = take_record(r, data.model.get(), data.plan.closed);
     data.events = Events(data.record.events);
     data.engine = r.text();
     const bool has_error = r.take<bool>();
@@ -255,6 +259,31 @@ inline RunData take_run(Reader& r, Scene scene, Plan plan) {
 }
 
 }  // namespace run_bytes
+
+/// What was computed of a run of a model of the user's own: what it says of its motion, not the model.
+[[gnu::cold]] inline std::string bytes_of(const StateRun& run) {
+    const simulating::Solution& solution = run.solution();
+    run_bytes::Writer w;
+    w.put(run_bytes::state_head);
+    run_bytes::put(w, solution.record);
+    w.put(std::string_view(run.engine()));
+    w.put(solution.error.has_value());
+    w.put(solution.error.value_or(0.0));
+    w.put(solution.certain_until);
+    return std::move(w.bytes);
+}
+[[gnu::cold]] inline StateRun state_run_from(std::string_view bytes) {
+    run_bytes::Reader r(bytes);
+    if (r.text() != run_bytes::state_head) run_bytes::Reader::refuse();
+    simulating::Solution solution;
+    solution.record = run_bytes::take_record(r, nullptr, nullptr, false);
+    std::string engine = r.text();
+    const bool has_error = r.take<bool>();
+    const auto error = r.take<double>();
+    if (has_error) solution.error = error;
+    r.take(solution.certain_until);
+    return StateRun(std::move(solution), std::move(engine));
+}
 
 /// What was computed of a run.
 [[gnu::cold]] inline std::string bytes_of(const RunData& run) {
