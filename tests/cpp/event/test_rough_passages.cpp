@@ -32,7 +32,7 @@ Found found(const std::function<double(double)>& f) {
             return f(x);
         },
         [&] { return side; },
-        [&](const series::Coefficients& q, double lo, double hi) {
+        [&](const series::Coefficients& q, double lo, double hi, double) {
             if (side == 0) side = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
             std::vector<double> roots;
             finder.find(q.data(), series::Fit::degree, roots);
@@ -87,6 +87,15 @@ TEST(RoughPassages, find_every_root_and_no_pole) {
         ASSERT_EQ(now.roots.size(), c.roots.size()) << c.name;
         for (std::size_t i = 0; i < c.roots.size(); ++i) EXPECT_NEAR(now.roots[i], c.roots[i], 1e-10) << c.name;
         EXPECT_LT(now.values, 10000) << c.name;
+    }
+}
+
+TEST(RoughPassages, are_found_where_a_function_is_smaller_by_far_than_elsewhere) {
+    // beside the largest value, and of no polynomial that a fit would find on all of the interval
+    for (const double root : {1e-5, 1e-8, 1e-11}) {
+        const Found now = found([=](double x) { return std::pow(x, 14) - std::pow(root, 14); });
+        ASSERT_EQ(now.roots.size(), 1u) << root;
+        EXPECT_NEAR(now.roots[0], root, 1e-8 * root);
     }
 }
 

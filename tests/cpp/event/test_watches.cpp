@@ -73,8 +73,9 @@ TEST(Watches, of_a_product_whose_factors_hardly_reach_zero_are_found_on_long_ste
     for (const std::string engine : {"auto", "taylor", "dop853"})
         for (const double phase : {0.0, 1.0, 2.5, 4.0}) {
             Scene scene(Vector3(0, 0, 0));
-            const BodyHandle bead = scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
-                                              {.parameter = -phase - 1.0, .speed = 1.0});
+            const BodyHandle bead =
+                scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
+                          {.parameter = -phase - 1.0, .speed = 1.0});
             scene.watch("watched", [=](const Now& now) {
                 const Expression x = now[bead].position()[0];
                 return (x - high) * (x - low);
@@ -97,8 +98,9 @@ TEST(Watches, of_squares_pass_nothing_where_they_are_searched_by_values) {
     for (const std::string engine : {"taylor", "dop853"})
         for (const double level : {-0.9588623853412877, -0.3, 0.0, 0.71, 1.0 - 0x1p-20}) {
             Scene scene(Vector3(0, 0, 0));
-            const BodyHandle bead = scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
-                                              {.parameter = 0.0, .speed = 1.0});
+            const BodyHandle bead =
+                scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
+                          {.parameter = 0.0, .speed = 1.0});
             scene.watch("watched", [=](const Now& now) {
                 const Expression u = now[bead].position()[0] - level;
                 return u * u;

@@ -64,7 +64,7 @@ private:
 
     /// How far a fit on a longer interval was from the function.
     struct Miss {
-        double by = infinity;
+        double by = infinity, size = 1.0;
         int no_better = 0;
     };
 
@@ -87,7 +87,7 @@ private:
             return;
         }
         const bool is_finite = finite == Fit::points;
-        Miss now{0.0, 0};
+        Miss now{0.0, 0.0, 0};
         // a fit is known to parts of the largest value, and tells nothing where the function is much smaller
         const auto small =
             std::count_if(values.begin(), values.end(), [&](double v) { return std::abs(v) <= resolved * size; });
@@ -100,8 +100,11 @@ private:
                     std::abs(value(place(Fit::check(j))) - series::value(q.data(), Fit::degree, Fit::check(j)));
                 now.by = std::isnan(error) ? infinity : std::max(now.by, error);
             }
-            // a function that is a polynomial soon comes nearer by far more than this
-            now.no_better = before.no_better + (now.by > 0.5 * before.by ? 1 : 0);
+            // a function that is a polynomial soon comes nearer by far more than this, by its size or, where it grows
+            // like a power, without
+            now.size = size;
+            const bool is_better = now.by * before.size <= 0.5 * before.by * size || now.by <= 0x1p-6 * before.by;
+            now.no_better = before.no_better + (is_better ? 0 : 1);
         }
         const bool is_singular = !is_finite || lo == 0.0;
         const bool is_divisible = depth < (is_singular ? most_halvings_at_singularity : most_halvings) &&

@@ -549,6 +549,7 @@ private:
             if (!(std::abs(x - f.place) < 1e-3 * (hi - lo)) || x == f.place) break;
         }
         enclose(f, lo, hi, value);
+        rounding = std::max(rounding, 4.0 * epsilon * series::value_of_sizes(q.data(), series::Fit::degree, place));
         const double known = 4.0 * epsilon * f.place + rounding / std::abs(slope) * (hi - lo);
         if (!(known < f.doubt)) return;
         f.doubt = known;
