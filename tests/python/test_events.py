@@ -137,7 +137,7 @@ def test_a_corner_that_a_run_begins_with_is_silent(engine):
             ball = scene.add(
                 rb.Particle(1.0), position=[0, 0, 1.8624341286327727e-05 + offset], velocity=[0, 0, -3.5e-4]
             )
-            scene.watch("watched", lambda now, f=touch: f(now[ball].position[2] - 1.8624341286327727e-05))
+            scene.watch("watched", lambda now, b=ball, f=touch: f(now[b].position[2] - 1.8624341286327727e-05))
             run = rb.simulate(scene, 160.5, start=158.7815013731243, error=1e-6, engine=engine)
             assert watched(run) == []
 
