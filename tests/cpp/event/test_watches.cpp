@@ -94,6 +94,19 @@ TEST(Watches, of_a_product_whose_factors_hardly_reach_zero_are_found_on_long_ste
         }
 }
 
+TEST(Watches, of_a_corner_hardly_reached_pass_nothing_on_long_steps) {
+    for (const std::string engine : {"auto", "taylor", "dop853"})
+        for (const double level : {1.0 - 0x1p-28, 1.0 - 0x1p-34, 1.0 - 0x1p-40}) {
+            Scene scene(Vector3(0, 0, 0));
+            const BodyHandle bead =
+                scene.add(Particle{1.0}, Rail(Circle{.radius = 1.0, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
+                          {.parameter = -1.0, .speed = 1.0});
+            scene.watch("watched", [=](const Now& now) { return abs(now[bead].position()[0] - level); });
+            const Trajectory run = simulate(scene, {.until = 200.0, .error = 1e-6, .engine = engine});
+            EXPECT_TRUE(passages(run).empty()) << engine << ' ' << level;
+        }
+}
+
 TEST(Watches, of_squares_pass_nothing_where_they_are_searched_by_values) {
     for (const std::string engine : {"taylor", "dop853"})
         for (const double level : {-0.9588623853412877, -0.3, 0.0, 0.71, 1.0 - 0x1p-20}) {

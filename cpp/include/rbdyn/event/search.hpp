@@ -374,7 +374,8 @@ private:
                        ? series::value(q.data(), degree_, 1.0)
                        : sign * evaluated(mode, engine_.piece().length).output(guard.output);
         });
-        if (is_watch) look_closer(mode, guard, 0.0, 1.0, is_last);
+        // a watched function and the distinction that it has a corner by are seen alike
+        if (is_watch || is_distinction(guard)) look_closer(mode, guard, sign, 0.0, 1.0, is_last);
         take(guard, g, fresh, 0.0, 1.0);
         if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
         const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
@@ -383,14 +384,16 @@ private:
 
     /// Where rounding of a guard's polynomial on [lo, hi] of the piece, whose terms are those of all of it, hides
     /// whether it passes zero, its values tell as far as the rounding of its terms there lets them.
-    void look_closer(const Mode& mode, const Guard& guard, double lo, double hi, bool is_last) {
+    void look_closer(const Mode& mode, const Guard& guard, double sign, double lo, double hi, bool is_last) {
         using series::Fit;
         if (passages_.leaves() == 0) return;
         for (const Passages::Stretch& s : passages_.hidden()) {
             // what is near the end of the run is judged with what comes after it
             if (is_last && s.hi >= 1.0) continue;
             const auto place = [&](double x) { return lo + (s.lo + x * (s.hi - s.lo)) * (hi - lo); };
-            const auto value = [&](double x) { return value_at(mode, guard, place(x) * engine_.piece().length, true); };
+            const auto value = [&](double x) {
+                return sign * value_at(mode, guard, place(x) * engine_.piece().length, true);
+            };
             double rounding = 0.0;
             for (const double x : {0.0, 0.5, 1.0}) rounding = std::max(rounding, value_rounding(mode, guard, place(x)));
             if (!(rounding < 0.25 * passages_.rounding(s.lo))) continue;
@@ -511,7 +514,8 @@ private:
                     fit_sizes(q, miss, begin, end, sizes);
                 },
                 [&] { return value(hi); });
-            if (guard.is_watched()) look_closer(mode, guard, lo, hi, is_last && hi == 1.0);
+            if (guard.is_watched() || is_distinction(guard))
+                look_closer(mode, guard, sign, lo, hi, is_last && hi == 1.0);
             const std::size_t before = found_.size();
             take(guard, g, fresh && lo == 0.0, lo, hi, arrival.side);
             for (std::size_t i = before; i < found_.size(); ++i) improve(found_[i], q, lo, hi, value, rounding);
