@@ -128,6 +128,47 @@ def test_two_places_beside_the_top_of_a_throw_are_found_however_long_the_run(unt
     assert run.events.times("level") == pytest.approx([0.37 * (1 - 1e-3), 0.37 * (1 + 1e-3)], rel=1e-11)
 
 
+@pytest.mark.parametrize("engine", ["auto", "taylor", "dop853"])
+def test_a_corner_that_a_run_begins_with_is_silent(engine):
+    # zero within the rounding of the time at which the run begins, not within that of the place
+    for offset in (1.42e-17, -1.42e-17, 0.0):
+        for touch in (abs, lambda u: -abs(u), lambda u: np.maximum(u, -u), lambda u: np.where(u < 0, -u, u)):
+            scene = rb.Scene(gravity=[0, 0, -0.1])
+            ball = scene.add(
+                rb.Particle(1.0), position=[0, 0, 1.8624341286327727e-05 + offset], velocity=[0, 0, -3.5e-4]
+            )
+            scene.watch("watched", lambda now, b=ball, f=touch: f(now[b].position[2] - 1.8624341286327727e-05))
+            run = rb.simulate(scene, 160.5, start=158.7815013731243, error=1e-6, engine=engine)
+            assert watched(run) == []
+
+
+@pytest.mark.parametrize("engine", ["auto", "taylor", "dop853"])
+@pytest.mark.parametrize("trace", [None, False])
+def test_what_is_passed_soon_after_a_start_far_from_zero_is_found(engine, trace):
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    ball = scene.add(rb.Particle(1.0), position=[0, 0, 1], velocity=[0, 0, 3])
+    scene.watch("watched", lambda now: now[ball].position[2] - 0.5, trace=trace)
+    start = -(2.0**28)
+    run = rb.simulate(scene, start + 1e6, start=start, error=1e-6, engine=engine)
+    ((time, direction),) = watched(run)
+    assert direction == "falling"
+    assert time - start == pytest.approx((3 + np.sqrt(9 + 9.81)) / 9.81, abs=1e-7)
+
+
+@pytest.mark.parametrize("engine", ["auto", "taylor", "dop853"])
+@pytest.mark.parametrize("until", [0.003, 1.0, 1e5])
+def test_a_power_is_told_from_a_corner_near_it(engine, until):
+    scene = rb.Scene(gravity=[0, 0, -1e8])
+    ball = scene.add(rb.Particle(1.0), position=[0, 0, 131.25], velocity=[0, 0, 108052.4375])
+    scene.watch("corner", lambda now: abs(now[ball].position[2]))
+    scene.watch("power", lambda now: ((now[ball].position[2] - 144.625) / 100) ** 7)
+    run = rb.simulate(scene, until, error=1e-6, engine=engine)
+    root = np.sqrt(108052.4375**2 - 2e8 * (144.625 - 131.25))
+    expected = [(108052.4375 - root) / 1e8, (108052.4375 + root) / 1e8]
+    assert run.events.times("power") == pytest.approx(expected, rel=1e-6)
+    assert len(run.events.times("corner")) == 0
+
+
 def test_random_scenes_lose_no_event_and_make_none_up():
     count = random_events().tried(200, seed=12)
     assert count.wrong == 0, count.examples[:5]

@@ -32,7 +32,7 @@ Found found(const std::function<double(double)>& f) {
             return f(x);
         },
         [&] { return side; },
-        [&](const series::Coefficients& q, double lo, double hi) {
+        [&](const series::Coefficients& q, double lo, double hi, double) {
             if (side == 0) side = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
             std::vector<double> roots;
             finder.find(q.data(), series::Fit::degree, roots);
@@ -109,6 +109,15 @@ TEST(RoughPassages, know_a_pole_from_a_root_and_a_jump_however_near_the_function
             EXPECT_FALSE(is_pole([](double d) { return std::cbrt(d); })) << before << ' ' << after;
             EXPECT_FALSE(is_pole([](double d) { return d < 0.0 ? -1.0 : 2.0 + d; })) << before << ' ' << after;
         }
+}
+
+TEST(RoughPassages, are_found_where_a_function_is_smaller_by_far_than_elsewhere) {
+    // beside the largest value, and of no polynomial that a fit would find on all of the interval
+    for (const double root : {1e-5, 1e-8, 1e-11}) {
+        const Found now = found([=](double x) { return std::pow(x, 14) - std::pow(root, 14); });
+        ASSERT_EQ(now.roots.size(), 1u) << root;
+        EXPECT_NEAR(now.roots[0], root, 1e-8 * root);
+    }
 }
 
 TEST(RoughPassages, of_a_function_that_is_rough_by_itself_cost_no_more) {

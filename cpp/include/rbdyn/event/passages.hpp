@@ -31,9 +31,14 @@ public:
         double reach = 0x1p-4;                      // how far beyond 1 the polynomial holds
         bool is_series = true;                      // cut off, so that its last terms say what it leaves out
     };
-    /// Where it passes zero, and how far from there it cannot tell itself from zero.
+    /// Where it passes zero, how far from there it cannot tell itself from zero, and how far another one of its zero,
+    /// computed apart, may be.
     struct Place {
-        double x, doubt;
+        double x, doubt, near;
+    };
+    /// A part of (0, 1].
+    struct Stretch {
+        double lo, hi;
     };
 
     /// More than 1: what is taken for rounding, in units of the rounding of a guard's terms.
@@ -62,7 +67,7 @@ public:
         finder_.find(q_.data() + first, degree - first, roots_);
         // far from zero at the end of the run, too
         const bool ends = !a.late || std::abs(value(1.0)) > 1e-3 * series::value_of_sizes(q_.data(), degree_, 1.0);
-        if (roots_.empty() && leaves_ == a.side && ends) return;
+        if (roots_.empty() && finder_.multiple().empty() && leaves_ == a.side && ends) return;
         if (!has_noise_) weigh(sizes, a);
         at_start_ = at_zero ? 0.0 : noise_[0];
         keep_lobes(a, at_end);
@@ -74,6 +79,55 @@ public:
     double leaves_from() const { return leaves_from_; }
     /// In order; its side changes at each.
     const std::vector<Place>& places() const { return places_; }
+
+    /// Stretches within (0, 1] in which it comes so near to zero that rounding of its polynomial hides what it does
+    /// there; at both ends it is more than that.
+    const std::vector<Stretch>& hidden() {
+        hidden_.clear();
+        const auto hide = [&](double lo, double hi) {
+            const double middle = 0.5 * (lo + hi);
+            double away = std::max(0.5 * (hi - lo), 4.0 * epsilon * middle);
+            const auto rounds = [&](double x) { return sign(x) == 0; };
+            while (away < middle && (rounds(middle - away) || rounds(middle + away))) away *= 2.0;
+            if (!(away < middle) || middle - away >= 1.0) return;
+            hidden_.push_back({middle - away, std::min(middle + away, 1.0)});
+        };
+        if (finder_.multiple().empty() && roots_.size() < 2) return hidden_;
+        if (!has_noise_) return hidden_;
+        for (const auto& flat : finder_.multiple()) hide(flat.lo, flat.hi);
+        for (std::size_t i = 1; i < roots_.size(); ++i)
+            if (lobe(roots_[i - 1], roots_[i]) == 0) hide(roots_[i - 1], roots_[i]);
+        std::sort(hidden_.begin(), hidden_.end(), [](const Stretch& a, const Stretch& b) { return a.lo < b.lo; });
+        // those that overlap are one
+        std::size_t kept = 0;
+        for (const Stretch& s : hidden_) {
+            if (kept > 0 && s.lo <= hidden_[kept - 1].hi)
+                hidden_[kept - 1].hi = std::max(hidden_[kept - 1].hi, s.hi);
+            else
+                hidden_[kept++] = s;
+        }
+        hidden_.resize(kept);
+        return hidden_;
+    }
+    /// What rounding of the polynomial is worth at x.
+    double rounding(double x) const { return noise(x, false); }
+    /// Its side at x by the places before it.
+    int side(double x) const {
+        const auto before = std::count_if(places_.begin(), places_.end(), [&](const Place& p) { return p.x <= x; });
+        return before % 2 == 0 ? leaves_ : -leaves_;
+    }
+    /// Places on a stretch.
+    std::size_t count(const Stretch& s) const {
+        return static_cast<std::size_t>(
+            std::count_if(places_.begin(), places_.end(), [&](const Place& p) { return p.x >= s.lo && p.x <= s.hi; }));
+    }
+    /// Puts what a closer look found on a stretch, places on [0, 1] of it, in place of what is there.
+    void replace(const Stretch& s, const std::vector<Place>& closer) {
+        std::erase_if(places_, [&](const Place& p) { return p.x >= s.lo && p.x <= s.hi; });
+        const double width = s.hi - s.lo;
+        for (const Place& p : closer) places_.push_back({s.lo + p.x * width, p.doubt * width, p.near * width});
+        std::sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) { return a.x < b.x; });
+    }
 
     /// The first place, up to `end`, where what was searched last comes so near to zero and turns back that rounding,
     /// its own and what it made of the motion so far, decides whether it passes.
@@ -96,6 +150,8 @@ private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     // rounding of the motion so far, in units of that of a guard's terms
     static constexpr double near = 32.0;
+    // of zeros that are computed apart, in the same units
+    static constexpr double apart = 16.0;
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
     template <class Sizes>
@@ -115,10 +171,10 @@ private:
         const double rest = degree_ > 0 ? series::value(noise_.data() + 1, degree_ - 1, x) * x : 0.0;
         return rest + (at_start ? at_start_ : noise_[0]);
     }
-    /// The sign at x; 0: rounding.
-    int sign(double x, bool at_start = false) const {
+    /// The sign at x; 0: rounding, so many times.
+    int sign(double x, bool at_start = false, double times = 1.0) const {
         const double g = value(x);
-        return std::abs(g) <= noise(x, at_start) ? 0 : g > 0.0 ? 1 : -1;
+        return std::abs(g) <= times * noise(x, at_start) ? 0 : g > 0.0 ? 1 : -1;
     }
 
     /// The side of the guard between two roots, or a root and an end; 0: it is rounding everywhere there. Not by the
@@ -176,12 +232,18 @@ private:
     void add(double x) {
         double doubt = 4.0 * epsilon * x;
         while (doubt < x && (sign(x - doubt) == 0 || sign(x + doubt) == 0)) doubt *= 2.0;
-        places_.push_back({x, std::min(doubt, x)});
+        // as far for a simple root, much less for one of a power
+        double about = doubt;
+        while (about < apart * doubt &&
+               (about >= x || sign(x - about, false, apart) == 0 || sign(x + about, false, apart) == 0))
+            about *= 2.0;
+        places_.push_back({x, std::min(doubt, x), about});
     }
 
     series::RootFinder finder_;
     std::vector<double> roots_, turns_;
     std::vector<Place> places_;
+    std::vector<Stretch> hidden_;
     series::Coefficients q_{}, noise_{};
     int degree_ = 0, leaves_ = 0;
     double looseness_ = 1.0, at_start_ = 0.0, leaves_from_ = 0.0;

@@ -23,8 +23,9 @@ namespace rbdyn {
 
 class RoughPassages {
 public:
-    /// `value(x)`: the function on [0, 1]. `side()`: the side it is known to be on, 0 if none is. `fitted(q, lo, hi)`:
-    /// on [lo, hi] it is the polynomial q in (x - lo) / (hi - lo), to look for roots of. `passed(x, doubt, rising,
+    /// `value(x)`: the function on [0, 1]. `side()`: the side it is known to be on, 0 if none is. `fitted(q, lo, hi,
+    /// miss)`: on [lo, hi] it is the polynomial q in (x - lo) / (hi - lo), to look for roots of, and misses that by
+    /// `miss`. `passed(x, doubt, rising,
     /// is_pole)`: it changes its side at x. `finest`: what time does not resolve. Returns where it ceases to be finite,
     /// if it does.
     template <class Value, class Side, class Fitted, class Passed>
@@ -56,13 +57,14 @@ private:
     static constexpr int most_halvings = 12, most_halvings_at_singularity = 52;
     // of one step; a function that is no polynomial anywhere is looked at in a thousand parts
     static constexpr int most_values = 20000;
-    // of the largest value: how well a fit holds, and what may be a roughness of the function's own
-    static constexpr double holds = 1e-10, rough = 1e-6;
+    // of the largest value: how well a fit holds, what may be a roughness of the function's own, and what is told from
+    // zero
+    static constexpr double holds = 1e-10, rough = 1e-6, resolved = 1e-12;
     static std::size_t at(int j) { return static_cast<std::size_t>(j); }
 
-    /// How a longer interval was missed.
+    /// How far a fit on a longer interval was from the function.
     struct Miss {
-        double by = infinity;
+        double by = infinity, size = 1.0;
         int no_better = 0;
     };
 
@@ -85,26 +87,35 @@ private:
             return;
         }
         const bool is_finite = finite == Fit::points;
-        Miss now{0.0, 0};
+        Miss now{0.0, 0.0, 0};
+        // a fit is known to parts of the largest value, and tells nothing where the function is much smaller
+        const auto small =
+            std::count_if(values.begin(), values.end(), [&](double v) { return std::abs(v) <= resolved * size; });
+        const bool is_resolved = size == 0.0 || small < 2;
         series::Coefficients q{};
         if (is_finite && size > 0.0) {
             Fit::coefficients(values.data(), 1e-15 * size, q.data());
             for (int j = 0; j < Fit::checks; ++j) {
                 const double error =
                     std::abs(value(place(Fit::check(j))) - series::value(q.data(), Fit::degree, Fit::check(j)));
-                now.by = std::isnan(error) ? infinity : std::max(now.by, error / size);
+                now.by = std::isnan(error) ? infinity : std::max(now.by, error);
             }
-            // a function that is a polynomial soon comes nearer by far more than this
-            now.no_better = before.no_better + (now.by > 0.5 * before.by ? 1 : 0);
+            // a function that is a polynomial soon comes nearer by far more than this, by its size or, where it grows
+            // like a power, without
+            now.size = size;
+            const bool is_better = now.by * before.size <= 0.5 * before.by * size || now.by <= 0x1p-6 * before.by;
+            now.no_better = before.no_better + (is_better ? 0 : 1);
         }
-        if (is_finite && (now.by <= holds || (now.no_better >= 2 && now.by <= rough))) {
-            if (size > 0.0) fitted(q, lo, hi);
+        const bool is_singular = !is_finite || lo == 0.0;
+        const bool is_divisible = depth < (is_singular ? most_halvings_at_singularity : most_halvings) &&
+                                  hi - lo > 2.0 * finest_ && values_left_ > 0;
+        if (is_finite && (is_resolved || !is_divisible) &&
+            (now.by <= holds * size || (now.no_better >= 2 && now.by <= rough * size))) {
+            if (size > 0.0) fitted(q, lo, hi, now.by);
             seen_ = hi;
             return;
         }
-        const bool is_singular = !is_finite || lo == 0.0;
-        if (depth < (is_singular ? most_halvings_at_singularity : most_halvings) && hi - lo > 2.0 * finest_ &&
-            values_left_ > 0) {
+        if (is_divisible) {
             const double middle = 0.5 * (lo + hi);
             search(value, side, fitted, passed, lo, middle, depth + 1, now);
             if (!broken_) search(value, side, fitted, passed, middle, hi, depth + 1, now);

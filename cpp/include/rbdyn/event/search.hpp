@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -50,7 +51,9 @@ public:
         w.reached = 0;
     }
     /// Events that follow each other at one instant are made by rounding: look less closely.
-    void set_crowded(int crowded) { passages_.set_looseness(std::ldexp(1.0, 2 * std::min(crowded, 10))); }
+    void set_crowded(int crowded) {
+        for (Passages* p : {&passages_, &closer_}) p->set_looseness(std::ldexp(1.0, 2 * std::min(crowded, 10)));
+    }
 
     /// Looks for events on the engine's piece. Records watched ones; returns tau of the first change of mode or stop,
     /// or a negative number.
@@ -146,7 +149,7 @@ public:
             const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : reached;
             int& before = side_of(guard);
             if (side == 0 || side == before) continue;
-            const Found f{0.0, 0.0, 0, side > 0};
+            const Found f{0.0, 0.0, 0.0, 0, side > 0};
             if (before != 0 && matches(guard, f)) {
                 note(record, guard, f.direction(), t);
                 stops = stops || guard.role == GuardRole::stop;
@@ -163,7 +166,7 @@ public:
         for (const Guard& guard : mode.equations->guards) {
             if (guard.watch < 0 || watched(guard).reached == 0) continue;
             const int reached = std::exchange(watched(guard).reached, 0);
-            const Found f{0.0, 0.0, 0, reached > 0};
+            const Found f{0.0, 0.0, 0.0, 0, reached > 0};
             if (!matches(guard, f)) continue;
             if (const int after = side_after(mode, guard, t, x); after != 0 && after != reached) continue;
             note(record, guard, f.direction(), t);
@@ -184,7 +187,7 @@ private:
     }
 
     struct Found {
-        double place, doubt;  // on [0, 1] of the piece
+        double place, doubt, near;  // on [0, 1] of the piece
         std::size_t guard;
         bool rising;
         bool is_pole = false, breaks = false;  // it changes its side and passes nothing; it ceases to be finite
@@ -249,9 +252,7 @@ private:
     /// Of a case distinction: a change of mode that may leave a corner in what is watched.
     static bool is_distinction(const Guard& guard) { return guard.kind == EventKind::switching && !guard.is_watched(); }
     /// Whether two places of one zero, computed apart, may be these.
-    static bool are_near(const Found& a, const Found& b) {
-        return std::abs(a.place - b.place) <= 16.0 * (a.doubt + b.doubt);
-    }
+    static bool are_near(const Found& a, const Found& b) { return std::abs(a.place - b.place) <= a.near + b.near; }
 
     static bool matches(const Guard& guard, const Found& f) {
         return guard.direction == Direction::either || guard.direction == f.direction();
@@ -373,10 +374,73 @@ private:
                        ? series::value(q.data(), degree_, 1.0)
                        : sign * evaluated(mode, engine_.piece().length).output(guard.output);
         });
+        // a watched function and the distinction that it has a corner by are seen alike
+        if (is_watch || is_distinction(guard)) look_closer(mode, guard, sign, 0.0, 1.0, is_last);
         take(guard, g, fresh, 0.0, 1.0);
         if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
         const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
         if (const auto x = passages_.touch(arrival, sizes_of_terms, passes)) touch_ = std::min(touch_, *x);
+    }
+
+    /// Where rounding of a guard's polynomial on [lo, hi] of the piece, whose terms are those of all of it, hides
+    /// whether it passes zero, its values tell as far as the rounding of its terms there lets them.
+    void look_closer(const Mode& mode, const Guard& guard, double sign, double lo, double hi, bool is_last) {
+        using series::Fit;
+        if (passages_.leaves() == 0) return;
+        for (const Passages::Stretch& s : passages_.hidden()) {
+            // what is near the end of the run is judged with what comes after it
+            if (is_last && s.hi >= 1.0) continue;
+            const auto place = [&](double x) { return lo + (s.lo + x * (s.hi - s.lo)) * (hi - lo); };
+            const auto value = [&](double x) {
+                return sign * value_at(mode, guard, place(x) * engine_.piece().length, true);
+            };
+            double rounding = 0.0;
+            for (const double x : {0.0, 0.5, 1.0}) rounding = std::max(rounding, value_rounding(mode, guard, place(x)));
+            if (!(rounding < 0.25 * passages_.rounding(s.lo))) continue;
+            std::array<double, Fit::points> values;
+            double size = 0.0;
+            for (int j = 0; j < Fit::points; ++j) {
+                const double v = values[static_cast<std::size_t>(j)] = value(Fit::place(j));
+                size = std::max(size, std::abs(v));
+            }
+            series::Coefficients q{};
+            Fit::coefficients(values.data(), std::max(1e-15 * size, 0.25 * rounding), q.data());
+            double miss = 0.0;
+            for (int j = 0; j < Fit::checks; ++j) {
+                const double x = Fit::check(j);
+                miss = std::max(miss, std::abs(value(x) - series::value(q.data(), Fit::degree, x)));
+            }
+            // what values miss a polynomial by is rounding that is not known otherwise, of what is called back
+            if (!(miss <= std::max(1e-6 * size, rounding))) continue;
+            const Passages::Arrival arrival{.side = passages_.side(s.lo), .is_series = false};
+            closer_.find(
+                q.data(), Fit::degree, arrival, [&](double* sizes) { fit_sizes(q, miss, rounding, rounding, sizes); },
+                [&] { return values.back(); });
+            if (closer_.leaves() != arrival.side) continue;
+            // beyond the stretch it is on the side it was known to be on, unless the piece ends first; a root of higher
+            // multiplicity that is still one is known better by the terms of the piece
+            if (s.hi < 1.0 && closer_.side(1.0) != passages_.side(s.hi)) continue;
+            if (closer_.places().size() > passages_.count(s) || closer_.hidden().empty())
+                passages_.replace(s, closer_.places());
+        }
+    }
+
+    /// The rounding of a guard's value on the piece, at a place in [0, 1]: of its terms, the state and the time.
+    double value_rounding(const Mode& mode, const Guard& guard, double place) {
+        if (guard.output < 0) return 0.0;
+        const Piece& piece = engine_.piece();
+        state_.resize(static_cast<std::size_t>(piece.variables));
+        piece.state(place * piece.length, state_);
+        return 4.0 * epsilon * size_of_terms(mode, piece.at(place * piece.length).hi, state_, guard.output);
+    }
+
+    /// Sizes of the terms of a polynomial that misses a function by `miss` between its points, the first of which is
+    /// where it begins. Its values are known to `begin` there and to `end` at 1.
+    static void fit_sizes(const series::Coefficients& q, double miss, double begin, double end, double* sizes) {
+        for (int k = 0; k <= series::Fit::degree; ++k) sizes[k] = std::abs(q[static_cast<std::size_t>(k)]);
+        sizes[0] = std::max(sizes[0], begin / (4.0 * epsilon));
+        // an error that is zero at 0 has a slope there; and it is seen at few places
+        sizes[1] = std::max(sizes[1], std::max(64.0 * miss, end) / (4.0 * epsilon));
     }
 
     /// Takes the passages of a guard on [lo, hi] of the piece.
@@ -398,19 +462,19 @@ private:
             if (guard.watch >= 0) watched(guard).known_from = lo + passages_.leaves_from() * (hi - lo);
         }
         if (leaves != known) {
-            found_.push_back({lo, 0.0, g, leaves > 0});
+            found_.push_back({lo, 0.0, 0.0, g, leaves > 0});
             if (!guard.is_watched()) return;
         }
         for (const Passages::Place& p : passages_.places()) {
             leaves = -leaves;
-            found_.push_back({lo + p.x * (hi - lo), p.doubt * (hi - lo), g, leaves > 0});
+            found_.push_back({lo + p.x * (hi - lo), p.doubt * (hi - lo), p.near * (hi - lo), g, leaves > 0});
             if (!guard.is_watched()) return;
         }
     }
 
     void locate(const Guard& guard, std::size_t g, bool fresh) {
         const auto tau = guard.locator->first(engine_.piece(), fresh);
-        if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, g, false});
+        if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, 0.0, g, false});
     }
 
     /// Times closer than this on the piece, in its length, are one.
@@ -432,8 +496,8 @@ private:
                 if (found_[i].guard == g) return found_[i].rising ? 1 : -1;
             return side_of(guard);
         };
-        const auto fitted = [&](const series::Coefficients& q, double lo, double hi) {
-            Passages::Arrival arrival{.side = side(), .is_series = false};
+        const auto fitted = [&](const series::Coefficients& q, double lo, double hi, double miss) {
+            Passages::Arrival arrival{.side = side(), .reach = 0x1p-2, .is_series = false};
             if (fresh && lo == 0.0 && handled(g)) {
                 arrival.at_zero = !guard.is_watched();
                 if (guard.watch >= 0) arrival.zero = watched(guard).zero;
@@ -441,15 +505,20 @@ private:
             if (is_last && hi == 1.0)
                 arrival.late =
                     (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
+            double rounding = 0.0;
             passages_.find(
                 q.data(), Fit::degree, arrival,
                 [&](double* sizes) {
-                    for (int k = 0; k <= Fit::degree; ++k) sizes[k] = std::abs(q[static_cast<std::size_t>(k)]);
+                    const double begin = value_rounding(mode, guard, lo), end = value_rounding(mode, guard, hi);
+                    rounding = std::max(begin, end);
+                    fit_sizes(q, miss, begin, end, sizes);
                 },
                 [&] { return value(hi); });
+            if (guard.is_watched() || is_distinction(guard))
+                look_closer(mode, guard, sign, lo, hi, is_last && hi == 1.0);
             const std::size_t before = found_.size();
             take(guard, g, fresh && lo == 0.0, lo, hi, arrival.side);
-            for (std::size_t i = before; i < found_.size(); ++i) improve(found_[i], q, lo, hi, value);
+            for (std::size_t i = before; i < found_.size(); ++i) improve(found_[i], q, lo, hi, value, rounding);
         };
         const auto passed = [&](double x, double doubt, bool rising, bool is_pole) {
             if (side() == 0 && side_of(guard) == 0 && is_pole) {
@@ -457,19 +526,20 @@ private:
                 return;
             }
             // a mode ends where its sign does, by a pole too
-            found_.push_back({x, doubt, g, rising, is_pole && guard.is_watched()});
+            found_.push_back({x, doubt, 16.0 * doubt, g, rising, is_pole && guard.is_watched()});
         };
         if (const auto end = rough_.find(finest(), value, side, fitted, passed)) {
-            Found f{*end, 0.0, g, false};
+            Found f{*end, 0.0, 0.0, g, false};
             f.breaks = true;
             found_.push_back(f);
         }
     }
 
     /// A root of the polynomial q on [lo, hi] at one of the values it was made through: Newton's method, slope by the
-    /// polynomial, while it gets better.
+    /// polynomial, while it gets better. It is then known as far as the values are, to `rounding`.
     template <class Value>
-    static void improve(Found& f, const series::Coefficients& q, double lo, double hi, const Value& value) {
+    static void improve(Found& f, const series::Coefficients& q, double lo, double hi, const Value& value,
+                        double rounding) {
         const double place = (f.place - lo) / (hi - lo);
         double slope = 0.0;
         for (int k = series::Fit::degree; k >= 1; --k) slope = slope * place + k * q[static_cast<std::size_t>(k)];
@@ -483,6 +553,11 @@ private:
             if (!(std::abs(x - f.place) < 1e-3 * (hi - lo)) || x == f.place) break;
         }
         enclose(f, lo, hi, value);
+        rounding = std::max(rounding, 4.0 * epsilon * series::value_of_sizes(q.data(), series::Fit::degree, place));
+        const double known = 4.0 * epsilon * f.place + rounding / std::abs(slope) * (hi - lo);
+        if (!(known < f.doubt)) return;
+        f.doubt = known;
+        f.near = std::min(f.near, 16.0 * known);
     }
 
     /// The same where the polynomial's slope is not that of the function, as on a step very long beside the place: its
@@ -493,14 +568,16 @@ private:
         if (!(std::abs(at_place) > 0.0) || f.place <= lo) return;
         // the other side is ahead of a place before the zero, behind one after it
         const double way = at_place < 0.0 ? 1.0 : -1.0;
+        // as far as the interval goes: of a high power the polynomial tells little
+        constexpr int most_steps = 54;
         double near = f.place, far = near, step = 2.0 * epsilon * f.place;
-        for (int k = 0; k < 40; ++k, step *= 2.0) {
+        for (int k = 0; k < most_steps; ++k, step *= 2.0) {
             far = std::clamp(f.place + way * step, lo, hi);
             const double g = f.rising ? value(far) : -value(far);
             if (!std::isfinite(g)) return;
             if (g * way >= 0.0) break;
             near = far;
-            if (far == lo || far == hi || k == 39) return;
+            if (far == lo || far == hi || k == most_steps - 1) return;
         }
         while (std::abs(far - near) > 2.0 * epsilon * std::abs(far)) {
             const double middle = 0.5 * (near + far);
@@ -544,7 +621,7 @@ private:
     std::vector<Direction> directions_;
     std::vector<Found> found_;
     std::vector<double> state_;
-    Passages passages_;
+    Passages passages_, closer_;
     const Equations* evaluated_ = nullptr;
     std::unique_ptr<Evaluator<double>> evaluator_;
     series::Coefficients powers_{};  // of the piece's length

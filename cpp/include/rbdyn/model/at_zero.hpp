@@ -8,6 +8,8 @@
 #include <span>
 
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/series_sizes.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn {
@@ -30,6 +32,32 @@ inline bool is_zero_at(const Mode& mode, double t, std::span<const double> x, in
         rate += slope * f.output(variable);
     }
     return value <= few * (f.magnitude(output) + by_state + std::abs(t * rate));
+}
+
+/// The sizes of what an output at (t, x) is made of: its terms and theirs, the state and the time, as far as they
+/// change it. Its rounding is epsilon times that, or a little more, but for what is called back.
+inline double size_of_terms(const Mode& mode, double t, std::span<const double> x, int output) {
+    const Program& program = mode.equations->program;
+    JacobianEvaluator f(program);
+    f.set_parameters(mode.parameters);
+    f.differentiate(t, x);
+    double sum = f.magnitude(output);
+    if (!program.has_calls()) {
+        SeriesEvaluator value(program, 0);
+        value.set_parameters(mode.parameters);
+        value.begin(t, 1.0);
+        for (std::size_t i = 0; i < x.size(); ++i) value.set_input(static_cast<int>(i), 0, x[i]);
+        value.advance(0);
+        SeriesSizes sizes(program, 0);
+        sizes.set_parameters(mode.parameters);
+        sizes(value);
+        sum = sizes.output(output)[0];
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) sum += std::abs(f.derivative(output, static_cast<int>(i)) * x[i]);
+    constexpr double few = 16.0 * std::numeric_limits<double>::epsilon();
+    const double here = f.output(output);
+    f(t + few * std::abs(t), x);
+    return sum + std::abs(f.output(output) - here) / few;
 }
 
 }  // namespace rbdyn

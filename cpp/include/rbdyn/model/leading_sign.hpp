@@ -18,8 +18,8 @@ namespace leading {
 
 /// By values alone, for equations that call back: the first sign that is more than rounding, along steps of Runge and
 /// Kutta's method from the present state, each four times as long as the one before. What Heun's method would have
-/// made of it tells their error.
-inline int by_values(const Mode& mode, double t, std::span<const double> x, int output) {
+/// made of it tells their error. `is_zero`: what it begins with is known to be zero.
+inline int by_values(const Mode& mode, double t, std::span<const double> x, int output, bool is_zero) {
     Evaluator<double> f(mode.equations->program);
     f.set_parameters(mode.parameters);
     const std::size_t n = x.size();
@@ -37,6 +37,7 @@ inline int by_values(const Mode& mode, double t, std::span<const double> x, int 
         return z;
     };
     const State a = rates(t, y);
+    const double begin = is_zero ? f.output(output) : 0.0;
     // positions change by their velocities, velocities by accelerations: the time in which they do so as much as they
     // are
     double time = std::numeric_limits<double>::infinity();
@@ -54,9 +55,9 @@ inline int by_values(const Mode& mode, double t, std::span<const double> x, int 
             rough[i] = 0.5 * (a[i] + e[i]);
         }
         f(t + h, moved(h, rough));
-        const double other = f.output(output);
+        const double other = f.output(output) - begin;
         f(t + h, moved(h, mean));
-        const double g = f.output(output);
+        const double g = f.output(output) - begin;
         const double noise = 64.0 * std::numeric_limits<double>::epsilon() * f.magnitude(output);
         if (std::abs(g) > noise + 4.0 * std::abs(g - other)) return g > 0.0 ? 1 : -1;
     }
@@ -71,7 +72,7 @@ inline int by_values(const Mode& mode, double t, std::span<const double> x, int 
 inline int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0) {
     constexpr int order = 24;
     const Program& program = mode.equations->program;
-    if (program.has_calls()) return leading::by_values(mode, t, x, output);
+    if (program.has_calls()) return leading::by_values(mode, t, x, output, known_zeros > 0);
     SeriesEvaluator series(program, order);
     series.set_parameters(mode.parameters);
     series.begin(t, 1.0);

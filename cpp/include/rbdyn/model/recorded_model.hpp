@@ -202,7 +202,7 @@ private:
                     std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output) ||
                     is_zero_at(mode, t, x, guard.output);
                 if (!is_zero) continue;
-                const bool leaves = leading_sign(mode, t, x, guard.output) < 0;
+                const bool leaves = leading_sign(mode, t, x, guard.output, 1) < 0;
                 decided.forced[b.id] = b.choice + (leaves ? guard.step : 0);
                 changed = changed || leaves;
             }
@@ -315,7 +315,7 @@ private:
         // what starts at zero takes the sign of its first change, which may depend on the signs of the others
         for (std::size_t k = 0; k < program.switches().size(); ++k) {
             if (!at_zero[k]) continue;
-            const int sign = leading_sign(mode, t, x, program.outputs() + static_cast<int>(k));
+            const int sign = leading_sign(mode, t, x, program.outputs() + static_cast<int>(k), 1);
             if (sign != 0) mode.parameters[at(program.switches()[k].parameter)] = sign;
         }
     }

@@ -98,8 +98,15 @@ inline double bracketed_root(const double* c, int degree, double lo, double hi) 
 /// Finds the roots of g on (0, 1] at which its sign changes.
 class RootFinder {
 public:
+    /// Where all of g is rounding.
+    struct Flat {
+        double lo, hi;
+    };
+
     /// Appends the roots in increasing order. `g` holds degree + 1 coefficients.
     void find(const double* g, int degree, std::vector<double>& roots) {
+        flats_.clear();
+        multiple_.clear();
         // roots at zero belong to what came before
         while (degree > 0 && g[0] == 0.0) {
             ++g;
@@ -110,7 +117,6 @@ public:
         g_ = g;
         degree_ = degree;
         visits_ = 0;
-        flats_.clear();
         const std::size_t known = roots.size();
         noise_ = noise(1.0);
         search(g, 0.0, 1.0, roots);
@@ -123,12 +129,14 @@ public:
             std::optional<Flat> about;
             if (std::abs(slope(x)) * sharp * x <= noise(x)) about = surroundings({x, x});
             if (about) settled = about->hi;
+            if (about) multiple_.push_back(*about);
             if (about && !changes(*about)) continue;
             roots[kept++] = about ? located(*about) : x;
         }
         roots.resize(kept);
         for (const Flat& flat : flats_) {
             const std::optional<Flat> about = surroundings(flat);
+            if (about) multiple_.push_back(*about);
             if (!about || !changes(*about)) continue;
             const auto first = roots.begin() + static_cast<std::ptrdiff_t>(known);
             const auto place = std::lower_bound(first, roots.end(), about->lo);
@@ -137,12 +145,11 @@ public:
         }
     }
 
-private:
-    /// Where all of g is rounding.
-    struct Flat {
-        double lo, hi;
-    };
+    /// About where g touched zero, or passed it by a root of higher multiplicity, when it was searched last: all that
+    /// rounding does not tell from a place there, and g more than that at both ends, as far as they are in (0, 1).
+    const std::vector<Flat>& multiple() const { return multiple_; }
 
+private:
     /// What rounding of coefficients and sums makes of g at x.
     double noise(double x) const {
         return 4.0 * std::numeric_limits<double>::epsilon() * value_of_sizes(g_, degree_, x);
@@ -257,7 +264,7 @@ private:
     int degree_ = 0;
     int visits_ = 0;
     double noise_ = 0.0;  // of the values of g at 1
-    std::vector<Flat> flats_;
+    std::vector<Flat> flats_, multiple_;
 };
 
 }  // namespace rbdyn::series
