@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn {
@@ -26,7 +26,7 @@ struct Within {
            double most = std::numeric_limits<double>::infinity())
         : t(time), x(state) {
         if (mode.equations == nullptr || mode.equations->branches.empty()) return;
-        RoundingSizes values(mode.equations->program);
+        Evaluator<double> values(mode.equations->program);
         values.set_parameters(mode.parameters);
         const auto evaluate = [&](double at_time) { values(at_time, x); };
         evaluate(t);
@@ -35,7 +35,7 @@ struct Within {
         for (const Guard& guard : mode.equations->guards) {
             if (guard.branch < 0) continue;
             const double g = values.output(guard.output),
-                         noise = 64.0 * std::numeric_limits<double>::epsilon() * values.size(guard.output);
+                         noise = 64.0 * std::numeric_limits<double>::epsilon() * values.magnitude(guard.output);
             if (g > noise || std::abs(g) > 1e6 * noise) continue;
             beyond = &guard;
             value = g;
