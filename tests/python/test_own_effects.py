@@ -639,3 +639,82 @@ def test_a_rail_that_releases_lets_go_at_its_end():
     stopped = rb.Scene(gravity=DOWN)
     stopped.add(rb.Particle(1.0), rb.Rail(ramp), parameter=0.5, speed=3.0)
     assert rb.simulate(stopped, 1.0).status == "stopped by event"
+
+
+# --- distinctions at zeros that no double holds: sin(t) at pi is 1.2e-16 ---
+
+SIGNS = {
+    "sign": np.sign,
+    "heaviside": lambda x: 2 * np.heaviside(x, 0.5) - 1,
+    "where": lambda x: rb.where(x > 0, 1.0, -1.0),
+    "quotient": lambda x: x / abs(x),
+    "root of a square": lambda x: x / np.sqrt(x * x),
+}
+CORNERS = {
+    "abs": abs,
+    "sign times x": lambda x: np.sign(x) * x,
+    "root of a square": lambda x: np.sqrt(x**2),
+    "where": lambda x: rb.where(x > 0, x, -x),
+}
+LEVELS = {"maximum": lambda x: np.maximum(x, 0.0), "where": lambda x: rb.where(x > 0, x, 0.0)}
+
+
+def on_driven_belt(drive, friction, speed=0.0):
+    scene = rb.Scene(gravity=DOWN)
+    rail = rb.Rail(rb.Line([1, 0, 0]), friction=rb.Coulomb(*friction), drive=drive)
+    return scene, scene.add(rb.Particle(1.0), rail, parameter=0.0, speed=speed)
+
+
+@pytest.mark.parametrize("name", SIGNS)
+def test_a_belt_that_turns_round_where_a_sine_does_carries_its_block_back(name):
+    scene, block = on_driven_belt(lambda t: 2 * SIGNS[name](np.sin(t)), (0.3, 0.2))
+    run = rb.simulate(scene, until=6, error=1e-9)
+    a = 0.2 * 9.81
+    first, second = 2 / a, 4 / a  # s, from rest to 2 m/s, and from there to -2 m/s
+    right = 2 * (math.pi - first / 2) - 2 * (6 - math.pi - second)
+    np.testing.assert_allclose(run[block].position(6)[0], right, rtol=0, atol=1e-8)
+    assert story(run) == [{"stick"}, {"slip", "switch"}, {"stick"}]
+
+
+@pytest.mark.parametrize("name", SIGNS)
+@pytest.mark.parametrize("rate, phase", [(1.0, 0.0), (1.0, math.pi / 2), (1.3, 0.0), (2.7, 0.4)])
+def test_a_watched_sign_of_a_sine_jumps_through_zero_each_time(name, rate, phase):
+    scene = rb.Scene()
+    scene.add(rb.Particle(1.0), position=[0, 0, 0], velocity=[1, 0, 0])
+    scene.watch("sign", lambda now: SIGNS[name](np.sin(rate * now.time + phase)))
+    run = rb.simulate(scene, until=10, error=1e-9)
+    zeros = [(k * math.pi - phase) / rate for k in range(1, 10)]
+    found = [e.time for e in run.events if e.kind == "watch"]
+    np.testing.assert_allclose(found, [t for t in zeros if t < 10], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_a_drive_with_corners_throws_no_block_off(name):
+    scene, block = on_driven_belt(lambda t: 0.8 * CORNERS[name](np.sin(1.8 * t)), (0.3, 0.1))
+    run = rb.simulate(scene, until=10, error=1e-9)
+    # five whole arches of area 2, and the rest of 18 rad
+    right = 0.8 / 1.8 * (2 * 5 + 1 - math.cos(18 - 5 * math.pi))
+    np.testing.assert_allclose(run[block].position(10)[0], right, rtol=0, atol=1e-8)
+    assert {e.kind for e in run.events} == {"switch"}
+
+
+@pytest.mark.parametrize("function", [*CORNERS.values(), *LEVELS.values()])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_watched_corner_or_level_at_zero_passes_nothing(function, side):
+    scene = rb.Scene()
+    scene.add(rb.Particle(1.0), position=[0, 0, 0], velocity=[1, 0, 0])
+    scene.watch("touch", lambda now: side * function(np.sin(now.time + 0.3)))
+    run = rb.simulate(scene, until=10, error=1e-9)
+    assert {e.kind for e in run.events} <= {"switch"}
+
+
+def test_a_force_that_is_a_sign_switches_once_at_each_zero():
+    scene = rb.Scene()
+    body = scene.add(rb.Particle(1.0), position=[0, 0, 0], velocity=[1, 0, 0])
+    scene.apply(rb.Force(lambda t, position, velocity: [np.sign(np.sin(t)), 0, 0]), body)
+    run = rb.simulate(scene, until=10, error=1e-9)
+    np.testing.assert_allclose([e.time for e in run.events], [math.pi, 2 * math.pi, 3 * math.pi], rtol=1e-14)
+    # pi s to and pi s fro leave the speed as it was
+    late = 10 - 3 * math.pi
+    right = 3 * math.pi + 1.5 * math.pi**2 + (1 + math.pi) * late - late**2 / 2
+    np.testing.assert_allclose(run[body].position(10)[0], right, rtol=0, atol=1e-8)

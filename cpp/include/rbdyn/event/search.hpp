@@ -146,7 +146,8 @@ public:
             const double value = values.output(guard.output);
             if (!std::isfinite(value)) broken_ = &guard;
             const int reached = std::exchange(watched(guard).reached, 0);
-            const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : reached;
+            const int stays = reached != 0 && !is_level_at(mode, t.hi, x, guard.output) ? reached : 0;
+            const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : stays;
             int& before = side_of(guard);
             if (side == 0 || side == before) continue;
             const Found f{0.0, 0.0, 0.0, 0, side > 0};
@@ -169,6 +170,7 @@ public:
             const Found f{0.0, 0.0, 0.0, 0, reached > 0};
             if (!matches(guard, f)) continue;
             if (const int after = side_after(mode, guard, t, x); after != 0 && after != reached) continue;
+            if (guard.output >= 0 && is_level_at(mode, t.hi, x, guard.output)) continue;
             note(record, guard, f.direction(), t);
             stops = stops || guard.role == GuardRole::stop;
         }
@@ -355,9 +357,13 @@ private:
         // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
         if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
             arrival.at_zero = begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon);
-        // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped
-        if (fresh && guard.watch >= 0 && watched(guard).reached != 0)
+        // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped; on a
+        // level it has passed nothing until it leaves that
+        if (fresh && guard.watch >= 0 && watched(guard).reached != 0) {
             arrival.at_zero = begins_at_zero(mode, guard, 1e-6);
+            if (arrival.at_zero && is_level_at(mode, engine_.piece().start.hi, state_, guard.output))
+                watched(guard).reached = 0;
+        }
         // two pieces meet within the error of the first
         if (!fresh && is_watch && starts != side && std::isfinite(end)) arrival.gap = 2.0 * std::abs(end - q[0]);
         if (is_last) {

@@ -112,11 +112,13 @@ protected:
 /// Derivatives of the outputs with respect to the state, by forward propagation of all directions at once.
 class JacobianEvaluator : public Evaluator<double> {
 public:
-    explicit JacobianEvaluator(const Program& program)
+    /// `with_time`: time is one more variable, the last.
+    explicit JacobianEvaluator(const Program& program, bool with_time = false)
         : Evaluator<double>(program),
-          n_(program.inputs()),
-          tangents_(static_cast<std::size_t>(program.slots() * program.inputs()), 0.0) {
-        for (int i = 0; i < n_; ++i) at(i)[i] = 1.0;
+          n_(program.inputs() + (with_time ? 1 : 0)),
+          tangents_(static_cast<std::size_t>(program.slots() * n_), 0.0) {
+        for (int i = 0; i < program.inputs(); ++i) at(i)[i] = 1.0;
+        if (with_time) at(program.time_slot())[program.inputs()] = 1.0;
     }
 
     /// Values and derivatives at (t, x).

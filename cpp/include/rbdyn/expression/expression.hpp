@@ -127,6 +127,7 @@ inline Expression operator/(const Expression& a, const Expression& b) {
     if (a.is_zero()) return 0.0;
     if (b.is_constant()) return a * (Expression(1.0) / b);
     Recorder* r = recording::common(a, b);
+    if (const auto rest = r->over_multiple(a, b)) return *rest;
     return r->record(Operation::divide, r->node_of(a), r->node_of(b));
 }
 
@@ -316,6 +317,30 @@ inline bool Recorder::is_locked_positive(std::int32_t index) const {
         if (b.is_select && surface(b.argument).first == argument)
             return (b.choice > 0 ? 1 : -1) * b.orientation * orientation > 0;
     return false;
+}
+
+inline std::optional<Expression> Recorder::without(std::int32_t product, std::int32_t factor) {
+    if (product == factor) return Expression(1.0);
+    const Node n = node(product);
+    if (n.operation != Operation::multiply) return std::nullopt;
+    if (const auto rest = without(n.a, factor)) return *rest * Expression(this, n.b);
+    if (const auto rest = without(n.b, factor)) return Expression(this, n.a) * *rest;
+    return std::nullopt;
+}
+
+inline std::optional<Expression> Recorder::over_multiple(const Expression& a, const Expression& b) {
+    if (purpose_ != Purpose::model || a.is_constant() || b.is_constant()) return std::nullopt;
+    const Node n = node(b.node());
+    if (n.operation != Operation::multiply) return std::nullopt;
+    for (const auto& [x, factor] : {std::pair{n.a, n.b}, std::pair{n.b, n.a}}) {
+        const Node& f = node(factor);
+        const bool is_sign = f.operation == Operation::parameter &&
+                             std::any_of(switches_.begin(), switches_.end(),
+                                         [&](const Switch& s) { return !s.is_norm && s.parameter == f.a; });
+        if (!is_sign && f.operation != Operation::constant) continue;
+        if (const auto rest = without(a.node(), x)) return *rest / Expression(this, factor);
+    }
+    return std::nullopt;
 }
 
 inline long Recorder::choose(Branch branch, long by_state) {

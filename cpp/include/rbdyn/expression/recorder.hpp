@@ -144,6 +144,9 @@ public:
     long whole(const Expression& x, long lowest, long highest, const std::string& name);
     /// Whether the mode that is recorded keeps a node from being negative: |y|, or what a choice between formulas says.
     bool is_locked_positive(std::int32_t index) const;
+    /// a / b in a model, if b is x times a sign or a constant and x is a factor of a: x / |x| is no quotient of two
+    /// zeros where x is zero.
+    std::optional<Expression> over_multiple(const Expression& a, const Expression& b);
     /// What a function of the user's that is called back gives for these arguments.
     std::vector<Expression> call(const std::shared_ptr<const Callback>& function,
                                  std::span<const Expression> arguments);
@@ -237,6 +240,8 @@ private:
     /// The node whose zeros are those of another, which is a multiple of it, and the sign of the factor.
     std::pair<std::int32_t, int> surface(std::int32_t index) const;
     long choose(Branch branch, long by_state);
+    /// A product without one of its factors; none if it has no such factor.
+    std::optional<Expression> without(std::int32_t product, std::int32_t factor);
 
     Purpose purpose_;
     std::vector<Node> nodes_;

@@ -36,6 +36,7 @@ public:
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
+    double first(int slot) const { return series_.coefficients(slot)[0]; }
     Sizes own(int slot) const {
         Sizes s{};
         const double* c = series_.coefficients(slot);
@@ -64,7 +65,7 @@ private:
                 s[at(k + 1)] = std::max(s[at(k + 1)], rate[at(k)] * series_.unit() / (k + 1));
         } else {
             for (const Instruction& i : program_.instructions())
-                if (i.out == slot || (i.out2 == slot && i.code == Code::sine_cosine)) {
+                if (i.out == slot || (i.out2 == slot && (i.code == Code::sine_cosine || i.code == Code::hyperbolic))) {
                     pass_on(i, slot, deep - 1, s);
                     break;
                 }
@@ -96,13 +97,24 @@ private:
             case Code::divide: {
                 Sizes sum = sizes(i.a, deep);
                 add_product(sum, 1.0, own(slot), sizes(i.b, deep));
-                add(s, sum, 1.0 / series_.coefficients(i.b)[0]);
+                add(s, sum, 1.0 / first(i.b));
                 break;
             }
-            case Code::square_root: add(s, sizes(i.a, deep), 0.5 / series_.coefficients(slot)[0]); break;
-            case Code::sine_cosine: add_product(s, 1.0, sizes(i.a, deep), own(slot == i.out ? i.out2 : i.out)); break;
+            case Code::square_root: add(s, sizes(i.a, deep), 0.5 / first(slot)); break;
+            case Code::sine_cosine:
+            case Code::hyperbolic: add_product(s, 1.0, sizes(i.a, deep), own(slot == i.out ? i.out2 : i.out)); break;
             case Code::exponential: add_product(s, 1.0, sizes(i.a, deep), own(slot)); break;
-            default: break;
+            case Code::tangent: add_product(s, 1.0, sizes(i.a, deep), own(i.out2)); break;
+            case Code::logarithm: add(s, sizes(i.a, deep), 1.0 / first(i.a)); break;
+            case Code::power: add(s, sizes(i.a, deep), i.value * first(slot) / first(i.a)); break;
+            case Code::angle: {
+                const double square = first(i.a) * first(i.a) + first(i.b) * first(i.b);
+                add(s, sizes(i.a, deep), first(i.b) / square);
+                add(s, sizes(i.b, deep), first(i.a) / square);
+                break;
+            }
+            case Code::norm:
+            case Code::call: break;
         }
     }
 

@@ -19,12 +19,13 @@ namespace rbdyn {
 /// |r'|).
 inline bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output,
                        double few = 8.0 * std::numeric_limits<double>::epsilon()) {
-    JacobianEvaluator f(mode.equations->program);
+    JacobianEvaluator f(mode.equations->program, true);
     f.set_parameters(mode.parameters);
     f.differentiate(t, x);
     const double value = std::abs(f.output(output));
     if (value <= few * f.magnitude(output)) return true;
-    double by_state = 0.0, rate = 0.0;
+    // time acts by itself and by the state
+    double by_state = 0.0, rate = f.derivative(output, static_cast<int>(x.size()));
     for (std::size_t i = 0; i < x.size(); ++i) {
         const int variable = static_cast<int>(i);
         const double slope = f.derivative(output, variable);
@@ -58,6 +59,16 @@ inline double size_of_terms(const Mode& mode, double t, std::span<const double> 
     const double here = f.output(output);
     f(t + few * std::abs(t), x);
     return sum + std::abs(f.output(output) - here) / few;
+}
+
+/// Whether an output is zero whatever the motion near (t, x): a level at zero in its formula, as max(x, 0) has one.
+inline bool is_level_at(const Mode& mode, double t, std::span<const double> x, int output) {
+    JacobianEvaluator f(mode.equations->program, true);
+    f.set_parameters(mode.parameters);
+    f.differentiate(t, x);
+    bool is_level = f.output(output) == 0.0;
+    for (int i = 0; i <= static_cast<int>(x.size()); ++i) is_level = is_level && f.derivative(output, i) == 0.0;
+    return is_level;
 }
 
 }  // namespace rbdyn

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/model/hybrid.hpp"
@@ -20,7 +20,7 @@ namespace leading {
 /// Kutta's method from the present state, each four times as long as the one before. What Heun's method would have
 /// made of it tells their error. `is_zero`: what it begins with is known to be zero.
 inline int by_values(const Mode& mode, double t, std::span<const double> x, int output, bool is_zero) {
-    Evaluator<double> f(mode.equations->program);
+    RoundingSizes f(mode.equations->program);
     f.set_parameters(mode.parameters);
     const std::size_t n = x.size();
     using State = std::vector<double>;
@@ -58,7 +58,7 @@ inline int by_values(const Mode& mode, double t, std::span<const double> x, int 
         const double other = f.output(output) - begin;
         f(t + h, moved(h, mean));
         const double g = f.output(output) - begin;
-        const double noise = 64.0 * std::numeric_limits<double>::epsilon() * f.magnitude(output);
+        const double noise = 64.0 * std::numeric_limits<double>::epsilon() * f.size(output);
         if (std::abs(g) > noise + 4.0 * std::abs(g - other)) return g > 0.0 ? 1 : -1;
     }
     return 0;

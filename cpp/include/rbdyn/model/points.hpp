@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/model/point_equations.hpp"
@@ -297,7 +298,11 @@ public:
             }
         }
         choose(after, t, x, flipped, is_new);
-        if (!flipped.empty()) follow_drives(mode, after, t, x, happenings);
+        if (!flipped.empty() && follow_drives(mode, after, t, x, happenings)) {
+            after.equations = mode.equations;
+            after.parameters = mode.parameters;
+            choose(after, t, x, flipped, is_new);
+        }
         if (same_motion(mode, after, flipped))
             std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
         for (int index : fired) {
@@ -475,31 +480,42 @@ private:
 
     /// What a bead does at a speed along its rail.
     signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const {
-        const double drive = drive_of(mode, i, t, x), slip = speed - drive;
-        if (std::abs(slip) > 4.0 * epsilon * std::max(std::abs(speed), std::abs(drive))) return slip > 0.0 ? 1 : -1;
+        const Drive drive = drive_of(mode, i, t, x);
+        const double slip = speed - drive.speed;
+        if (std::abs(slip) > 4.0 * epsilon * std::max(std::abs(speed), drive.size)) return slip > 0.0 ? 1 : -1;
         return settle(mode, i, t, x);
     }
 
-    /// The speed of a rail's surface in a mode: where it jumps, on the side that the mode is on.
-    double drive_of(const Mode& mode, int i, double t, std::span<const double> x) const {
-        if (mode.equations == nullptr || mode.equations->drives < 0) return laws_->body(i).drive(t);
-        Evaluator<double> values(mode.equations->program);
+    /// The speed of a rail's surface, and the size of what it is made of: its rounding is some epsilon times that.
+    struct Drive {
+        double speed, size;
+    };
+    /// In a mode: where it jumps, on the side that the mode is on.
+    Drive drive_of(const Mode& mode, int i, double t, std::span<const double> x) const {
+        if (mode.equations == nullptr || mode.equations->drives < 0) {
+            const double speed = laws_->body(i).drive(t);
+            return {speed, std::abs(speed)};
+        }
+        RoundingSizes values(mode.equations->program);
         values.set_parameters(mode.parameters);
         values(t, x);
-        return values.output(mode.equations->drives + i);
+        return {values.output(mode.equations->drives + i), values.size(mode.equations->drives + i)};
     }
 
-    /// What beads do whose rails' surfaces change their speed by a jump, which no friction follows.
-    void follow_drives(const Mode& before, Mode& after, double t, std::span<double> x,
+    /// What beads do whose rails' surfaces change their speed by a jump, which no friction follows. Returns whether any
+    /// does anything else than before.
+    bool follow_drives(const Mode& before, Mode& after, double t, std::span<double> x,
                        std::vector<Happening>& happenings) const {
         bool has_changed = false;
         for (int i = 0; i < bodies(); ++i) {
             const PointLaws::Body& b = laws_->body(i);
             if (!b.rough || b.drive.is_constant() || before.slip[at(i)] == flies || after.slip[at(i)] == flies)
                 continue;
-            const double was = drive_of(before, i, t, x), is = drive_of(after, i, t, x);
+            const Drive last = drive_of(before, i, t, x), next = drive_of(after, i, t, x);
+            const double was = last.speed, is = next.speed;
             // what differs by the rounding of the time has a corner, no jump
             if (std::abs(is - was) <= 1e-10 * std::max(std::abs(is), std::abs(was))) continue;
+            if (std::abs(is - was) <= 16.0 * epsilon * (last.size + next.size)) continue;
             const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
             const double speed = std::sqrt(c.speed_squared) * variable(x, b.first_rate);
             const signed char slip = slip_of(after, i, before.slip[at(i)] == sticks ? was : speed, t, x);
@@ -512,14 +528,14 @@ private:
             after.slip[at(i)] = slip;
             has_changed = true;
         }
-        if (has_changed) choose(after, t, x, {});
+        return has_changed;
     }
 
     /// Sets w of a bead without slip exactly: the speed of its rail.
     void carry(const Mode& mode, int i, double t, std::span<double> x) const {
         const PointLaws::Body& b = laws_->body(i);
         const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
-        variable(x, b.first_rate) = drive_of(mode, i, t, x) / std::sqrt(c.speed_squared);
+        variable(x, b.first_rate) = drive_of(mode, i, t, x).speed / std::sqrt(c.speed_squared);
     }
 
     /// What a bead without slip needs to stay so; a bit of rounding in the time may be all there is of it.

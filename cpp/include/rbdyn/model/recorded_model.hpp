@@ -123,14 +123,13 @@ protected:
     /// others stay as they are, unless the state is a new one.
     void choose(Mode& mode, double t, std::span<const double> x, std::span<const int> flipped,
                 bool is_new = false) const {
-        const Change change{mode.equations, mode.parameters, flipped, is_new};
         const Equations* before = mode.equations;
         Decisions decided;
         if (before != nullptr && !is_new) {
             for (const Branch& b : before->branches) decided.forced[b.id] = b.choice;
             decided.sliding.insert(before->sliding.begin(), before->sliding.end());
         }
-        std::set<std::uint64_t> touched;
+        std::map<std::uint64_t, int> passed;
         if (before != nullptr)
             for (const int index : flipped) {
                 const Guard& guard = before->guards[at(index)];
@@ -142,9 +141,15 @@ protected:
                     decided.sliding.erase(before->sliding[at(guard.sliding)]);
                     decided.sides[before->sliding[at(guard.sliding)]] = guard.step;
                 } else if (const auto surface = surface_of(*before, guard)) {
-                    touched.insert(*surface);
+                    passed[*surface] = side_after(*before, mode.parameters, guard);
                 }
             }
+        // one surface is passed by all that lies on it
+        if (before != nullptr && !is_new)
+            for (const Branch& b : before->branches)
+                if (const auto side = passed.find(b.surface); b.is_select && side != passed.end())
+                    decided.forced[b.id] = side->second * b.orientation > 0 ? 1 : 0;
+        const Change change{before, mode.parameters, flipped, is_new, passed};
         if (!complete(mode, t, x, change, decided)) {
             decided.sliding.clear();
             complete(mode, t, x, change, decided);
@@ -154,7 +159,7 @@ protected:
         const bool everywhere = before == nullptr || is_new;
         for (int attempt = 0; attempt < 8; ++attempt) {
             Decisions next = decided;
-            if (!revise(mode, t, x, everywhere ? nullptr : &touched, refused, next)) return;
+            if (!revise(mode, t, x, everywhere ? nullptr : &passed, refused, next)) return;
             Mode after = mode;
             if (complete(after, t, x, change, next)) {
                 mode = std::move(after);
@@ -176,6 +181,7 @@ private:
         std::vector<double> parameters;
         std::span<const int> flipped;
         bool is_new;
+        std::map<std::uint64_t, int> passed;  // surfaces, and the side they were passed to, +1 or -1
     };
 
     /// The equations and parameters for what is decided. Returns whether there are any.
@@ -198,6 +204,15 @@ private:
                 if (guard.branch < 0) continue;
                 const Branch& b = s->equations.branches[at(guard.branch)];
                 if (decided.forced.contains(b.id) || decided.sides.contains(b.surface)) continue;
+                // what the mode before did not distinguish passes its surface too, unless it stays there
+                const auto side = change.passed.find(b.surface);
+                if (b.is_select && !change.is_new && side != change.passed.end()) {
+                    const bool is_above =
+                        side->second * b.orientation > 0 && leading_sign(mode, t, x, guard.output, 1) != 0;
+                    decided.forced[b.id] = is_above ? 1 : 0;
+                    changed = changed || decided.forced[b.id] != b.choice;
+                    continue;
+                }
                 const bool is_zero =
                     std::abs(values.output(guard.output)) <= 64.0 * epsilon * values.magnitude(guard.output) ||
                     is_zero_at(mode, t, x, guard.output);
@@ -228,9 +243,19 @@ private:
         return guard.kind == EventKind::switching ? e.surface_of(guard) : std::nullopt;
     }
 
-    /// Looks whether a mode goes on as decided: not along a surface that it is pulled off, not back to one of `touched`
+    /// The side of its surface that the switch or the choice of a guard is on after it fired, +1 or -1.
+    static int side_after(const Equations& e, std::span<const double> parameters, const Guard& guard) {
+        if (guard.branch >= 0) {
+            const Branch& b = e.branches[at(guard.branch)];
+            return b.choice + guard.step > 0 ? b.orientation : -b.orientation;
+        }
+        const Switch& s = *e.switch_of(guard);
+        return parameters[at(s.parameter)] > 0.0 ? -s.orientation : s.orientation;
+    }
+
+    /// Looks whether a mode goes on as decided: not along a surface that it is pulled off, not back to one of `passed`
     /// (none: of those it is on) that it came to from the other side. Returns whether that changed a decision.
-    bool revise(const Mode& mode, double t, std::span<const double> x, const std::set<std::uint64_t>* touched,
+    bool revise(const Mode& mode, double t, std::span<const double> x, const std::map<std::uint64_t, int>* passed,
                 const std::set<std::uint64_t>& refused, Decisions& decided) const {
         const Equations& e = *mode.equations;
         std::optional<Evaluator<double>> values;
@@ -255,7 +280,7 @@ private:
             }
             const auto surface = surface_of(e, guard);
             if (!surface || refused.contains(*surface) || before.sides.contains(*surface)) continue;
-            if (touched != nullptr ? !touched->contains(*surface) : !is_zero_at(mode, t, x, guard.output)) continue;
+            if (passed != nullptr ? !passed->contains(*surface) : !is_zero_at(mode, t, x, guard.output)) continue;
             const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
             if (sign * leading_sign(mode, t, x, guard.output, 1) < 0.0) decided.sliding.insert(*surface);
         }
@@ -264,7 +289,7 @@ private:
 
     void set_parameters(Mode& mode, double t, std::span<const double> x, const Change& change,
                         const Decisions& decided) const {
-        const auto& [before, old, flipped, is_new] = change;
+        const auto& [before, old, flipped, is_new, passed] = change;
         const Equations& e = *mode.equations;
         const Program& program = e.program;
         mode.parameters.assign(at(program.parameters()), 0.0);
@@ -289,13 +314,17 @@ private:
                 }
             }
         }
-        for (std::size_t k = 0; k < program.switches().size(); ++k) {
-            const Switch& now = program.switches()[k];
-            const auto side = decided.sides.find(now.surface);
-            if (now.is_norm || side == decided.sides.end()) continue;
-            settled[k] = true;
-            mode.parameters[at(now.parameter)] = side->second * now.orientation;
-        }
+        const auto put = [&](const auto& sides) {
+            for (std::size_t k = 0; k < program.switches().size(); ++k) {
+                const Switch& now = program.switches()[k];
+                const auto side = sides.find(now.surface);
+                if (now.is_norm || side == sides.end()) continue;
+                settled[k] = true;
+                mode.parameters[at(now.parameter)] = static_cast<double>(side->second * now.orientation);
+            }
+        };
+        if (!is_new) put(passed);
+        put(decided.sides);
         Evaluator<double> values(program);
         values.set_parameters(mode.parameters);
         values(t, x);

@@ -190,7 +190,13 @@ private:
     }
 
     static bool same_mode(const Mode& a, const Mode& b) {
-        return a.slip == b.slip && a.equations == b.equations && a.jumps == b.jumps;
+        if (a.slip != b.slip || a.equations != b.equations || a.jumps != b.jumps) return false;
+        // sides of corners are parameters of the same equations
+        const auto is_same = [&](const Switch& s) {
+            const auto sign = static_cast<std::size_t>(s.parameter);
+            return s.is_norm || a.parameters[sign] == b.parameters[sign];
+        };
+        return a.equations == nullptr || std::ranges::all_of(a.equations->program.switches(), is_same);
     }
 
     // a motion of one or two pieces has its extent and its errors within them
