@@ -1,6 +1,7 @@
 // Everything of rbdyn in one include.
 #pragma once
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/body/momentum.hpp"
 #include "rbdyn/body/shapes.hpp"
 #include "rbdyn/cost.hpp"
@@ -9,8 +10,8 @@
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/statics/equilibria.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 inline constexpr const char* version = "0.1.0";
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

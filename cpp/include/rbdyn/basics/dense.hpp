@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A matrix of n rows and n columns, zero to begin with.
 template <class T>
@@ -152,4 +154,4 @@ inline SymmetricEigen symmetric_eigen(SquareMatrix a) {
 
 inline std::vector<double> symmetric_eigenvalues(const SquareMatrix& a) { return symmetric_eigen(a).values; }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,8 +1,10 @@
 // Which way a quantity passes a zero.
 #pragma once
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 enum class Direction { either, rising, falling };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

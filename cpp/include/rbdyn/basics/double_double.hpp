@@ -12,9 +12,10 @@
 #include <numbers>
 #include <type_traits>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct DoubleDouble {
     double hi = 0.0, lo = 0.0;
@@ -122,4 +123,4 @@ S exactly(const DoubleDouble& x) {
         return S(static_cast<double>(x));
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

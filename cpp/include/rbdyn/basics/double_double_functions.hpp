@@ -7,10 +7,12 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
-#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 template <class S>
 struct SineCosine {
@@ -105,4 +107,4 @@ inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
 inline DoubleDouble asin(const DoubleDouble& x) { return atan2(x, sqrt((1.0 - x) * (1.0 + x))); }
 inline DoubleDouble acos(const DoubleDouble& x) { return atan2(sqrt((1.0 - x) * (1.0 + x)), x); }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -4,9 +4,10 @@
 #include <type_traits>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// Three columns of three numbers, zero to begin with.
 class WideMatrix3 {
@@ -87,4 +88,4 @@ inline Matrix3Of<DoubleDouble> product(const Matrix3Of<DoubleDouble>& a, const M
     return result;
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

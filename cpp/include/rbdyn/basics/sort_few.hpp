@@ -5,7 +5,9 @@
 #include <span>
 #include <utility>
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 template <class T, class Before>
 void sort_few(std::span<T> all, const Before& before) {
@@ -13,4 +15,4 @@ void sort_few(std::span<T> all, const Before& before) {
         for (std::size_t j = i; j > 0 && before(all[j], all[j - 1]); --j) std::swap(all[j], all[j - 1]);
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

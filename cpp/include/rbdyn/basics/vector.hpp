@@ -13,7 +13,9 @@
 #error "rbdyn: -ffast-math breaks compensated sums, event location and the accuracy estimate; compile without it"
 #endif
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
@@ -80,35 +82,19 @@ bool operator==(const M& a, const M& b) {
 
 /// Column j, as a vector of its own.
 inline Vector3 column(const Matrix3& m, int j) { return {m(0, j), m(1, j), m(2, j)}; }
-inline Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z) {
-    Matrix3 m;
-    for (int i = 0; i < 3; ++i) {
-        m(i, 0) = x[i];
-        m(i, 1) = y[i];
-        m(i, 2) = z[i];
-    }
-    return m;
-}
+Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z);
 /// v/|v|, v not zero.
 inline Vector3 direction(const Vector3& v) { return v / v.norm(); }
 /// The sizes of the components, and of two vectors the lesser and the greater of each.
 inline Vector3 sizes(const Vector3& v) { return {std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}; }
-inline Vector3 lesser(const Vector3& a, const Vector3& b) {
-    return {std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])};
-}
-inline Vector3 greater(const Vector3& a, const Vector3& b) {
-    return {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])};
-}
+Vector3 lesser(const Vector3& a, const Vector3& b);
+Vector3 greater(const Vector3& a, const Vector3& b);
 inline bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 /// Which component is least, and which greatest: the first of those.
 inline int least(const Vector3& v) { return static_cast<int>(std::min_element(v.data(), v.data() + 3) - v.data()); }
 inline int greatest(const Vector3& v) { return static_cast<int>(std::max_element(v.data(), v.data() + 3) - v.data()); }
 /// The largest size of an element.
-inline double largest(const Matrix3& m) {
-    double size = 0.0;
-    for (int i = 0; i < 9; ++i) size = std::max(size, std::abs(m.data()[i]));
-    return size;
-}
+double largest(const Matrix3& m);
 
 /// Three components in numbers of type S.
 template <class S>
@@ -178,4 +164,4 @@ requires(!EigenNumber<S>) S dot(const Triple<S>& a, const Triple<S>& b) { return
 template <class S>
 requires(!EigenNumber<S>) Triple<S> cross(const Triple<S>& a, const Triple<S>& b) { return a.cross(b); }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

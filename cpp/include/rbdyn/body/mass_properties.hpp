@@ -7,10 +7,13 @@
 // From the user's doubles as they are, so that what derives from them keeps all its digits.
 #pragma once
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct MassProperties {
     DoubleDouble mass;                // [kg]
@@ -21,36 +24,15 @@ struct MassProperties {
 };
 
 /// The inertia of a point mass at d from the pole: m (|d|^2 1 - d d^T).
-inline Matrix3Of<DoubleDouble> point_inertia(const DoubleDouble& mass, const Vector3Of<DoubleDouble>& d) {
-    Matrix3Of<DoubleDouble> result;
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        // sums of squares, so that nothing cancels
-        result(i, i) = mass * (d[j] * d[j] + d[k] * d[k]);
-        result(i, j) = result(j, i) = -(mass * (d[i] * d[j]));
-    }
-    return result;
-}
+Matrix3Of<DoubleDouble> point_inertia(const DoubleDouble& mass, const Vector3Of<DoubleDouble>& d);
 
 /// About any point [m], body axes.
-inline Matrix3Of<DoubleDouble> inertia_about(const MassProperties& body, const Vector3Of<DoubleDouble>& point) {
-    return body.inertia + point_inertia(body.mass, point - body.com);
-}
+Matrix3Of<DoubleDouble> inertia_about(const MassProperties& body, const Vector3Of<DoubleDouble>& point);
 
 /// Of two bodies in the same axes, welded.
-inline MassProperties welded(const MassProperties& a, const MassProperties& b) {
-    const DoubleDouble mass = a.mass + b.mass;
-    const Vector3Of<DoubleDouble> d = b.com - a.com;
-    return {mass, a.com + scaled(d, b.mass / mass), a.inertia + b.inertia + point_inertia(a.mass * b.mass / mass, d)};
-}
+MassProperties welded(const MassProperties& a, const MassProperties& b);
 
 /// Turned about the body's origin by R(q), q a unit quaternion.
-inline MassProperties turned(const MassProperties& body, const QuaternionOf<DoubleDouble>& q) {
-    const Matrix3Of<DoubleDouble> r = rotation_matrix(q);
-    Matrix3Of<DoubleDouble> inertia = product(product(r, body.inertia), r.transpose());
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < i; ++j) inertia(i, j) = inertia(j, i);
-    return {body.mass, product(r, body.com), inertia};
-}
+MassProperties turned(const MassProperties& body, const QuaternionOf<DoubleDouble>& q);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

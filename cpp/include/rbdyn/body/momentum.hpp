@@ -8,34 +8,23 @@
 // C at rest, or with v_C along G - C, the first term of 7.33 vanishes: K_C = I_C omega.
 #pragma once
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/rigid_body.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// v_P from the velocity of another of the body's points [m/s].
-inline Vector3 velocity_of(const Vector3& point, const Vector3& pole, const Vector3& pole_velocity,
-                           const Vector3& omega) {
-    return pole_velocity + omega.cross(point - pole);
-}
+Vector3 velocity_of(const Vector3& point, const Vector3& pole, const Vector3& pole_velocity, const Vector3& omega);
 
 /// Q [kg m/s].
-inline Vector3 momentum(const RigidBody& body, const Vector3& pole, const Vector3& pole_velocity,
-                        const Vector3& omega) {
-    return body.mass() * velocity_of(body.com(), pole, pole_velocity, omega);
-}
+Vector3 momentum(const RigidBody& body, const Vector3& pole, const Vector3& pole_velocity, const Vector3& omega);
 
 /// K_Q [kg m^2/s].
-inline Vector3 angular_momentum(const RigidBody& body, const Vector3& pole, const Vector3& pole_velocity,
-                                const Vector3& omega) {
-    return body.mass() * (body.com() - pole).cross(pole_velocity) + body.inertia(pole) * omega;
-}
+Vector3 angular_momentum(const RigidBody& body, const Vector3& pole, const Vector3& pole_velocity,
+                         const Vector3& omega);
 
 /// T [J].
-inline double kinetic_energy(const RigidBody& body, const Vector3& pole, const Vector3& pole_velocity,
-                             const Vector3& omega) {
-    const double m = body.mass();
-    return 0.5 * m * pole_velocity.squaredNorm() + m * pole_velocity.dot(omega.cross(body.com() - pole)) +
-           0.5 * omega.dot(body.inertia(pole) * omega);
-}
+double kinetic_energy(const RigidBody& body, const Vector3& pole, const Vector3& pole_velocity, const Vector3& omega);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

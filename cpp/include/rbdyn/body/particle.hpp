@@ -1,10 +1,10 @@
 // A point with mass.
 #pragma once
 
-#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/given.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A material point. mass [kg], positive.
 struct Particle {
@@ -12,16 +12,9 @@ struct Particle {
 
     bool operator==(const Particle&) const = default;
     /// With the numbers of the user's as they are now.
-    Particle frozen() const {
-        const Particle result{mass.frozen()};
-        result.validate();
-        return result;
-    }
+    Particle frozen() const;
 
-    void validate() const {
-        require(std::isfinite(mass.now()) && mass.now() > 0.0, "Particle", "mass", mass.now(),
-                "a mass is positive and finite; give it in kg");
-    }
+    void validate() const;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -10,14 +10,17 @@
 #pragma once
 
 #include <optional>
-#include <utility>
+#include <string>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/mass_properties.hpp"
 #include "rbdyn/body/principal_axes.hpp"
-#include "rbdyn/body/validation.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// What an inertia is about: the centre of mass, or the origin of the body's axes.
 enum class InertiaAbout { com, origin };
@@ -55,18 +58,9 @@ class RigidBody {
 public:
     /// RigidBody(1.0, {0.5, 0.5, 0.25}, {.com = {0, 0, 0.5}, .inertia_about = InertiaAbout::origin})
     /// Throws InvalidInput if no distribution of mass has these properties.
-    RigidBody(double mass, const Inertia& inertia, const RigidBodyOptions& options = {})
-        : RigidBody(checked(mass, inertia, options), options.inertia_about) {}
+    RigidBody(double mass, const Inertia& inertia, const RigidBodyOptions& options = {});
     /// From numbers of 32 digits. Throws InvalidInput as above; `body` names it then.
-    explicit RigidBody(MassProperties given, InertiaAbout about = InertiaAbout::com, const std::string& body = name)
-        : given_(std::move(given)), about_(about), central_(given_) {
-        std::string derived;
-        if (about_ == InertiaAbout::origin) {
-            central_.inertia -= point_inertia(given_.mass, given_.com);
-            derived = " (what was given about the origin less m d^2)";
-        }
-        bodies::require_moments(body, principal().moments, given_size(), derived);
-    }
+    explicit RigidBody(MassProperties given, InertiaAbout about = InertiaAbout::com, const std::string& body = name);
 
     /// [kg]
     double mass() const { return static_cast<double>(given_.mass); }
@@ -78,16 +72,11 @@ public:
     Matrix3 given_inertia() const { return rounded(given_.inertia); }
 
     /// I_G, I about the origin, or about any point of the body [m]; body axes [kg m^2].
-    Matrix3 inertia(InertiaAbout about = InertiaAbout::com) const {
-        if (about == about_) return given_inertia();
-        return about == InertiaAbout::com ? rounded(central_.inertia) : inertia(Vector3(0, 0, 0));
-    }
+    Matrix3 inertia(InertiaAbout about = InertiaAbout::com) const;
     Matrix3 inertia(const Vector3& point) const { return rounded(inertia_exact(point)); }
     /// The same in 32 digits.
     const Matrix3Of<DoubleDouble>& inertia_exact() const { return central_.inertia; }
-    Matrix3Of<DoubleDouble> inertia_exact(const Vector3& point) const {
-        return rbdyn::inertia_about(central_, widened(point));
-    }
+    Matrix3Of<DoubleDouble> inertia_exact(const Vector3& point) const;
     /// Mass, centre of mass and I_G in 32 digits.
     const MassProperties& exact() const { return central_; }
 
@@ -96,73 +85,30 @@ public:
     PrincipalAxes principal() const { return rounded(principal_exact()); }
     PrincipalAxes principal(const Vector3& point) const { return rounded(principal_exact(point)); }
     PrincipalAxesOf<DoubleDouble> principal_exact() const { return principal_axes(central_.inertia); }
-    PrincipalAxesOf<DoubleDouble> principal_exact(const Vector3& point) const {
-        return principal_axes(inertia_exact(point));
-    }
+    PrincipalAxesOf<DoubleDouble> principal_exact(const Vector3& point) const;
 
     /// Whether two principal moments about the centre of mass differ by at most rtol of the larger (Def. 7.4).
     bool is_gyroscope(double rtol = 1e-9) const { return gyroscope_axis(rtol).has_value(); }
     /// The unit vector e3 of Def. 7.4, body axes; of a body with three equal moments the body's third axis or what is
     /// principal nearest to it; nothing if no two are equal.
-    std::optional<Vector3> gyroscope_axis(double rtol = 1e-9) const {
-        require(rtol >= 0.0, name, "rtol", rtol, "a relative tolerance is zero or positive");
-        const PrincipalAxes p = principal();
-        std::optional<Vector3> axis;
-        double closest = rtol;
-        for (const int k : {2, 0, 1}) {
-            const double a = p.moments[(k + 1) % 3], b = p.moments[(k + 2) % 3];
-            const double difference = a == b ? 0.0 : std::abs(a - b) / std::max(std::abs(a), std::abs(b));
-            if (difference > closest || (axis && difference == closest)) continue;
-            closest = difference;
-            axis = column(p.axes, k);
-        }
-        return axis;
-    }
+    std::optional<Vector3> gyroscope_axis(double rtol = 1e-9) const;
 
     /// About an axis through a point of the body, body axes [m].
-    Imbalance imbalance(const Vector3& axis, const Vector3& point = Vector3::Zero()) const {
-        for (int i = 0; i < 3; ++i) {
-            require(std::isfinite(axis[i]), name, "axis[" + std::to_string(i) + "]", axis[i], "a direction is finite");
-            require(std::isfinite(point[i]), name, "point[" + std::to_string(i) + "]", point[i],
-                    "it is finite; give it in m");
-        }
-        require(axis.norm() > 0.0, name, "length of axis", axis.norm(), "an axis has a direction; its length is free");
-        const Vector3Of<DoubleDouble> a = widened(axis), c = central_.com - widened(point);
-        const DoubleDouble squared = dot<DoubleDouble>(a, a);
-        const Vector3Of<DoubleDouble> across = c - a * (dot<DoubleDouble>(a, c) / squared),
-                                      couple = cross<DoubleDouble>(a, product(inertia_exact(point), a));
-        return {rounded(Vector3Of<DoubleDouble>(across * central_.mass)),
-                rounded(Vector3Of<DoubleDouble>(couple / squared))};
-    }
+    Imbalance imbalance(const Vector3& axis, const Vector3& point = Vector3::Zero()) const;
     /// Whether it turns about the axis without asking anything of its bearings: whether that is a principal axis about
     /// the centre of mass, to rtol of the moments about the point and of mass times radius of gyration.
-    bool is_balanced(const Vector3& axis, const Vector3& point = Vector3::Zero(), double rtol = 1e-9) const {
-        require(rtol >= 0.0, name, "rtol", rtol, "a relative tolerance is zero or positive");
-        const Imbalance i = imbalance(axis, point);
-        const double moments = inertia(point).trace();
-        return i.offset.norm() <= rtol * std::sqrt(mass() * moments) && i.couple.norm() <= rtol * moments;
-    }
+    bool is_balanced(const Vector3& axis, const Vector3& point = Vector3::Zero(), double rtol = 1e-9) const;
 
     /// Whether a principal moment about the centre of mass is zero to the rounding of what was given: all mass lies on
     /// a line, and nothing resists a spin about it.
     bool is_rod() const { return rod_axis().has_value(); }
     /// Whether all three are: all mass lies in a point.
-    bool is_point() const {
-        const Vector3 moments = principal().moments;
-        return moments[greatest(moments)] <= bodies::no_moment * given_size();
-    }
+    bool is_point() const;
     /// The line's direction, body axes; of a point any.
-    std::optional<Vector3> rod_axis() const {
-        const PrincipalAxes p = principal();
-        const int smallest = least(p.moments);
-        if (p.moments[smallest] > bodies::no_moment * given_size()) return std::nullopt;
-        return column(p.axes, smallest);
-    }
+    std::optional<Vector3> rod_axis() const;
 
     /// Moved by r in its own axes [m]: what was at the origin is at r.
-    RigidBody shifted(const Vector3& r) const {
-        return RigidBody(MassProperties{central_.mass, central_.com + widened(r), central_.inertia});
-    }
+    RigidBody shifted(const Vector3& r) const;
     /// Turned about the origin of its axes: what lay along v lies along R v.
     RigidBody rotated(const Attitude& attitude) const { return RigidBody(turned(central_, attitude.exact())); }
     /// Two bodies in the same axes, welded.
@@ -177,18 +123,7 @@ private:
     static constexpr const char* name = "RigidBody";
 
     /// The numbers of one body, each by itself.
-    static MassProperties checked(double mass, const Inertia& inertia, const RigidBodyOptions& options) {
-        bodies::require_mass(name, mass);
-        for (int i = 0; i < 3; ++i)
-            require(std::isfinite(options.com[i]), name, "com[" + std::to_string(i) + "]", options.com[i],
-                    "the centre of mass is a point; give it in m");
-        const Matrix3& given = inertia.tensor;
-        bodies::require_symmetric(name, given);
-        Matrix3Of<DoubleDouble> tensor = widened(given);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < i; ++j) tensor(i, j) = tensor(j, i) = exact_sum(0.5 * given(i, j), 0.5 * given(j, i));
-        return {mass, widened(options.com), tensor};
-    }
+    static MassProperties checked(double mass, const Inertia& inertia, const RigidBodyOptions& options);
 
     double given_size() const { return largest(rounded(given_.inertia)); }
 
@@ -197,4 +132,4 @@ private:
     MassProperties central_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -7,12 +7,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
-namespace rbdyn::shapes::detail {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::shapes::detail {
 
 template <std::size_t points>
 class Interpolant {
@@ -77,4 +78,4 @@ private:
     std::array<double, points> node_, weight_{};
 };
 
-}  // namespace rbdyn::shapes::detail
+}  // namespace rbdyn::inline RBDYN_FORM::shapes::detail

@@ -1,15 +1,15 @@
 // Motion known in closed form: the state of a whole scene at any time, at the same cost.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/rotation/euler_turns.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class ClosedForm {
 public:
@@ -23,13 +23,13 @@ public:
     virtual double error(double since, double wanted) const = 0;
 
     /// The shortest time in which the motion changes as a whole [s]; infinite where nobody has to know.
-    virtual double pace() const { return std::numeric_limits<double>::infinity(); }
+    virtual double pace() const;
 
     /// How the attitude of a body comes back, by order of addition; none if it does not, or nobody knows.
-    virtual std::optional<Recurrence> recurrence(int /*body*/) const { return std::nullopt; }
+    virtual std::optional<Recurrence> recurrence(int /*body*/) const;
 
     /// What it is, in words.
     virtual std::string name() const = 0;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

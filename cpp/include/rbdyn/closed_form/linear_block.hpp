@@ -3,9 +3,10 @@
 
 #include <span>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class LinearBlock {
 public:
@@ -18,4 +19,4 @@ public:
     virtual double fastest() const = 0;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

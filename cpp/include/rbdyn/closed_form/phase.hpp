@@ -5,9 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/instant.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// start + rate t, to be reduced by whole multiples of a step; an infinite step leaves it as it is.
 class Phase {
@@ -18,17 +21,11 @@ public:
     };
 
     Phase() = default;
-    Phase(const DoubleDouble& rate, const DoubleDouble& start, const DoubleDouble& step)
-        : rate_(rate), start_(start), step_(step), per_step_(1.0 / step.hi) {}
+    Phase(const DoubleDouble& rate, const DoubleDouble& start, const DoubleDouble& step);
 
     const DoubleDouble& rate() const { return rate_; }
 
-    Reduced at(Instant t, const DoubleDouble& more = 0.0) const {
-        const DoubleDouble x = rate_ * DoubleDouble(t) + start_ + more;
-        const double steps = std::nearbyint(x.hi * per_step_);
-        if (steps == 0.0) return {x, 0.0};
-        return {x - step_ * steps, steps};
-    }
+    Reduced at(Instant t, const DoubleDouble& more = 0.0) const;
 
 private:
     DoubleDouble rate_, start_, step_ = std::numeric_limits<double>::infinity();
@@ -57,4 +54,4 @@ inline double exp_in<double>(const DoubleDouble& x) {
     return e + e * x.lo;
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

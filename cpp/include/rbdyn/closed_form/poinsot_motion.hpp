@@ -4,33 +4,24 @@
 
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/body/principal_axes.hpp"
 #include "rbdyn/body/rigid_body.hpp"
 #include "rbdyn/closed_form/free_rotation.hpp"
 #include "rbdyn/closed_form/poinsot.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// The Poinsot motion of a body that starts with an angular velocity, about its centre of mass or about a fixed point
 /// of it. Body axes; axes of the world as the body's at the start.
 class PoinsotMotion {
 public:
     PoinsotMotion(const RigidBody& body, const Vector3& angular_velocity,
-                  const std::optional<Vector3>& point = std::nullopt)
-        : body_(body),
-          point_(point),
-          inertia_(point ? body.inertia(*point) : body.inertia()),
-          principal_(point ? body.principal(*point) : body.principal()),
-          omega_(angular_velocity),
-          rotation_(point ? body.principal_exact(*point) : body.principal_exact(), {}, angular_velocity) {
-        for (int i = 0; i < 3; ++i)
-            require(std::isfinite(omega_[i]), "PoinsotMotion",
-                    "component " + std::to_string(i) + " of angular_velocity", omega_[i],
-                    "it is finite; give it in rad/s");
-        require(principal_.moments.minCoeff() > 0.0, "PoinsotMotion", "least principal moment",
-                principal_.moments.minCoeff(), "a body that turns freely has three moments of inertia");
-    }
+                  const std::optional<Vector3>& point = std::nullopt);
 
     /// What it was made from.
     const RigidBody& body() const { return body_; }
@@ -38,28 +29,13 @@ public:
     const std::optional<Vector3>& point() const { return point_; }
 
     /// rest, permanent, symmetric (a regular precession), separatrix, generic.
-    std::string_view kind() const {
-        if (is_permanent() && rotation_.regime() != FreeRotation::Regime::rest) return "permanent";
-        switch (rotation_.regime()) {
-            case FreeRotation::Regime::rest: return "rest";
-            case FreeRotation::Regime::permanent: return "permanent";
-            case FreeRotation::Regime::symmetric: return "symmetric";
-            case FreeRotation::Regime::separatrix: return "separatrix";
-            default: return "generic";
-        }
-    }
+    std::string_view kind() const;
     /// Whether omega stays as it is (Thm 7.12), within the rounding of axes that were computed: by
     /// is_permanent_rotation(). For longer than about 1/(rtol |omega|) such a rotation need not stay the same.
     bool is_permanent(double rtol = 1e-12) const { return is_permanent_rotation(inertia_, omega_, rtol); }
     /// The rate at which a small disturbance of a permanent rotation grows [1/s]; zero about a stable axis. Not a
     /// number for a rotation that is not permanent.
-    double growth_rate() const {
-        if (!is_permanent()) return std::numeric_limits<double>::quiet_NaN();
-        const Vector3 along = principal_.axes.transpose() * omega_;
-        Eigen::Index axis = 0;
-        along.cwiseAbs().maxCoeff(&axis);
-        return rbdyn::growth_rate(principal_.moments, static_cast<int>(axis), omega_.norm());
-    }
+    double growth_rate() const;
     /// Of omega in body axes [s]; infinite where it is constant, and on the separatrix.
     double period() const { return rotation_.period(); }
     /// Mean rates [rad/s] at which the axis that K circles goes round K, and at which the body turns about that axis;
@@ -75,26 +51,11 @@ public:
     double plane_distance() const { return poinsot_plane_distance(inertia_, omega_); }
 
     /// The way of omega in the body, and in the world, at times from 0 to a time, by default one period [rad/s].
-    std::vector<Vector3> polhode(int count, std::optional<double> until = std::nullopt) const {
-        return way(count, until, false);
-    }
-    std::vector<Vector3> herpolhode(int count, std::optional<double> until = std::nullopt) const {
-        return way(count, until, true);
-    }
+    std::vector<Vector3> polhode(int count, std::optional<double> until = std::nullopt) const;
+    std::vector<Vector3> herpolhode(int count, std::optional<double> until = std::nullopt) const;
 
 private:
-    std::vector<Vector3> way(int count, const std::optional<double>& until, bool in_world) const {
-        require(count >= 2, "PoinsotMotion", "count", count, "a way has at least two points");
-        const double end = until.value_or(period());
-        require(std::isfinite(end), "PoinsotMotion", "until", end,
-                "this omega has no period; give the time up to which its way is wanted, in s");
-        std::vector<Vector3> points;
-        for (int i = 0; i < count; ++i) {
-            const FreeRotation::State s = rotation_.at(end * i / (count - 1));
-            points.push_back(in_world ? to_world<double>(s.attitude, s.angular_velocity) : s.angular_velocity);
-        }
-        return points;
-    }
+    std::vector<Vector3> way(int count, const std::optional<double>& until, bool in_world) const;
 
     RigidBody body_;
     std::optional<Vector3> point_;
@@ -104,4 +65,4 @@ private:
     FreeRotation rotation_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

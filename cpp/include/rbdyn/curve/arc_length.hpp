@@ -12,15 +12,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/point.hpp"
 
-namespace rbdyn::curves {
+namespace rbdyn::inline RBDYN_FORM::curves {
 
 /// A node of the rules and its weights in both; Gauss's rule has every other node.
 struct RuleNode {
@@ -54,21 +56,7 @@ struct RulePair {
     std::array<double, points> node, kronrod, gauss;  // gauss: weight, 0 at the nodes it has not
     std::array<double, points> at_end;                // values at x = 1 of Lagrange's polynomials of the nodes
 
-    RulePair() {
-        constexpr std::size_t middle = points / 2;
-        for (std::size_t i = 0; i <= middle; ++i)
-            for (const std::size_t k : {middle - i, middle + i}) {
-                node[k] = k < middle ? -rule_nodes[i].at : rule_nodes[i].at;
-                kronrod[k] = rule_nodes[i].kronrod;
-                gauss[k] = rule_nodes[i].gauss;
-            }
-        for (std::size_t k = 0; k < points; ++k) {
-            long double product = 1.0L;
-            for (std::size_t j = 0; j < points; ++j)
-                if (j != k) product *= (1.0L - node[j]) / (static_cast<long double>(node[k]) - node[j]);
-            at_end[k] = static_cast<double>(product);
-        }
-    }
+    RulePair();
 };
 
 /// A part of the range with its integral and how far that is in doubt.
@@ -204,4 +192,4 @@ double parameter_at(const Form& form, double u0, double s, const std::string& na
     return u;
 }
 
-}  // namespace rbdyn::curves
+}  // namespace rbdyn::inline RBDYN_FORM::curves

@@ -1,54 +1,29 @@
 // The rules a curve's numbers must keep, shared by the kinds of curve. Each throws InvalidInput.
 #pragma once
 
-#include <cmath>
 #include <string>
 
-#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/point.hpp"
 
-namespace rbdyn::curves {
+namespace rbdyn::inline RBDYN_FORM::curves {
 
-inline void require_finite(const std::string& curve, const std::string& what, double value) {
-    require(std::isfinite(value), curve, what, value, "it must be a finite number");
-}
+void require_finite(const std::string& curve, const std::string& what, double value);
 
-inline void require_finite(const std::string& curve, const std::string& what, const Vector3& v) {
-    for (int i = 0; i < 3; ++i) require_finite(curve, what + "[" + std::to_string(i) + "]", v[i]);
-}
+void require_finite(const std::string& curve, const std::string& what, const Vector3& v);
 
-inline void require_positive(const std::string& curve, const std::string& what, double value, const std::string& unit) {
-    require(std::isfinite(value) && value > 0.0, curve, what, value, "it must be positive and finite, in " + unit);
-}
+void require_positive(const std::string& curve, const std::string& what, double value, const std::string& unit);
 
-inline void require_direction(const std::string& curve, const std::string& what, const Vector3& v) {
-    require_finite(curve, what, v);
-    require(largest(v) > 0.0, curve, "length of " + what, 0.0,
-            "a direction must not be zero: give a vector of any other length");
-}
+void require_direction(const std::string& curve, const std::string& what, const Vector3& v);
 
 /// Two directions that span a plane.
-inline void require_plane(const std::string& curve, const Vector3& start, const Vector3& toward,
-                          const std::string& first = "start", const std::string& second = "toward") {
-    require_direction(curve, first, start);
-    require_direction(curve, second, toward);
-    // below, the given numbers would fix the plane to fewer than half of their digits
-    constexpr double least = 1e-8;
-    require(sine_between(start, toward) > least, curve, "sine of the angle from " + first + " to " + second,
-            sine_between(start, toward),
-            "it must be above " + text(least) + ": give a " + second + " that is not parallel to " + first);
-}
+void require_plane(const std::string& curve, const Vector3& start, const Vector3& toward,
+                   const std::string& first = "start", const std::string& second = "toward");
 
-inline void require_domain(const std::string& curve, const Domain& domain) {
-    require(domain.begin < domain.end, curve, "begin of the domain", domain.begin,
-            "it must be less than the end " + text(domain.end));
-}
+void require_domain(const std::string& curve, const Domain& domain);
 
 /// A vector as text: (1, 0, -0.5).
-inline std::string vector_text(const Vector3& v) {
-    return "(" + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + ")";
-}
+std::string vector_text(const Vector3& v);
 
-}  // namespace rbdyn::curves
+}  // namespace rbdyn::inline RBDYN_FORM::curves

@@ -9,11 +9,13 @@
 #include <optional>
 #include <string>
 
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
-#include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/point.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct Circle {
     double radius = 0.0;               // [m], positive
@@ -22,11 +24,7 @@ struct Circle {
     Vector3 center = Vector3::Zero();  // world, [m]
 
     /// Throws InvalidInput unless the radius is positive, start and toward span a plane, and all is finite.
-    void validate() const {
-        curves::require_positive("circle", "radius", radius, "m");
-        curves::require_plane("circle", start, toward);
-        curves::require_finite("circle", "center", center);
-    }
+    void validate() const;
 
     Placement placement() const { return placed(center, curves::axes_of_plane(start, toward)); }
     Domain domain() const { return {}; }
@@ -55,4 +53,4 @@ struct Circle {
     bool operator==(const Circle&) const = default;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -15,21 +15,21 @@
 // To add a kind of curve: a header beside this one, and its name in CurveKinds below.
 #pragma once
 
-#include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
-#include "rbdyn/basics/error.hpp"
-#include "rbdyn/curve/arc_length.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
-#include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/circle.hpp"
 #include "rbdyn/curve/cycloid.hpp"
-#include "rbdyn/curve/exact_length.hpp"
 #include "rbdyn/curve/function_curve.hpp"
 #include "rbdyn/curve/helix.hpp"
 #include "rbdyn/curve/line.hpp"
@@ -38,7 +38,7 @@
 #include "rbdyn/curve/polynomial.hpp"
 #include "rbdyn/curve/spline.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace curves {
 
@@ -107,36 +107,17 @@ public:
     /// What it was made from.
     const CurveKinds::Kind& kind() const { return *kind_; }
 
-    Domain domain() const {
-        return asked([](const auto& form) { return form.domain(); });
-    }
+    Domain domain() const;
     /// Whether the curve comes back to where it started; its parameter counts on.
-    bool closed() const {
-        return asked([](const auto& form) { return form.closed(); });
-    }
+    bool closed() const;
     /// What the parameter grows by in a round of a closed curve; 0 for one that is not closed.
-    double period() const {
-        return asked([](const auto& form) {
-            if constexpr (requires { form.period(); })
-                return form.period();
-            else
-                return 0.0;
-        });
-    }
+    double period() const;
     /// Whether it is straight all along, and so exactly in its own axes.
-    bool straight() const {
-        return asked([](const auto& form) { return form.straight(); });
-    }
+    bool straight() const;
     /// Whether r' is finite and not zero everywhere, by its kind.
-    bool always_regular() const {
-        const auto& kind = *kind_;
-        return std::holds_alternative<Line>(kind) || std::holds_alternative<Circle>(kind) ||
-               std::holds_alternative<Parabola>(kind) || std::holds_alternative<Helix>(kind);
-    }
+    bool always_regular() const;
     /// What it is, in words: "circle of radius 0.5".
-    std::string name() const {
-        return asked([](const auto& form) { return form.name(); });
-    }
+    std::string name() const;
     /// Where the own axes lie in the world.
     const Placement& placement() const { return placement_; }
 
@@ -173,91 +154,37 @@ public:
 
     /// Arc length from u0 to u1, negative if u1 < u0, [m]. Relative error about 1e-15; throws InvalidInput for a
     /// parameter that is not finite, Error if 1e-12 is out of reach.
-    double length(double u0, double u1) const {
-        curves::require_finite(name(), "parameter u0", u0);
-        curves::require_finite(name(), "parameter u1", u1);
-        return plain_length(u0, u1);
-    }
+    double length(double u0, double u1) const;
 
     /// The parameter at a signed arc length [m] from u0, to rounding error: the inverse of length. Throws InvalidInput
     /// if the curve ends before.
-    double parameter_at(double u0, double arc_length) const {
-        curves::require_finite(name(), "parameter u0", u0);
-        curves::require_finite(name(), "arc length", arc_length);
-        return curves::parameter_at(Way{*this}, u0, arc_length, name());
-    }
+    double parameter_at(double u0, double arc_length) const;
 
     /// The same to long double's digits, some 1e-19 of the length.
-    DoubleDouble exact_parameter_at(double u0, double arc_length) const {
-        const double u = parameter_at(u0, arc_length);
-        const auto speed = [&](long double at) { return std::sqrt(own(at).speed_squared); };
-        const DoubleDouble exact = curves::refined_parameter(speed, u0, arc_length, u);
-        return exact.hi >= domain().begin && exact.hi <= domain().end ? exact : DoubleDouble(u);
-    }
+    DoubleDouble exact_parameter_at(double u0, double arc_length) const;
 
     /// Tangent, normal, binormal in the world. Throws InvalidInput at a cusp.
-    Frenet frenet(double u) const {
-        require_regular(u);
-        const CurvePoint<double> p = own(u);
-        const auto straight = straight_binormal(u);
-        const Vector3 tangent = curves::unit(p.first);
-        Vector3 binormal = straight ? *straight : curves::unit(p.first_cross_second);
-        // where r' and r'' are nearly parallel their product is across them to fewer digits than a frame should be
-        binormal = curves::unit(binormal - tangent.dot(binormal) * tangent);
-        return {in_world(tangent), in_world(binormal.cross(tangent)), in_world(binormal)};
-    }
+    Frenet frenet(double u) const;
 
     /// 1/rho, [1/m]; 0 where straight within rounding. Throws InvalidInput at a cusp.
-    double curvature(double u) const {
-        require_regular(u);
-        if (straight_binormal(u)) return 0.0;
-        const CurvePoint<double> p = own(u);
-        const double speed = curves::norm(p.first);
-        return curves::norm(p.first_cross_second) / speed / speed / speed;
-    }
+    double curvature(double u) const;
 
     /// Torsion, [1/m], positive for a right-handed helix; 0 where straight within rounding. Throws InvalidInput at a
     /// cusp.
-    double torsion(double u) const {
-        require_regular(u);
-        if (straight_binormal(u)) return 0.0;
-        const Vector3 product = own(u).first_cross_second;
-        return curves::unit(product).dot(third(u)) / curves::norm(product);
-    }
+    double torsion(double u) const;
 
     /// Whether r or r' jumps at u, within rounding: no motion along the curve goes on there.
-    bool jumps_at(double u) const {
-        return asked([&](const auto& form) {
-            if constexpr (requires { form.jumps_at(u); })
-                return form.jumps_at(u);
-            else
-                return false;
-        });
-    }
+    bool jumps_at(double u) const;
 
     /// Throws InvalidInput unless the curve has a tangent at u.
-    void require_regular(double u) const {
-        curves::require_finite(name(), "parameter", u);
-        const bool regular = asked([&](const auto& form) { return form.regular_at(u); });
-        require(regular, name(), "parameter", u,
-                "the curve has a cusp there, |r'| = " + text(curves::norm(own(u).first)) +
-                    ", and no tangent: choose a parameter where r' is not zero");
-        require(!jumps_at(u), name(), "parameter", u,
-                "the curve or its tangent jumps there, and no motion goes on: choose a parameter beside it");
-    }
+    void require_regular(double u) const;
 
     bool operator==(const Curve& other) const { return *form_ == *other.form_ && placement_ == other.placement_; }
 
 private:
-    Vector3 third(double u) const {
-        return asked([&](const auto& form) { return form.third(u); });
-    }
-    double plain_length(double u0, double u1) const {
-        return asked([&](const auto& form) { return form.length(u0, u1); });
-    }
-    std::optional<Vector3> straight_binormal(double u) const {
-        return asked([&](const auto& form) { return form.straight_binormal(u); });
-    }
+    Vector3 third(double u) const;
+    double plain_length(double u0, double u1) const;
+    std::optional<Vector3> straight_binormal(double u) const;
     Vector3 in_world(const Vector3& own_vector) const { return curves::turned<double>(placement_.axes, own_vector); }
 
     std::shared_ptr<const CurveKinds::Kind> kind_;
@@ -265,4 +192,4 @@ private:
     Placement placement_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -9,16 +9,16 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
-#include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/point.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct Cycloid {
     double radius = 0.0;               // of the rolling circle, [m], positive
@@ -27,11 +27,7 @@ struct Cycloid {
     Vector3 vertex = Vector3::Zero();  // where u = 0, world, [m]
 
     /// Throws InvalidInput unless the radius is positive, x and y span a plane, and all is finite.
-    void validate() const {
-        curves::require_positive("cycloid", "radius", radius, "m");
-        curves::require_plane("cycloid", x, y, "x", "y");
-        curves::require_finite("cycloid", "vertex", vertex);
-    }
+    void validate() const;
 
     Placement placement() const { return placed(vertex, curves::axes_of_plane(x, y)); }
     Domain domain() const { return {}; }
@@ -56,24 +52,9 @@ struct Cycloid {
     Vector3 third(double u) const { return {-radius * std::cos(u), -radius * std::sin(u), 0.0}; }
 
     /// Signed arc length from u0 to u1, [m]: 8 R an arch, 4 R sin(u/2) from the vertex on the arch of u = 0.
-    double length(double u0, double u1) const {
-        if (u1 < u0) return -length(u1, u0);
-        constexpr long double turn = 2.0L * std::numbers::pi_v<long double>;
-        const auto arch = [&](double u) { return std::floor(static_cast<long double>(u) / turn + 0.5L); };
-        const long double first = arch(u0), last = arch(u1), R = radius;
-        const long double half0 = 0.5L * u0, half1 = 0.5L * u1;
-        if (first == last)
-            return static_cast<double>(8.0L * R * std::abs(std::cos(0.5L * (half0 + half1))) *
-                                       std::sin(0.5L * (half1 - half0)));
-        // 1 - sin is twice the square of a sine: from u0 to the cusp after it, from the cusp before u1
-        const long double to_cusp = std::sin(0.25L * ((first + 0.5L) * turn - u0));
-        const long double from_cusp = std::sin(0.25L * (u1 - (last - 0.5L) * turn));
-        return static_cast<double>(8.0L * R * (to_cusp * to_cusp + from_cusp * from_cusp + (last - first - 1.0L)));
-    }
+    double length(double u0, double u1) const;
     /// Whether r' is not zero: at a cusp, cos(u/2) is what rounding of u makes of it.
-    bool regular_at(double u) const {
-        return std::abs(std::cos(0.5 * u)) > 0.5 * std::numeric_limits<double>::epsilon() * std::abs(u);
-    }
+    bool regular_at(double u) const;
     bool straight() const { return false; }
     /// The binormal where the curvature is zero, in own axes; nothing where the curve bends.
     std::optional<Vector3> straight_binormal(double) const { return std::nullopt; }
@@ -81,4 +62,4 @@ struct Cycloid {
     bool operator==(const Cycloid&) const = default;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

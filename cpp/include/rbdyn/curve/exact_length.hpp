@@ -6,13 +6,15 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn::curves {
+namespace rbdyn::inline RBDYN_FORM::curves {
 
 /// Integral of `speed` from u0 to u1.
 template <class Speed>
@@ -84,4 +86,4 @@ DoubleDouble refined_parameter(const Speed& speed, double u0, double s, double u
     return {high, static_cast<double>((static_cast<long double>(u) - high) + rest)};
 }
 
-}  // namespace rbdyn::curves
+}  // namespace rbdyn::inline RBDYN_FORM::curves

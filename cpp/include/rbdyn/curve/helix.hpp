@@ -10,11 +10,14 @@
 #include <optional>
 #include <string>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
-#include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/point.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct Helix {
     double radius = 0.0;               // [m], positive
@@ -25,13 +28,7 @@ struct Helix {
 
     /// Throws InvalidInput unless the radius is positive, the pitch not zero, start and toward span a plane, and all
     /// is finite.
-    void validate() const {
-        curves::require_positive("helix", "radius", radius, "m");
-        curves::require_finite("helix", "pitch", pitch);
-        require(pitch != 0.0, "helix", "pitch", pitch, "it must not be zero: use Circle for a curve that stays level");
-        curves::require_plane("helix", start, toward);
-        curves::require_finite("helix", "center", center);
-    }
+    void validate() const;
 
     Placement placement() const { return placed(center, curves::axes_of_plane(start, toward)); }
     Domain domain() const { return {}; }
@@ -63,4 +60,4 @@ struct Helix {
     bool operator==(const Helix&) const = default;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

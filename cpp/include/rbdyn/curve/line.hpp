@@ -8,21 +8,20 @@
 #include <optional>
 #include <string>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/checks.hpp"
 #include "rbdyn/curve/point.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct Line {
     Vector3 direction = Vector3::Zero();  // any length but zero, world
     Vector3 point = Vector3::Zero();      // where u = 0, world, [m]
 
     /// Throws InvalidInput if the direction is zero or a number is not finite.
-    void validate() const {
-        curves::require_direction("line", "direction", direction);
-        curves::require_finite("line", "point", point);
-    }
+    void validate() const;
 
     Placement placement() const { return placed(point, curves::axes_of_line(direction)); }
     Domain domain() const { return {}; }
@@ -48,4 +47,4 @@ struct Line {
     bool operator==(const Line&) const = default;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

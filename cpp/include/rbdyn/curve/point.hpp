@@ -9,9 +9,12 @@
 
 #include <limits>
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A curve and its derivatives at a parameter, in numbers of type S.
 template <class S>
@@ -36,26 +39,13 @@ struct Placement {
     Matrix3 rest = Matrix3::Zero();      // what these are short of 32 digits
 
     /// The axes in 32 digits.
-    Matrix3Of<DoubleDouble> exact_axes() const {
-        Matrix3Of<DoubleDouble> m;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) m(i, j) = {axes(i, j), rest(i, j)};
-        return m;
-    }
+    Matrix3Of<DoubleDouble> exact_axes() const;
 
     bool operator==(const Placement&) const = default;
 };
 
 /// The placement with these axes.
-inline Placement placed(const Vector3& origin, const Matrix3Of<DoubleDouble>& axes) {
-    Placement p{origin};
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            p.axes(i, j) = axes(i, j).hi;
-            p.rest(i, j) = axes(i, j).lo;
-        }
-    return p;
-}
+Placement placed(const Vector3& origin, const Matrix3Of<DoubleDouble>& axes);
 
 /// The parameters a curve is defined for; the ends may be infinite, and are unless they are given.
 struct Domain {
@@ -70,4 +60,4 @@ struct Frenet {
     Vector3 tangent, normal, binormal;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -8,7 +8,9 @@
 // so that k_12 is the slope at its end and the first of the next one; stages 13 to 15 serve the interpolant alone.
 #pragma once
 
-namespace rbdyn::dop853 {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::dop853 {
 
 inline constexpr int stages = 16;  // 0 .. 11 and 12 for the step, 13 .. 15 for its interpolant
 
@@ -112,4 +114,4 @@ constexpr double weight(int row, int j) {
     return d[row - dense][j];
 }
 
-}  // namespace rbdyn::dop853
+}  // namespace rbdyn::inline RBDYN_FORM::dop853

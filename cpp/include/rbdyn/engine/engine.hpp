@@ -2,16 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// The work an engine has done.
 struct Work {
@@ -41,25 +41,23 @@ public:
                        std::span<const double> x) = 0;
 
     /// What the state just started from is short of; for engines that sum more digits than they show.
-    virtual void carry(std::span<const double> /*rest*/) {}
+    virtual void carry(std::span<const double> /*rest*/);
 
     /// One step, not past `limit`; its result is piece(). The next step goes on from its end.
     virtual StepStatus step(double limit) = 0;
 
     const Piece& piece() const { return piece_; }
     /// The length, in units, that the last step would have had without a limit; infinite if it holds at any.
-    virtual double natural_length() const { return piece_.length; }
+    virtual double natural_length() const;
 
     /// The state at tau on the current piece, as exactly as the engine knows it.
-    virtual void state(double tau, std::span<double> x) const { piece_.state(tau, x); }
+    virtual void state(double tau, std::span<double> x) const;
 
     /// What x, the state at tau on the current piece in doubles, is short of; zeros where the engine knows no more.
-    virtual void rest(double /*tau*/, std::span<const double> /*x*/, std::span<double> low) const {
-        for (double& digit : low) digit = 0.0;
-    }
+    virtual void rest(double /*tau*/, std::span<const double> /*x*/, std::span<double> low) const;
 
     /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
-    virtual bool refines() const { return false; }
+    virtual bool refines() const;
 
     /// Coefficients 0 .. guard_order() of a guard on the current piece, in the piece's unit of time, unsigned.
     virtual const double* guard(int index) = 0;
@@ -68,9 +66,9 @@ public:
     virtual void guard_sizes(int index, double* sizes) = 0;
     /// Whether these say nothing of the guard all along the piece: it is not finite where that begins, or has a
     /// singularity too near. Its values do.
-    virtual bool is_rough(int /*guard*/) const { return false; }
+    virtual bool is_rough(int /*guard*/) const;
     /// Whether they are those of polynomials through values, and not of series that are cut off.
-    virtual bool fits_guards() const { return false; }
+    virtual bool fits_guards() const;
 
     const Work& work() const { return work_; }
 
@@ -80,18 +78,10 @@ protected:
     static constexpr double guard_slack = 5.0;
 
     /// What holds at the start of a mode alone holds no longer. Returns whether any parameter changed.
-    static bool drop_start_flags(const Equations& equations, std::vector<double>& parameters) {
-        bool changed = false;
-        for (int flag : equations.start_flags) {
-            double& parameter = parameters[static_cast<std::size_t>(flag)];
-            changed = changed || parameter != 0.0;
-            parameter = 0.0;
-        }
-        return changed;
-    }
+    static bool drop_start_flags(const Equations& equations, std::vector<double>& parameters);
 
     Piece piece_;
     mutable Work work_;  // a state between the ends of a step may cost some
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

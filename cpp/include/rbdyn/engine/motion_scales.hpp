@@ -4,16 +4,16 @@
 // chain that moves by 1e-90 of the first would else say how long steps are.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/model/equations.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// Extent and largest magnitude of every state variable since the run began.
 class MotionScales {
@@ -21,41 +21,16 @@ public:
     void resize(std::size_t variables) { variables_.resize(variables); }
 
     /// Which variables belong together from here on; they outlive the use of this.
-    void follow(std::span<const VariableGroup> groups) {
-        groups_ = groups;
-        has_floor_ = false;
-        whole_.fill(0.0);
-        std::array<int, kinds> count{};
-        for (const VariableGroup& g : groups)
-            if (g.alike != Alike::nothing) has_floor_ = ++count[index(g)] > 1 || has_floor_;
-    }
+    void follow(std::span<const VariableGroup> groups);
 
     /// Takes a state into account.
-    void widen(std::span<const double> x) {
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            Variable& v = variables_[i];
-            v.low = std::min(v.low, x[i]);
-            v.high = std::max(v.high, x[i]);
-            v.magnitude = std::max(v.magnitude, std::abs(x[i]));
-        }
-        if (!has_floor_) return;
-        for (const VariableGroup& g : groups_)
-            if (g.alike != Alike::nothing) whole_[index(g)] = std::max(whole_[index(g)], g.measure * own(g));
-    }
+    void widen(std::span<const double> x);
 
     /// Extent of positions, largest magnitude of velocities; 0 before there is motion.
-    double scale(const VariableGroup& group) const {
-        if (!has_floor_ || group.alike == Alike::nothing) return own(group);
-        return std::max(own(group), floor * whole_[index(group)] / group.measure);
-    }
+    double scale(const VariableGroup& group) const;
 
     /// Largest number that stands for the group, whose rounding nothing can undo.
-    double magnitude(const VariableGroup& group) const {
-        double magnitude = group.steady;
-        for (int i = group.first; i < group.first + group.count; ++i)
-            magnitude = std::max(magnitude, variables_[static_cast<std::size_t>(i)].magnitude);
-        return magnitude;
-    }
+    double magnitude(const VariableGroup& group) const;
 
 private:
     struct Variable {
@@ -67,14 +42,7 @@ private:
     static constexpr std::size_t kinds = 5;
     static std::size_t index(const VariableGroup& g) { return static_cast<std::size_t>(g.alike); }
 
-    double own(const VariableGroup& group) const {
-        double scale = group.is_position ? 0.0 : group.steady;
-        for (int i = group.first; i < group.first + group.count; ++i) {
-            const Variable& v = variables_[static_cast<std::size_t>(i)];
-            scale = std::max(scale, group.is_position ? v.high - v.low : v.magnitude);
-        }
-        return scale;
-    }
+    double own(const VariableGroup& group) const;
 
     std::vector<Variable> variables_;
     std::span<const VariableGroup> groups_;
@@ -82,4 +50,4 @@ private:
     std::array<double, kinds> whole_{};
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -8,17 +8,23 @@
 // "Achieving Brouwer's law with implicit Runge-Kutta methods", BIT 48, 2008).
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
-#include "rbdyn/expression/term_sizes.hpp"
-#include "rbdyn/series/step_length.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/model/equations.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class TaylorEngine : public Engine {
 public:
@@ -26,126 +32,33 @@ public:
 
     /// Local error per step relative to the motion's scales; `order` 0: chosen from the tolerance.
     /// `rounding`: of the constants that the projection does not make up for.
-    explicit TaylorEngine(double tolerance, int order = 0, Program::Rounding rounding = Program::Rounding::nearest)
-        : log_tolerance_(std::log2(tolerance)), order_(order > 0 ? order : order_for(tolerance)), rounding_(rounding) {}
+    explicit TaylorEngine(double tolerance, int order = 0, Program::Rounding rounding = Program::Rounding::nearest);
 
-    std::string name() const override { return "taylor"; }
+    std::string name() const override;
 
     /// Measured on a hoop, a free and a heavy body: the cost of a run is flat within 10 percent for orders 3 away.
-    static int order_for(double tolerance) {
-        return std::clamp(static_cast<int>(std::lround(8.0 - 0.58 * std::log(tolerance))), 12, max_order);
-    }
+    static int order_for(double tolerance);
 
     void start(const Equations& equations, std::span<const double> parameters, Instant t,
-               std::span<const double> x) override {
-        if (equations_ != &equations) {
-            equations_ = &equations;
-            series_ = &evaluator_for(equations);
-            scales_.resize(x.size());
-            scales_.follow(equations.groups);
-        }
-        parameters_.assign(parameters.begin(), parameters.end());
-        t_ = t;
-        x_.assign(x.begin(), x.end());
-        low_.assign(x.size(), 0.0);
-        scales_.widen(x_);
-        is_ready_ = false;
-    }
+               std::span<const double> x) override;
 
-    void carry(std::span<const double> rest) override { low_.assign(rest.begin(), rest.end()); }
+    void carry(std::span<const double> rest) override;
 
-    StepStatus step(double limit) override {
-        if (!is_ready_) {
-            projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr;
-            set_parameters();
-            is_ready_ = true;
-        }
-        const int n = equations_->variables();
-        const double span = limit - t_;
-        if (!(unit_ > 0.0)) unit_ = power_of_two(span);
-        double length = 0.0;
-        for (int attempt = 0;; ++attempt) {
-            expand(n);
-            if (!series_->is_finite(0)) return StepStatus::not_finite;
-            const bool is_finite = series_->is_finite(order_ - 1);
-            length = is_finite ? step_length(span) * unevenness() : 0.0;
-            natural_ = length;
-            if (length * unit_ > span) length = span / unit_;
-            const bool capped = is_finite && length * unit_ >= span;
-            // a polynomial may be of any length, but its powers are numbers
-            if (is_finite && (capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) break;
-            // the unit of time was far from the step: measure again in a better one
-            ++work_.rejected;
-            const double factor = is_finite ? power_of_two(length) : 0x1p-24;
-            unit_ *= factor;
-            if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
-        }
-        // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
-        double h = length * unit_;
-        Instant end{limit, 0.0};
-        if (h < span) {
-            const double next = t_.hi + h;
-            h = next - t_.hi;
-            if (!(h > 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi)) || h <= 0.0)
-                return StepStatus::stalled;
-            end = t_ + h;
-        } else {
-            h = span;
-        }
-        piece_ = {t_, unit_, h / unit_, n, order_, series_->coefficients(0), series_->stride()};
-        ++work_.steps;
-        start_low_ = low_;
-        // go on from the end, the sum compensated
-        std::array<double, max_order + 1> power;
-        power[0] = 1.0;
-        for (int k = 1; k <= order_; ++k) power[at(k)] = power[at(k - 1)] * piece_.length;
-        for (int i = 0; i < n; ++i) {
-            const auto index = static_cast<std::size_t>(i);
-            const double increment = series::dot(piece_.variable(i) + 1, power.data() + 1, order_);
-            const Instant sum = exact_sum(x_[index], increment + low_[index]);
-            x_[index] = sum.hi;
-            low_[index] = sum.lo;
-        }
-        hold(h);
-        t_ = end;
-        scales_.widen(x_);
-        if (drop_start_flags(*equations_, parameters_)) set_parameters();
-        if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
-        return StepStatus::ok;
-    }
+    StepStatus step(double limit) override;
 
-    void rest(double tau, std::span<const double> x, std::span<double> low) const override {
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            const double* c = piece_.variable(static_cast<int>(i));
-            const Instant sum = exact_sum(c[0], tau * series::value(c + 1, order_ - 1, tau));
-            low[i] = (sum.hi - x[i]) + (sum.lo + start_low_[i]);
-        }
-    }
+    void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
-    const double* guard(int index) override {
-        const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
-        ++work_.guard_evaluations;
-        return series_->output(g.output);
-    }
-    int guard_order() const override { return order_; }
-    void guard_sizes(int index, double* sizes) override {
-        const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
-        const TermSizes::Sizes s = TermSizes(*series_, order_)(equations_->program.output(g.output));
-        std::copy_n(s.begin(), order_ + 1, sizes);
-    }
-    double natural_length() const override { return natural_; }
-    bool is_rough(int guard) const override { return !rough_.empty() && rough_[at(guard)] != 0; }
+    const double* guard(int index) override;
+    int guard_order() const override;
+    void guard_sizes(int index, double* sizes) override;
+    double natural_length() const override;
+    bool is_rough(int guard) const override;
 
 protected:
     /// The state to go on from, for one who knows it better.
-    std::span<double> replace_state() {
-        std::fill(low_.begin(), low_.end(), 0.0);
-        return x_;
-    }
+    std::span<double> replace_state();
     /// Moves the state to where its first integrals are what they were, a time after it was last.
-    void hold(double time) {
-        if (projection_) projection_->apply(x_, low_, time);
-    }
+    void hold(double time);
     /// What the state is short of, and was where the last step began.
     std::span<double> low() { return low_; }
     std::span<const double> low_before() const { return start_low_; }
@@ -156,95 +69,26 @@ protected:
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-    void set_parameters() {
-        const bool is_made_up = projection_ && projection_->makes_up_for_rounding();
-        series_->set_parameters(parameters_, is_made_up ? Program::Rounding::nearest : rounding_);
-    }
+    void set_parameters();
 
     /// 2^round(log2 x)
-    static double power_of_two(double x) {
-        int exponent = 0;
-        const double mantissa = std::frexp(x, &exponent);
-        return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
-    }
+    static double power_of_two(double x);
 
-    SeriesEvaluator& evaluator_for(const Equations& equations) {
-        for (auto& [known, evaluator] : evaluators_)
-            if (known == &equations) return *evaluator;
-        evaluators_.emplace_back(&equations, std::make_unique<SeriesEvaluator>(equations.program, order_));
-        return *evaluators_.back().second;
-    }
+    SeriesEvaluator& evaluator_for(const Equations& equations);
 
     /// Coefficients 0 .. order of the state, and of the guards where there are any.
-    void expand(int n) {
-        series_->begin(t_.hi, unit_);
-        for (int i = 0; i < n; ++i) series_->set_input(i, 0, x_[static_cast<std::size_t>(i)]);
-        for (int k = 0; k < order_; ++k) {
-            series_->advance(k);
-            series_->integrate(k);
-        }
-        work_.right_hand_sides += order_;
-        if (!equations_->guards.empty()) series_->advance(order_);
-    }
+    void expand(int n);
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
-    double step_length(double span) {
-        double log_length = std::numeric_limits<double>::infinity();
-        Sizes size;
-        for (const VariableGroup& group : equations_->groups) {
-            size.fill(0.0);
-            for (int i = group.first; i < group.first + group.count; ++i)
-                series::widen(size.data(), series_->coefficients(i), order_);
-            log_length =
-                std::min(log_length, series::log_step(size.data(), order_, scales_.scale(group), log_tolerance_));
-        }
-        // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow.
-        // The rounding of a speed's series grows by the distance from its zero, which must not keep a step from passing
-        // there
-        const double log_tolerance = std::max(log_tolerance_ + guard_slack, rounding_counts);
-        // but for a guard that is singular here or so near that steps towards it would not end: a short one passes it
-        const double least =
-            std::max(std::min(log_length, series::rough_log2(span / unit_)) - most_halvings,
-                     series::rough_log2(64.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi) / unit_));
-        rough_.clear();
-        for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
-            const Guard& guard = equations_->guards[g];
-            if (guard.output < 0 || equations_->is_variable(guard)) continue;
-            const double* c = series_->output(guard.output);
-            if (is_polynomial(c, guard)) continue;
-            size.fill(0.0);
-            series::widen(size.data(), c, order_);
-            double check = 0.0;
-            for (int k = 0; k <= order_; ++k) check += 0.0 * size[at(k)];
-            const double log_guard = series::log_step(size.data(), order_, size[0], log_tolerance);
-            if (check != 0.0 || log_guard < least) {
-                rough_.resize(equations_->guards.size(), 0);
-                rough_[g] = 1;
-            }
-            // what is not finite where the step begins says nothing of its length
-            if (check == 0.0) log_length = std::min(log_length, log_guard < least ? least + 4.0 : log_guard);
-        }
-        return std::exp2(log_length);
-    }
+    double step_length(double span);
 
     /// Whether a guard is a polynomial, exact at any length: of a high degree that is no rounding (a power of a
     /// distance would else be cut shorter and shorter towards its zero).
-    bool is_polynomial(const double* c, const Guard& guard) const {
-        if (c[order_] != 0.0 || c[order_ - 1] != 0.0 || c[order_ - 2] != 0.0 || c[order_ - 3] != 0.0) return false;
-        int k = order_ - 4;
-        while (k > order_ / 2 && c[k] == 0.0) --k;
-        if (k == order_ / 2) return false;
-        const TermSizes::Sizes sizes = TermSizes(*series_, order_)(equations_->program.output(guard.output));
-        return std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[at(k)];
-    }
+    bool is_polynomial(const double* c, const Guard& guard) const;
 
     /// Makes steps a little uneven where rounding is the error: steps that come at the same phases of every period
     /// would round alike, and their errors add up.
-    double unevenness() const {
-        if (log_tolerance_ > rounding_counts) return 1.0;
-        constexpr double golden_section = 0.6180339887498949;
-        return 1.0 - 0x1p-4 * std::fmod(golden_section * static_cast<double>(work_.steps), 1.0);
-    }
+    double unevenness() const;
 
     static constexpr double rounding_counts = -46.0;  // log2 of a tolerance
     static constexpr double longest = 0x1p40;         // in units; to the power of max_order it is in range
@@ -266,4 +110,4 @@ private:
     std::unique_ptr<const Projection> projection_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

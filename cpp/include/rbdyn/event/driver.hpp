@@ -6,18 +6,23 @@
 // bounded. What a function of the user's throws ends the run and is kept with it.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <exception>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
+#include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/series/piece.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// What of a run is kept.
 struct Keep {
@@ -32,250 +37,39 @@ public:
 
     /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there.
     Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {},
-           double slack = 0.0)
-        : model_(model),
-          engine_(engine),
-          max_steps_(max_steps),
-          keep_(std::move(keep)),
-          monitor_(std::move(monitor)),
-          search_(model, engine, slack) {}
+           double slack = 0.0);
 
-    Record run(double start, std::vector<double> x, double until) {
-        Record record;
-        Instant t{start, 0.0};
-        try {
-            advance(record, t, std::move(x), until);
-        } catch (...) {
-            record.thrown = std::current_exception();
-            // also the start that could not be left has its state
-            if (record.modes.empty()) record.modes.push_back(model_.undecided());
-            finish(record, t, Status::stopped_by_user);
-        }
-        return record;
-    }
+    Record run(double start, std::vector<double> x, double until);
 
 private:
-    void advance(Record& record, Instant& t, std::vector<double> x, double until) {
-        record.start = t.hi;
-        record.variables = model_.variables();
-        record.end = t;
-        record.first_state = x;
-        Mode mode = model_.begin(t.hi, x);
-        // what is set anew there is what it is
-        std::vector<double> low = model_.start_rest();
-        for (std::size_t i = 0; i < low.size(); ++i)
-            if (x[i] != record.first_state[i]) low[i] = 0.0;
-        record.first_state = x;
-        if (keep_.what == Keep::What::times) winding_ = model_.winding(t.hi, x);
-        enter(record, mode, t, x, {}, true);
-        if (!low.empty() && !mode.still) engine_.carry(low);
-        bool fresh = true, begins = true;
-        int crowded = 0, passes = 0;
-        // less than this from the end is the end
-        const double least = 2.0 * epsilon * std::abs(until);
-        while (until - t > least) {
-            if (mode.still) {
-                if (search_.examine_still(record, mode, t, x)) return finish(record, t, Status::stopped_by_event);
-                if (search_.broken() != nullptr) return break_off(record, t);
-                rest(record, t, x, until);
-                t = {until, 0.0};
-                break;
-            }
-            if (engine_.work().steps + engine_.work().parts >= max_steps_) return finish(record, t, Status::step_limit);
-            if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
-                return finish(record, t, Status::stopped_by_user);
-            const StepStatus step = engine_.step(until);
-            if (step != StepStatus::ok) {
-                if (!fresh) record.last_state(x);
-                if (++passes > max_crowded || !pass(record, mode, t, x, until))
-                    return finish(record, t, Status::not_finite);
-                fresh = true;
-                continue;
-            }
-            const Piece& piece = engine_.piece();
-            const bool is_last = !(until - piece.at(piece.length) > least);
-            const double cut = search_.examine(record, mode, fresh, is_last);
-            if (cut < 0.0) {
-                store(record, piece, piece.length, fresh);
-                t = piece.at(piece.length);
-                fresh = begins = false;
-                continue;
-            }
-            // a true end of this piece at the event, exact in the engine's own terms
-            const Instant at = cut < piece.length ? piece.at(cut) : piece.at(piece.length);
-            store(record, piece, cut, fresh);
-            engine_.state(cut, x);
-            low_.resize(x.size());
-            engine_.rest(cut, x, low_);
-            for (std::size_t i = 0; i < x.size(); ++i) {
-                const Instant sum = exact_sum(x[i], low_[i]);
-                x[i] = sum.hi;
-                low_[i] = sum.lo;
-            }
-            if (search_.broken() != nullptr) return break_off(record, at);
-            const std::vector<double> reached = x;
-            crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
-            search_.set_crowded(crowded);
-            t = at;
-            if (search_.stops()) {
-                for (int index : search_.fired())
-                    // what the equations say beyond is none of the laws
-                    if (mode.equations->guards[static_cast<std::size_t>(index)].kind == EventKind::singular)
-                        return finish(record, t, Status::not_finite);
-                for (int index : search_.fired()) {
-                    const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
-                    note(record, {guard.kind, guard.subject, search_.direction(index), guard.name}, t);
-                }
-                return finish(record, t, Status::stopped_by_event);
-            }
-            std::vector<Happening> happenings;
-            const Equations* before = mode.equations;
-            Mode after = model_.next(mode, search_.fired(), t.hi, x, happenings);
-            if (std::any_of(happenings.begin(), happenings.end(),
-                            [](const Happening& h) { return h.kind == EventKind::singular; }))
-                return finish(record, t, Status::not_finite);
-            // the guards just handled are at their zero, whatever rounding makes of them: those of the same equations,
-            // those of the same surface in others, and watched functions
-            std::vector<bool> handled(after.equations->guards.size(), false);
-            for (int index : search_.fired()) {
-                const Guard& guard = before->guards[static_cast<std::size_t>(index)];
-                if (guard.watch < 0) {
-                    if (after.equations == before) handled[static_cast<std::size_t>(index)] = true;
-                    if (const auto surface = before->surface_of(guard))
-                        for (std::size_t g = 0; g < handled.size(); ++g)
-                            handled[g] =
-                                handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
-                    continue;
-                }
-                search_.forget_side(guard);
-                for (std::size_t g = 0; g < handled.size(); ++g)
-                    handled[g] = handled[g] || after.equations->guards[g].watch == guard.watch;
-                for (Happening& h : happenings)
-                    if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
-            }
-            mode = std::move(after);
-            // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event
-            begins = begins && (search_.fires_at_start() || has_not_moved(record, piece, cut, reached));
-            for (const Happening& h : happenings)
-                if (!begins || h.kind == EventKind::watch) note(record, h, t);
-            if (crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_)
-                return finish(record, t, Status::inconsistent);
-            enter(record, mode, t, x, std::move(handled), begins);
-            // the digits beyond doubles of what the event did not set
-            for (std::size_t i = 0; i < x.size(); ++i)
-                if (x[i] != reached[i]) low_[i] = 0.0;
-            if (!mode.still) engine_.carry(low_);
-            fresh = true;
-        }
-        const bool stops = search_.settle(record, mode, t, x);
-        return finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
-    }
+    void advance(Record& record, Instant& t, std::vector<double> x, double until);
 
     /// Whether a place on a piece is its beginning, and the state there the first one, as far as rounding can tell.
-    static bool has_not_moved(const Record& record, const Piece& piece, double place, std::span<const double> x) {
-        if (place > 16.0 * epsilon * piece.length) return false;
-        for (std::size_t i = 0; i < x.size(); ++i)
-            if (std::abs(x[i] - record.first_state[i]) > 64.0 * epsilon * std::abs(record.first_state[i])) return false;
-        return true;
-    }
+    static bool has_not_moved(const Record& record, const Piece& piece, double place, std::span<const double> x);
 
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     // events of one instant: more than this and no smooth motion exists
     static constexpr int max_crowded = 100;
 
-    void finish(Record& record, Instant t, Status status) const {
-        record.end = t;
-        // what was found at the end of the last piece is not later than the end by its rounding
-        for (auto e = record.events.rbegin(); e != record.events.rend() && e->instant - t > 0.0; ++e) {
-            e->instant = t;
-            e->time = t.hi;
-        }
-        record.status = status;
-        record.work = engine_.work();
-    }
+    void finish(Record& record, Instant t, Status status) const;
 
     /// A guard is not finite any more.
-    void break_off(Record& record, Instant t) const {
-        const Guard& guard = *search_.broken();
-        record.not_finite = guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
-                            : !guard.name.empty()          ? guard.name
-                                                           : "what tells of " + std::string(name_of(guard.kind));
-        if (guard.kind != EventKind::watch && guard.subject >= 0)
-            record.not_finite += " (body " + std::to_string(guard.subject + 1) + ")";
-        finish(record, t, Status::not_finite);
-    }
+    void break_off(Record& record, Instant t) const;
 
     void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x, std::vector<bool> handled,
-               bool begins = false) {
-        record.modes.push_back(mode);
-        search_.enter(mode, std::move(handled), begins);
-        if (!mode.still) engine_.start(*mode.equations, mode.parameters, t, x);
-    }
+               bool begins = false);
 
-    void store(Record& record, const Piece& piece, double length, bool fresh) const {
-        const int mode = static_cast<int>(record.modes.size()) - 1;
-        if (keep_.what == Keep::What::times) {
-            const double lo = piece.start.hi, hi = piece.at(length).hi;
-            const auto wanted = std::lower_bound(keep_.times.begin(), keep_.times.end(), lo);
-            // the piece that holds a wanted time, and the last one so far
-            if (record.entries().size() > kept_) record.drop_last();
-            record.append(piece, length, mode, fresh);
-            if (!winding_.empty()) {
-                record.windings.push_back(winding_);
-                model_.wind(piece, length, winding_);
-            }
-            if (wanted != keep_.times.end() && *wanted <= hi) kept_ = record.entries().size();
-            return;
-        }
-        if (keep_.what == Keep::What::end) record.clear();
-        record.append(piece, length, mode, fresh);
-    }
+    void store(Record& record, const Piece& piece, double length, bool fresh) const;
 
     /// Past a point where the equations are not finite but the motion is (a spring through its anchor): a parabola so
     /// short that its error is rounding, from the model's own slopes at its start and at its middle, which is past the
     /// point also where rounding has put the start a little before it.
-    bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until) {
-        std::vector<double> slope(x.size()), bend(x.size());
-        const Slope known = model_.slope(mode, t.hi, x, slope, bend);
-        const auto n = static_cast<std::size_t>(known.positions);
-        if (n == 0) return false;
-        double time = std::min(until - t, known.pace);
-        for (std::size_t i = 0; i < n; ++i)
-            if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
-        const double h = 0x1p-27 * time;
-        if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
-        std::vector<double> middle = x, later(x.size()), later_bend(x.size());
-        for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-        if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).positions > 0) {
-            std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
-                      slope.begin() + static_cast<std::ptrdiff_t>(n));
-            bend = later_bend;
-        }
-        std::vector<double> c(3 * x.size(), 0.0);
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            c[3 * i] = x[i];
-            c[3 * i + 1] = slope[i] * h;
-            if (i < n) c[3 * i + 2] = 0.5 * bend[i] * h * h;
-        }
-        const Piece piece{t, h, 1.0, record.variables, 2, c.data(), 3};
-        store(record, piece, 1.0, true);
-        piece.state(1.0, x);
-        t = piece.at(1.0);
-        std::vector<Happening> none;
-        mode = model_.next(mode, {}, t.hi, x, none);
-        enter(record, mode, t, x, {});
-        return true;
-    }
+    bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until);
 
     /// Nothing moves any more: one piece to the end.
-    void rest(Record& record, Instant t, std::span<const double> x, double until) const {
-        const Piece piece{t, until - t, 1.0, record.variables, 0, x.data(), 1};
-        store(record, piece, 1.0, true);
-    }
+    void rest(Record& record, Instant t, std::span<const double> x, double until) const;
 
-    static void note(Record& record, const Happening& h, Instant t) {
-        record.note({t.hi, h.kind, h.subject, h.name, h.direction, h.impulse, t});
-    }
+    static void note(Record& record, const Happening& h, Instant t);
 
     const HybridModel& model_;
     Engine& engine_;
@@ -288,4 +82,4 @@ private:
     mutable std::vector<double> winding_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

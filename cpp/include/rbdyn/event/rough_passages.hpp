@@ -13,13 +13,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/series/fit.hpp"
+#include "rbdyn/series/polynomial.hpp"
 #include "rbdyn/series/roots.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class RoughPassages {
 public:
@@ -184,4 +187,4 @@ private:
     std::optional<double> broken_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -9,7 +9,9 @@
 #include <functional>
 #include <string>
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A function of some numbers with some results, opaque. What it throws passes through the engines unchanged.
 struct Callback {
@@ -20,10 +22,7 @@ struct Callback {
     bool is_python = false;  // runs in Python's interpreter
     mutable std::atomic<std::int64_t> calls{0};
 
-    void operator()(const double* x, double* y) const {
-        calls.fetch_add(1, std::memory_order_relaxed);
-        function(x, y);
-    }
+    void operator()(const double* x, double* y) const;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

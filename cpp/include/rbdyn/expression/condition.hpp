@@ -4,26 +4,24 @@
 // it. In a model each side of a condition is a formula of its own, the change from one to the other a located event.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
-#include <utility>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A statement about expressions: a comparison, or several joined.
 class Condition {
 public:
     Condition(bool known) : kind_(known ? Kind::always : Kind::never) {}
     /// margin > 0
-    static Condition positive(const Expression& margin) {
-        if (margin.is_constant()) return margin.is_positive();
-        Condition c(true);
-        c.kind_ = Kind::positive;
-        c.margin_ = margin;
-        return c;
-    }
+    static Condition positive(const Expression& margin);
 
     friend Condition operator!(const Condition& c) {
         if (c.kind_ == Kind::always) return false;
@@ -40,12 +38,7 @@ public:
     friend Condition operator||(const Condition& a, const Condition& b) { return a | b; }
 
     /// The recorder of what is compared; none if it is known.
-    Recorder* recorder() const {
-        if (kind_ == Kind::positive) return margin_.recorder();
-        if (a_ == nullptr) return nullptr;
-        Recorder* r = a_->recorder();
-        return r != nullptr ? r : b_->recorder();
-    }
+    Recorder* recorder() const;
 
     /// b() where it holds, else c().
     template <class B, class C>
@@ -76,16 +69,8 @@ private:
 
     // the two sides behind one type, so that joined conditions do not nest types without end
     Expression choose_between(const std::function<Expression()>& b, const std::function<Expression()>& c,
-                              const std::string& name) const {
-        return choose<std::function<Expression()>, std::function<Expression()>>(b, c, name);
-    }
-    static Condition joined(Kind kind, const Condition& a, const Condition& b) {
-        Condition c(true);
-        c.kind_ = kind;
-        c.a_ = std::make_shared<const Condition>(a);
-        c.b_ = std::make_shared<const Condition>(b);
-        return c;
-    }
+                              const std::string& name) const;
+    static Condition joined(Kind kind, const Condition& a, const Condition& b);
 
     Kind kind_;
     Expression margin_;
@@ -99,16 +84,10 @@ inline Condition operator>=(const Expression& a, const Expression& b) { return !
 inline Condition operator<=(const Expression& a, const Expression& b) { return !(a > b); }
 
 /// b where the condition holds, else c. In doubles as in expressions.
-inline Expression where(const Condition& condition, const Expression& b, const Expression& c) {
-    return condition.choose([&] { return b; }, [&] { return c; });
-}
+Expression where(const Condition& condition, const Expression& b, const Expression& c);
 inline double where(bool condition, double b, double c) { return condition ? b : c; }
 
-inline Expression max(const Expression& a, const Expression& b) {
-    return (a > b).choose([&] { return a; }, [&] { return b; }, "maximum");
-}
-inline Expression min(const Expression& a, const Expression& b) {
-    return (a < b).choose([&] { return a; }, [&] { return b; }, "minimum");
-}
+Expression max(const Expression& a, const Expression& b);
+Expression min(const Expression& a, const Expression& b);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -2,45 +2,23 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace recording {
 
 /// The derivative of what a node is, v, from those of its operands x. Zero for what is constant between switches.
-inline Expression derivative(const Node& node, const Expression& v, const std::array<Expression, 3>& x,
-                             const std::array<Expression, 3>& dx) {
-    const auto& [a, b, c] = x;
-    const auto& [da, db, dc] = dx;
-    switch (node.operation) {
-        case Operation::add: return da + db;
-        case Operation::multiply: return da * b + a * db;
-        case Operation::divide: return (da - v * db) / b;
-        case Operation::square_root: return da / (2.0 * v);
-        case Operation::norm: {
-            const Expression along = dot(Vector3Of<Expression>{a, b, c}, Vector3Of<Expression>{da, db, dc});
-            return along.is_zero() ? along : along / v;
-        }
-        case Operation::sine: return cos(a) * da;
-        case Operation::cosine: return -(sin(a) * da);
-        case Operation::hyperbolic_sine: return cosh(a) * da;
-        case Operation::hyperbolic_cosine: return sinh(a) * da;
-        case Operation::hyperbolic_tangent: return (1.0 - v * v) * da;
-        case Operation::exponential: return v * da;
-        case Operation::logarithm: return da / a;
-        case Operation::power: return node.value * pow(a, node.value - 1.0) * da;
-        case Operation::angle: {
-            const Expression turn = b * da - a * db;
-            return turn.is_zero() ? turn : turn / (a * a + b * b);
-        }
-        default: return 0.0;
-    }
-}
+Expression derivative(const Node& node, const Expression& v, const std::array<Expression, 3>& x,
+                      const std::array<Expression, 3>& dx);
 
 /// The derivatives of expressions y in the direction in which the leaves they depend on (state variables, time,
 /// parameters) have the derivatives that `leaf(node)` gives; none if they depend on a changing argument of a function
@@ -96,4 +74,4 @@ std::optional<std::vector<Expression>> derivatives(Recorder& r, std::span<const 
 
 }  // namespace recording
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

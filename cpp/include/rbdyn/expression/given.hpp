@@ -1,14 +1,16 @@
 // A number as it is given to a scene: itself, or by reference (Parameter).
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
-#include "rbdyn/expression/function.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/parameter.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A number, or one of the user's that may be changed between runs: a run takes it as it is when it starts.
 ///
@@ -30,11 +32,7 @@ public:
     const Parameter& parameter() const { return *cell_; }
     /// What it is now, or was when it was frozen.
     double now() const { return cell_ && !is_frozen_ ? cell_->value() : value_; }
-    operator double() const {
-        if (!cell_) return value_;
-        Numbers* const numbers = Numbers::active();
-        return numbers != nullptr ? numbers->number(*cell_, now()).value() : now();
-    }
+    operator double() const;
     /// In numbers of type S; in equations that are recorded, by reference.
     template <class S>
     S in() const {
@@ -47,22 +45,11 @@ public:
     bool is_zero() const { return (!cell_ || is_frozen_) && value_ == 0.0; }
 
     /// With its number as it is now.
-    Given frozen() const {
-        Given result = *this;
-        result.value_ = now();
-        result.is_frozen_ = true;
-        return result;
-    }
+    Given frozen() const;
     /// Adds it to the numbers of the user's that something depends on.
-    void give(GivenNumbers& numbers) const {
-        if (cell_) numbers.add(*cell_, now());
-    }
+    void give(GivenNumbers& numbers) const;
 
-    bool operator==(const Given& other) const {
-        if (varies() != other.varies()) return false;
-        if (!cell_ || cell_->is(*other.cell_)) return now() == other.now();
-        return now() == other.now() && cell_->name() == other.cell_->name();
-    }
+    bool operator==(const Given& other) const;
     bool operator==(double other) const { return static_cast<double>(*this) == other; }
 
 private:
@@ -71,4 +58,4 @@ private:
     std::optional<Parameter> cell_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

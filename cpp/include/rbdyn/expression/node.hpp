@@ -5,10 +5,11 @@
 #include <cmath>
 #include <cstdint>
 
-#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class Recorder;
 
@@ -79,12 +80,7 @@ public:
     Expression(Recorder* recorder, std::int32_t node) : recorder_(recorder), node_(node) {}
 
     /// A constant that comes from numbers of the user's (numbers.hpp), and what it is at present.
-    static Expression number(std::int32_t node, const Constant& now) {
-        Expression x(now.number);
-        x.is_wide_ = now.is_wide;
-        x.node_ = node;
-        return x;
-    }
+    static Expression number(std::int32_t node, const Constant& now);
 
     bool is_constant() const { return recorder_ == nullptr; }
     bool is_zero() const { return is_constant() && value_ == 0.0; }
@@ -112,7 +108,7 @@ private:
     bool is_wide_ = false;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM
 
 template <>
 struct Eigen::NumTraits<rbdyn::Expression> : Eigen::GenericNumTraits<rbdyn::Expression> {
@@ -131,7 +127,7 @@ struct Eigen::NumTraits<rbdyn::Expression> : Eigen::GenericNumTraits<rbdyn::Expr
     };
 };
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// One recorded operation.
 struct Node {
@@ -146,17 +142,7 @@ struct Node {
     Expression constant() const { return is_wide ? Expression(DoubleDouble(value, rest)) : Expression(value); }
 
     /// The nodes it computes with, those of calls apart.
-    std::array<std::int32_t, 3> operands() const {
-        switch (operation) {
-            case Operation::constant:
-            case Operation::input:
-            case Operation::time:
-            case Operation::parameter:
-            case Operation::cell:
-            case Operation::call: return {-1, -1, -1};
-            default: return {a, b, c};
-        }
-    }
+    std::array<std::int32_t, 3> operands() const;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

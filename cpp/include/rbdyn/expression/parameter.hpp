@@ -1,30 +1,21 @@
 // Numbers of the user's that recorded functions use by reference.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <string>
-#include <utility>
 
-#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/node.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A number of the user's, used in recorded functions by reference: it may be changed between runs.
 class Parameter {
 public:
-    explicit Parameter(double value, std::string name = {})
-        : cell_(std::make_shared<Cell>(Cell{value, std::move(name)})) {
-        require(std::isfinite(value), "parameter", cell_->name.empty() ? "its value" : cell_->name, value,
-                "it is finite");
-    }
+    explicit Parameter(double value, std::string name = {});
     double value() const { return cell_->value; }
     const std::string& name() const { return cell_->name; }
-    void set(double value) {
-        require(std::isfinite(value), "parameter", name().empty() ? "its value" : name(), value, "it is finite");
-        cell_->value = value;
-    }
+    void set(double value);
     /// "parameter k", for messages.
     std::string description() const { return name().empty() ? "a parameter" : "parameter " + name(); }
     /// In the function that is being recorded. Throws Error if none is.
@@ -41,4 +32,4 @@ private:
     std::shared_ptr<Cell> cell_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,12 +1,8 @@
 // Holds the nodes of one recorded function (expression.hpp).
 #pragma once
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,10 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/parameter.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// Where a recorded function is not smooth: an absolute value or a norm at its zero.
 /// The sign is a parameter of the program, +1 or -1 times what is inside; `argument` is the guard.
@@ -75,16 +73,7 @@ public:
     /// A model whose choices follow from a state: the numbers of time, inputs and parameters from here on. Choices in
     /// `forced`, by id, are made so whatever the state; those on the surfaces in `sides` are on that side, +1 or -1.
     void follow(double t, std::span<const double> inputs, std::span<const double> parameters,
-                std::map<std::uint64_t, long> forced = {}, std::map<std::uint64_t, long> sides = {}) {
-        follows_ = true;
-        time_ = t;
-        inputs_.assign(inputs.begin(), inputs.end());
-        parameter_values_.assign(parameters.begin(), parameters.end());
-        forced_ = std::move(forced);
-        sides_ = std::move(sides);
-        values_.clear();
-        for (const Node& n : nodes_) values_.push_back(value_of(n));
-    }
+                std::map<std::uint64_t, long> forced = {}, std::map<std::uint64_t, long> sides = {});
 
     /// The number a node stands for in the state that is followed; not a number where cases are kept, or before a call.
     double value(std::int32_t index) const { return values_[at(index)]; }
@@ -97,10 +86,7 @@ public:
 
     Expression input(int index) { return {this, intern({Operation::input, index})}; }
     Expression time() { return {this, intern({Operation::time})}; }
-    Expression parameter(int index) {
-        if (index >= parameters_) parameters_ = index + 1;
-        return {this, intern({Operation::parameter, index})};
-    }
+    Expression parameter(int index);
     /// The body that what is recorded from now on belongs to.
     void set_subject(int body) { subject_ = body; }
 
@@ -117,18 +103,9 @@ public:
     int parameters() const { return parameters_; }
 
     /// The node of an expression, constants included.
-    std::int32_t node_of(const Expression& x) {
-        if (!x.is_constant()) return x.node();
-        if (x.is_number()) return node_of_number(x);
-        const auto [value, is_wide] = x.constant();
-        // zero has no further digits: one node, however it came about
-        if (value.hi == 0.0) return intern({Operation::constant, -1, -1, -1, -1, value.hi});
-        return intern({Operation::constant, -1, -1, -1, -1, value.hi, value.lo, is_wide});
-    }
+    std::int32_t node_of(const Expression& x);
 
-    Expression record(Operation operation, std::int32_t a, std::int32_t b = -1, double value = 0.0) {
-        return {this, intern({operation, a, b, -1, -1, value})};
-    }
+    Expression record(Operation operation, std::int32_t a, std::int32_t b = -1, double value = 0.0);
     /// A node as another recording has it.
     Expression record(const Node& node) { return {this, intern(node)}; }
 
@@ -151,23 +128,11 @@ public:
     std::vector<Expression> call(const std::shared_ptr<const Callback>& function,
                                  std::span<const Expression> arguments);
     /// A number of the user's.
-    Expression cell(const Parameter& parameter) {
-        std::int32_t index = 0;
-        while (index < static_cast<std::int32_t>(cells_.size()) &&
-               !cells_[static_cast<std::size_t>(index)].is(parameter))
-            ++index;
-        if (index == static_cast<std::int32_t>(cells_.size())) cells_.push_back(parameter);
-        return {this, intern({Operation::cell, index})};
-    }
+    Expression cell(const Parameter& parameter);
     const std::vector<Parameter>& cells() const { return cells_; }
 
     /// A name kept with nodes of a function.
-    std::int32_t name_index(const std::string& name) {
-        const auto found = std::find(names_.begin(), names_.end(), name);
-        if (found != names_.end()) return static_cast<std::int32_t>(found - names_.begin());
-        names_.push_back(name);
-        return static_cast<std::int32_t>(names_.size()) - 1;
-    }
+    std::int32_t name_index(const std::string& name);
     const std::vector<std::string>& names() const { return names_; }
 
     struct Call {
@@ -182,56 +147,16 @@ public:
 
 private:
     /// Where to begin to look for a node among 2^bits places.
-    static std::size_t place_of(const Node& n, int bits) {
-        std::uint64_t h = static_cast<std::uint64_t>(n.operation);
-        for (std::int32_t x : {n.a, n.b, n.c, n.d}) h = h * 1000003u ^ static_cast<std::uint64_t>(x + 7);
-        // zeros of both signs are one number
-        h = h * 1000003u ^ (n.value == 0.0 ? 0 : std::bit_cast<std::uint64_t>(n.value));
-        // the high bits of a product with 2^64 over the golden section depend on all of h
-        return static_cast<std::size_t>((h ^ h >> 32) * 0x9e3779b97f4a7c15u >> (64 - bits));
-    }
-    std::int32_t intern(const Node& node) {
-        if (2 * nodes_.size() >= index_.size()) {
-            bits_ = bits_ == 0 ? 6 : bits_ + 1;
-            index_.assign(std::size_t{1} << bits_, -1);
-            for (std::size_t n = 0; n < nodes_.size(); ++n)
-                index_[free_place(nodes_[n])] = static_cast<std::int32_t>(n);
-        }
-        std::int32_t& found = index_[free_place(node)];
-        if (found < 0) {
-            found = static_cast<std::int32_t>(nodes_.size());
-            nodes_.push_back(node);
-            if (follows_) values_.push_back(value_of(node));
-        }
-        return found;
-    }
+    static std::size_t place_of(const Node& n, int bits);
+    std::int32_t intern(const Node& node);
     /// The place in the index that holds a node, or where it goes.
-    std::size_t free_place(const Node& node) const {
-        std::size_t place = place_of(node, bits_);
-        while (index_[place] >= 0 && !(nodes_[at(index_[place])] == node)) place = (place + 1) & (index_.size() - 1);
-        return place;
-    }
+    std::size_t free_place(const Node& node) const;
     static std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
     /// Numbers of the user's are parameters.
-    std::int32_t node_of_number(const Expression& x) {
-        for (const auto& [number, index] : numbers_)
-            if (number == x.node()) return intern({Operation::parameter, index});
-        const int index = new_parameter();
-        if (follows_) {
-            parameter_values_.resize(at(index) + 1, 0.0);
-            parameter_values_[at(index)] = x.constant().number.hi;
-        }
-        numbers_.emplace_back(x.node(), index);
-        return intern({Operation::parameter, index});
-    }
+    std::int32_t node_of_number(const Expression& x);
     /// Whether a node is a number of the user's: the node among those; -1: no.
-    std::int32_t number_of(const Node& n) const {
-        if (n.operation == Operation::parameter)
-            for (const auto& [number, index] : numbers_)
-                if (index == n.a) return number;
-        return -1;
-    }
+    std::int32_t number_of(const Node& n) const;
 
     /// The number a new node stands for in the state that is followed.
     double value_of(const Node& n) const;
@@ -267,4 +192,4 @@ private:
     std::map<std::uint64_t, Blend> blends_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,17 +1,15 @@
 // The recording that is under way: what a parameter of the user's becomes part of when it is used.
 #pragma once
 
-#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/recorder.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace recording {
 
 /// The recorder of the innermost recording under way in this thread, if any.
-inline Recorder*& active() {
-    static thread_local Recorder* recorder = nullptr;
-    return recorder;
-}
+Recorder*& active();
 
 /// Makes a recorder the active one for as long as this lives.
 class Active {
@@ -27,12 +25,4 @@ private:
 
 }  // namespace recording
 
-inline Parameter::operator Expression() const {
-    Recorder* recorder = recording::active();
-    if (recorder == nullptr)
-        throw InvalidInput("parameter" + (name().empty() ? std::string() : " " + name()) +
-                           ": it is part of a function while that is recorded; elsewhere ask for its value");
-    return recorder->cell(*this);
-}
-
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

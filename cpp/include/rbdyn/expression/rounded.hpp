@@ -6,12 +6,12 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct Rounded {
     double value = 0.0;
@@ -20,8 +20,7 @@ struct Rounded {
     Rounded() = default;
     Rounded(double exact) : value(exact) {}
     /// A result: errors of the operands passed on, and one rounding.
-    Rounded(double result, double passed_on)
-        : value(result), error(passed_on + std::numeric_limits<double>::epsilon() * std::abs(result)) {}
+    Rounded(double result, double passed_on);
 
     /// Whether it may be zero.
     bool may_vanish() const { return !(std::abs(value) > error); }
@@ -29,41 +28,22 @@ struct Rounded {
 
 inline Rounded operator+(const Rounded& a, const Rounded& b) { return {a.value + b.value, a.error + b.error}; }
 inline Rounded operator-(const Rounded& a, const Rounded& b) { return {a.value - b.value, a.error + b.error}; }
-inline Rounded operator*(const Rounded& a, const Rounded& b) {
-    return {a.value * b.value, std::abs(a.value) * b.error + std::abs(b.value) * a.error + a.error * b.error};
-}
-inline Rounded operator/(const Rounded& a, const Rounded& b) {
-    const double quotient = a.value / b.value;
-    return {quotient, (a.error + std::abs(quotient) * b.error) / std::abs(b.value)};
-}
+Rounded operator*(const Rounded& a, const Rounded& b);
+Rounded operator/(const Rounded& a, const Rounded& b);
 inline bool operator>(const Rounded& a, const Rounded& b) { return a.value > b.value; }
 
-inline Rounded sqrt(const Rounded& x) {
-    const double root = std::sqrt(x.value);
-    return {root, root > 0.0 ? 0.5 * x.error / root : std::sqrt(x.error)};
-}
+Rounded sqrt(const Rounded& x);
 inline Rounded sin(const Rounded& x) { return {std::sin(x.value), std::abs(std::cos(x.value)) * x.error}; }
 inline Rounded cos(const Rounded& x) { return {std::cos(x.value), std::abs(std::sin(x.value)) * x.error}; }
 inline Rounded sinh(const Rounded& x) { return {std::sinh(x.value), std::cosh(x.value) * x.error}; }
 inline Rounded cosh(const Rounded& x) { return {std::cosh(x.value), std::abs(std::sinh(x.value)) * x.error}; }
-inline Rounded tanh(const Rounded& x) {
-    const double t = std::tanh(x.value);
-    return {t, (1.0 - t * t) * x.error};
-}
+Rounded tanh(const Rounded& x);
 inline Rounded exp(const Rounded& x) { return {std::exp(x.value), std::exp(x.value) * x.error}; }
 inline Rounded log(const Rounded& x) { return {std::log(x.value), x.error / std::abs(x.value)}; }
-inline Rounded pow(const Rounded& x, double n) {
-    const double power = std::pow(x.value, n);
-    return {power, x.value != 0.0 ? std::abs(n * power / x.value) * x.error : std::pow(x.error, n)};
-}
-inline Rounded atan2(const Rounded& y, const Rounded& x) {
-    const double square = x.value * x.value + y.value * y.value;
-    return {std::atan2(y.value, x.value), (std::abs(x.value) * y.error + std::abs(y.value) * x.error) / square};
-}
+Rounded pow(const Rounded& x, double n);
+Rounded atan2(const Rounded& y, const Rounded& x);
 inline Rounded floor(const Rounded& x) { return std::floor(x.value); }
 inline Rounded locked_sign(const Rounded& x, const std::string& = {}) { return x.value < 0.0 ? -1.0 : 1.0; }
-inline Rounded length(const Vector3Of<Rounded>& v, const std::string& = {}, int = -1) {
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
+Rounded length(const Vector3Of<Rounded>& v, const std::string& = {}, int = -1);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

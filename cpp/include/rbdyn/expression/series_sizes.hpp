@@ -6,105 +6,37 @@
 // powers of a difference are known to rounding of the difference, however small they are.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
+#include <cstddef>
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class SeriesSizes {
 public:
     /// For coefficients 0 .. order.
-    SeriesSizes(const Program& program, int order)
-        : program_(&program), row_(order + 1), sizes_(static_cast<std::size_t>(program.slots() * row_), 0.0) {}
+    SeriesSizes(const Program& program, int order);
 
     void set_parameters(std::span<const double> parameters) { program_->set_parameters(parameters, scalars_); }
 
     /// Of what a series evaluator holds.
-    void operator()(const SeriesEvaluator& series) {
-        const auto take = [&](int slot) {
-            for (int k = 0; slot >= 0 && k < row_; ++k) of(slot)[k] = std::abs(series.coefficients(slot)[k]);
-        };
-        for (int slot = 0; slot <= program_->inputs(); ++slot) take(slot);
-        for (const Instruction& i : program_->instructions()) {
-            if (i.code == Code::combine) {
-                combine(i, series);
-                continue;
-            }
-            take(i.out);
-            take(i.out2);
-            const auto value = [&](int slot) { return slot >= 0 ? std::abs(series.coefficients(slot)[0]) : 0.0; };
-            const double out = value(i.out), out2 = value(i.out2), a = value(i.a), b = value(i.b);
-            // what is lost in an operand, times how much the result changes with it
-            const auto lost = [&](int result, int operand, double slope) {
-                if (operand < 0 || !(slope > 0.0) || !std::isfinite(slope)) return;
-                for (int k = 0; k < row_; ++k)
-                    of(result)[k] += slope * std::max(0.0, of(operand)[k] - std::abs(series.coefficients(operand)[k]));
-            };
-            switch (i.code) {
-                case Code::combine:
-                case Code::call: break;
-                case Code::divide:
-                    lost(i.out, i.a, 1.0 / b);
-                    lost(i.out, i.b, out / b);
-                    break;
-                case Code::square_root: lost(i.out, i.a, 0.5 / out); break;
-                case Code::norm:
-                    for (const int operand : {i.a, i.b, i.c}) lost(i.out, operand, 1.0);
-                    break;
-                case Code::sine_cosine:
-                case Code::hyperbolic:
-                    lost(i.out, i.a, out2);
-                    lost(i.out2, i.a, out);
-                    break;
-                case Code::tangent: lost(i.out, i.a, out2); break;
-                case Code::exponential: lost(i.out, i.a, out); break;
-                case Code::logarithm: lost(i.out, i.a, 1.0 / a); break;
-                case Code::power: lost(i.out, i.a, std::abs(i.value) * out / a); break;
-                case Code::angle:
-                    lost(i.out, i.a, 1.0 / std::hypot(a, b));
-                    lost(i.out, i.b, 1.0 / std::hypot(a, b));
-                    break;
-            }
-        }
-    }
+    void operator()(const SeriesEvaluator& series);
 
     /// Coefficients 0 .. order of an output.
-    const double* output(int index) const {
-        return sizes_.data() + static_cast<std::ptrdiff_t>(program_->output(index)) * row_;
-    }
+    const double* output(int index) const;
 
 private:
     double* of(int slot) { return sizes_.data() + static_cast<std::ptrdiff_t>(slot) * row_; }
 
-    void combine(const Instruction& i, const SeriesEvaluator& series) {
-        std::vector<double> sum(static_cast<std::size_t>(row_), 0.0);
-        const auto weight = [&](int w) { return std::abs(scalars_[static_cast<std::size_t>(w)]); };
-        if (i.weight >= 0) sum[0] = weight(i.weight);
-        for (int j = 0; j < i.terms; ++j) {
-            const Term& t = program_->terms(i)[j];
-            for (int k = 0; k < row_; ++k) sum[static_cast<std::size_t>(k)] += weight(t.weight) * of(t.slot)[k];
-        }
-        for (int j = 0; j < i.products; ++j) {
-            const ProductTerm& t = program_->products(i)[j];
-            for (int k = 0; k < row_; ++k) {
-                double product = 0.0;
-                for (int l = 0; l <= k; ++l) {
-                    const double a = std::abs(series.coefficients(t.a)[l]), b = of(t.b)[k - l];
-                    product += a * b + (of(t.a)[l] - a) * std::abs(series.coefficients(t.b)[k - l]);
-                }
-                sum[static_cast<std::size_t>(k)] += weight(t.weight) * product;
-            }
-        }
-        std::copy(sum.begin(), sum.end(), of(i.out));
-    }
+    void combine(const Instruction& i, const SeriesEvaluator& series);
 
     const Program* program_;
     int row_;
     std::vector<double> sizes_, scalars_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

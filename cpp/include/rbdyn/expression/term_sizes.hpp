@@ -6,16 +6,16 @@
 // variable's coefficients are those of its rate.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class TermSizes {
 public:
@@ -27,8 +27,7 @@ public:
     static constexpr int all = 1 << 20;
 
     /// Of a series whose coefficients 0 .. order are known; `depth`: operations looked back.
-    TermSizes(const SeriesEvaluator& series, int order, int depth = few)
-        : series_(series), program_(series.program()), order_(order), depth_(depth) {}
+    TermSizes(const SeriesEvaluator& series, int order, int depth = few);
 
     /// Of the coefficients 0 .. order of a slot.
     Sizes operator()(int slot) { return sizes(slot, depth_); }
@@ -37,91 +36,17 @@ private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
     double first(int slot) const { return series_.coefficients(slot)[0]; }
-    Sizes own(int slot) const {
-        Sizes s{};
-        const double* c = series_.coefficients(slot);
-        for (int k = 0; k <= order_; ++k) s[at(k)] = std::abs(c[k]);
-        return s;
-    }
+    Sizes own(int slot) const;
 
     /// sum += weight * |a| * |b|, as series.
-    void add_product(Sizes& sum, double weight, const Sizes& a, const Sizes& b) const {
-        for (int k = 0; k <= order_; ++k)
-            for (int j = 0; j <= k; ++j) sum[at(k)] += weight * a[at(j)] * b[at(k - j)];
-    }
+    void add_product(Sizes& sum, double weight, const Sizes& a, const Sizes& b) const;
 
-    Sizes sizes(int slot, int deep) {
-        for (const auto& [done, s] : known_)
-            if (done == slot) return s;
-        Sizes s = own(slot);
-        if (deep == 0) return s;
-        // what a rate depends on by itself is as large as it is
-        const std::size_t place = known_.size();
-        known_.emplace_back(slot, s);
-        if (slot < program_.inputs()) {
-            if (slot >= program_.outputs()) return s;
-            const Sizes rate = sizes(program_.output(slot), deep - 1);
-            for (int k = 0; k < order_; ++k)
-                s[at(k + 1)] = std::max(s[at(k + 1)], rate[at(k)] * series_.unit() / (k + 1));
-        } else {
-            for (const Instruction& i : program_.instructions())
-                if (i.out == slot || (i.out2 == slot && (i.code == Code::sine_cosine || i.code == Code::hyperbolic))) {
-                    pass_on(i, slot, deep - 1, s);
-                    break;
-                }
-        }
-        known_[place].second = s;
-        return s;
-    }
+    Sizes sizes(int slot, int deep);
 
     /// Adds to the sizes of a result those of the operands.
-    void pass_on(const Instruction& i, int slot, int deep, Sizes& s) {
-        switch (i.code) {
-            case Code::combine: {
-                s.fill(0.0);
-                if (i.weight >= 0) s[0] = std::abs(series_.weight(i.weight));
-                for (int k = 0; k < i.terms; ++k) {
-                    const Term& t = program_.terms(i)[k];
-                    const Sizes a = sizes(t.slot, deep);
-                    const double weight = std::abs(series_.weight(t.weight));
-                    for (int j = 0; j <= order_; ++j) s[at(j)] += weight * a[at(j)];
-                }
-                for (int k = 0; k < i.products; ++k) {
-                    const ProductTerm& t = program_.products(i)[k];
-                    const double weight = std::abs(series_.weight(t.weight));
-                    add_product(s, weight, sizes(t.a, deep), own(t.b));
-                    add_product(s, weight, own(t.a), sizes(t.b, deep));
-                }
-                break;
-            }
-            case Code::divide: {
-                Sizes sum = sizes(i.a, deep);
-                add_product(sum, 1.0, own(slot), sizes(i.b, deep));
-                add(s, sum, 1.0 / first(i.b));
-                break;
-            }
-            case Code::square_root: add(s, sizes(i.a, deep), 0.5 / first(slot)); break;
-            case Code::sine_cosine:
-            case Code::hyperbolic: add_product(s, 1.0, sizes(i.a, deep), own(slot == i.out ? i.out2 : i.out)); break;
-            case Code::exponential: add_product(s, 1.0, sizes(i.a, deep), own(slot)); break;
-            case Code::tangent: add_product(s, 1.0, sizes(i.a, deep), own(i.out2)); break;
-            case Code::logarithm: add(s, sizes(i.a, deep), 1.0 / first(i.a)); break;
-            case Code::power: add(s, sizes(i.a, deep), i.value * first(slot) / first(i.a)); break;
-            case Code::angle: {
-                const double square = first(i.a) * first(i.a) + first(i.b) * first(i.b);
-                add(s, sizes(i.a, deep), first(i.b) / square);
-                add(s, sizes(i.b, deep), first(i.a) / square);
-                break;
-            }
-            case Code::norm:
-            case Code::call: break;
-        }
-    }
+    void pass_on(const Instruction& i, int slot, int deep, Sizes& s);
 
-    void add(Sizes& s, const Sizes& other, double factor) const {
-        if (!std::isfinite(factor)) return;
-        for (int k = 0; k <= order_; ++k) s[at(k)] += std::abs(factor) * other[at(k)];
-    }
+    void add(Sizes& s, const Sizes& other, double factor) const;
 
     const SeriesEvaluator& series_;
     const Program& program_;
@@ -129,4 +54,4 @@ private:
     std::vector<std::pair<int, Sizes>> known_;  // by slot
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

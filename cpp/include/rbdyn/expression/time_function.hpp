@@ -1,26 +1,21 @@
 // A number that may change in time.
 #pragma once
 
+#include <span>
 #include <type_traits>
-#include <utility>
+#include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/node.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A number, or a number that changes in time: a recorded function of t.
 class TimeFunction {
 public:
     TimeFunction(double constant = 0.0) : constant_(constant) {}
-    TimeFunction(Function function)
-        : is_constant_(false), function_(std::move(function)), rate_(function_.derivative(0)) {
-        if (!function_.depends_on(0) && function_.parameters().empty()) {
-            const double zero = 0.0;
-            constant_ = function_(std::span<const double>(&zero, 1))[0];
-            is_constant_ = true;
-            function_ = {};
-        }
-    }
+    TimeFunction(Function function);
     /// Any callable over the number type: [](const auto& t) { return 0.5 * sin(t); }
     template <class F>
     requires(std::is_invocable_v<F, const Expression&> && !std::is_same_v<std::decay_t<F>, Function> &&
@@ -33,18 +28,7 @@ public:
     double constant() const { return constant_; }
     const Function& function() const { return function_; }
     /// With the numbers of the user's as they are now.
-    TimeFunction frozen() const {
-        TimeFunction result = *this;
-        if (is_constant_ || function_.parameters().empty()) return result;
-        result.function_ = function_.frozen();
-        result.rate_ = rate_.frozen();
-        const auto same = result.function_.constants();
-        result.is_constant_ = same.has_value();
-        if (same) result.constant_ = same->front();
-        // the formula remains: equations that are recorded hold for other numbers, too
-        if (result.is_zero()) result.function_ = {};
-        return result;
-    }
+    TimeFunction frozen() const;
 
     template <class S>
     S operator()(const S& t) const {
@@ -56,9 +40,7 @@ public:
         return is_constant_ ? S(0.0) : rate_(std::span<const S>(&t, 1))[0];
     }
 
-    bool operator==(const TimeFunction& other) const {
-        return constant_ == other.constant_ && function_ == other.function_;
-    }
+    bool operator==(const TimeFunction& other) const;
 
 private:
     bool is_constant_ = true;
@@ -66,4 +48,4 @@ private:
     Function function_, rate_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -15,11 +15,11 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 struct Acting {
     static constexpr int per_body = 7, per_spring = 3;
@@ -41,34 +41,6 @@ private:
 };
 
 /// At a state of a mode; none where the laws at the state say it all.
-inline std::optional<Acting> acting_in(const Mode& mode, int bodies, int springs, double t, std::span<const double> x) {
-    if (mode.equations == nullptr || mode.equations->acting == nullptr) return std::nullopt;
-    const Program& program = *mode.equations->acting;
-    std::vector<double> parameters = mode.parameters;
-    parameters.resize(static_cast<std::size_t>(program.parameters()), 0.0);
-    Evaluator<double> values(program);
-    values.set_parameters(parameters);
-    values(t, x);
-    // the sign of what the motion itself does not depend on is that of the state
-    bool has_loose = false;
-    const std::vector<Switch>& known = mode.equations->program.switches();
-    for (std::size_t k = 0; k < program.switches().size(); ++k) {
-        const Switch& s = program.switches()[k];
-        if (s.is_norm) continue;
-        bool is_known = false;
-        for (const Switch& other : known) is_known = is_known || other.parameter == s.parameter;
-        if (is_known) continue;
-        has_loose = true;
-        parameters[static_cast<std::size_t>(s.parameter)] = values.switch_value(static_cast<int>(k)) < 0.0 ? -1.0 : 1.0;
-    }
-    if (has_loose) {
-        values.set_parameters(parameters);
-        values(t, x);
-    }
-    Acting result{static_cast<int>(x.size()), bodies, springs, {}};
-    result.values.reserve(static_cast<std::size_t>(program.outputs()));
-    for (int i = 0; i < program.outputs(); ++i) result.values.push_back(values.output(i));
-    return result;
-}
+std::optional<Acting> acting_in(const Mode& mode, int bodies, int springs, double t, std::span<const double> x);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,21 +1,23 @@
 // Equations of smooth motion in one structural mode: what an engine integrates and what guards watch over it.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/series/piece.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 enum class EventKind {
     watch,
@@ -81,10 +83,7 @@ struct VariableGroup {
 
 /// The share of the scale of the whole that the scale of a part is at least, for an error wanted: a body that hardly
 /// moves yet is known to that error of the error of the whole, or to rounding. `size`: of the numbers over that scale.
-inline double least_share(double wanted, double size) {
-    constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
-    return std::min(1.0, std::max(wanted, rounding * std::max(size, 1.0) / wanted));
-}
+double least_share(double wanted, double size);
 
 /// Holds what a motion conserves against the errors of its integration.
 class Projection {
@@ -94,7 +93,7 @@ public:
     /// time since it was moved last [s].
     virtual void apply(std::span<double> x, std::span<double> low, double step) const = 0;
     /// Whether it adds what rounded constants of the equations leave out.
-    virtual bool makes_up_for_rounding() const { return false; }
+    virtual bool makes_up_for_rounding() const;
 };
 
 /// x' = f(t, x; p) with its guards, as one program: outputs 0 .. n-1 are x', the rest guards.
@@ -119,24 +118,11 @@ struct Equations {
 
     int variables() const { return program.inputs(); }
     /// The switch whose argument a guard is; none for guards of other kinds.
-    const Switch* switch_of(const Guard& guard) const {
-        const int index = guard.output - program.outputs();
-        return index >= 0 ? &program.switches()[static_cast<std::size_t>(index)] : nullptr;
-    }
+    const Switch* switch_of(const Guard& guard) const;
     /// The surface of the switch or of the choice of two that a guard stands for, by id; none for others.
-    std::optional<std::uint64_t> surface_of(const Guard& guard) const {
-        if (guard.sliding >= 0 || guard.output < 0) return std::nullopt;
-        if (guard.branch >= 0) {
-            const Branch& b = branches[static_cast<std::size_t>(guard.branch)];
-            return b.is_select ? std::optional(b.surface) : std::nullopt;
-        }
-        const Switch* s = switch_of(guard);
-        return s != nullptr && !s->is_norm ? std::optional(s->surface) : std::nullopt;
-    }
+    std::optional<std::uint64_t> surface_of(const Guard& guard) const;
     /// Whether a guard is a state variable itself.
-    bool is_variable(const Guard& guard) const {
-        return guard.output >= 0 && program.output(guard.output) < program.inputs();
-    }
+    bool is_variable(const Guard& guard) const;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

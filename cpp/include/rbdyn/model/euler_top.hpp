@@ -8,16 +8,18 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/rigid_body.hpp"
-#include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A model for simulate(model, state, options).
 class EulerTop {
@@ -28,18 +30,7 @@ public:
     /// A body in principal axes at the point that is held, `point` in body axes [m], under gravity along -z [m/s^2].
     /// Throws InvalidInput for other axes, in which the chapter does not write its equations.
     EulerTop(const RigidBody& body, double gravity, const Vector3& point = Vector3::Zero(),
-             double least = default_least)
-        : weight_(body.mass() * gravity), arm_(body.com() - point), least_(least) {
-        const Matrix3 about = body.inertia(point);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < i; ++j)
-                require(std::abs(about(i, j)) <= 1e-12 * about.diagonal().maxCoeff(), "EulerTop",
-                        "product of inertia " + std::to_string(j + 1) + std::to_string(i + 1), about(i, j),
-                        "its equations are those of the principal axes at the fixed point; turn the body's axes there");
-        moments_ = about.diagonal();
-        require(std::isfinite(gravity), "EulerTop", "gravity", gravity, "it is finite; give it in m/s^2");
-        require(least > 0.0 && least < 1.0, "EulerTop", "least", least, "it lies between 0 and 1, a sine");
-    }
+             double least = default_least);
 
     int variables() const { return 6; }
     int positions() const { return 0; }
@@ -69,18 +60,10 @@ public:
     }
 
     /// Throws InvalidInput for a start where the angles fail.
-    void require_start(std::span<const double> x) const {
-        const double s = std::abs(std::sin(x[0]));
-        require(s > least_, "EulerTop", "|sin theta| at the start", s,
-                "Euler angles fail where theta is 0 or pi, and a run starts where it is above " + text(least_) +
-                    "; start elsewhere, or give the body to a Scene, which is computed in quaternions");
-    }
+    void require_start(std::span<const double> x) const;
 
     /// The state of an attitude and an angular velocity in body axes [rad/s].
-    static std::vector<double> state(const EulerAngles& angles, const Vector3& omega) {
-        const Vector3 rates = euler_rates(angles, omega);
-        return {angles.theta, angles.psi, angles.phi, rates[0], rates[1], rates[2]};
-    }
+    static std::vector<double> state(const EulerAngles& angles, const Vector3& omega);
 
 private:
     double weight_;
@@ -88,4 +71,4 @@ private:
     double least_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

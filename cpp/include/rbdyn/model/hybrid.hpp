@@ -1,17 +1,19 @@
 // Motion that is smooth except at events: the interface between the laws of a scene and the driver that runs them.
 #pragma once
 
-#include <algorithm>
 #include <limits>
 #include <ostream>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/equations.hpp"
+#include "rbdyn/series/piece.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// What a body does in a mode besides slipping one way (+1, -1).
 inline constexpr signed char sticks = 0, flies = 2;
@@ -31,30 +33,12 @@ struct Size {
     int instructions = 0;  // of the right-hand side and its guards
 
     Size() = default;
-    explicit Size(const Mode& mode) {
-        if (mode.equations == nullptr) return;
-        variables = mode.equations->variables();
-        guards = static_cast<int>(mode.equations->guards.size());
-        instructions = static_cast<int>(mode.equations->program.instructions().size());
-    }
+    explicit Size(const Mode& mode);
     bool operator==(const Size&) const = default;
-    Size& operator+=(const Size& other) {
-        variables += other.variables;
-        guards += other.guards;
-        instructions += other.instructions;
-        return *this;
-    }
+    Size& operator+=(const Size& other);
 };
 
-inline std::ostream& operator<<(std::ostream& out, const Size& s) {
-    const auto counted = [&](int n, const char* what, const char* end) {
-        out << n << ' ' << what << (n == 1 ? "" : "s") << end;
-    };
-    counted(s.variables, "variable", ", ");
-    counted(s.guards, "guard", ", ");
-    counted(s.instructions, "instruction", "");
-    return out;
-}
+std::ostream& operator<<(std::ostream& out, const Size& s);
 
 /// Something that happened at an event.
 struct Happening {
@@ -89,16 +73,16 @@ public:
     virtual int variables() const = 0;
 
     /// What is known of a mode before any law has been asked: the places of bodies, not their forces.
-    virtual Mode undecided() const { return {}; }
+    virtual Mode undecided() const;
 
     /// What the state its motion starts in is short of 32 digits; empty if nothing.
-    virtual std::vector<double> start_rest() const { return {}; }
+    virtual std::vector<double> start_rest() const;
 
     /// What follows the way a motion has gone and is no function of its state (turns of angles): as it begins. Empty if
     /// there is nothing.
-    virtual std::vector<double> winding(double /*t*/, std::span<const double> /*x*/) const { return {}; }
+    virtual std::vector<double> winding(double /*t*/, std::span<const double> /*x*/) const;
     /// Takes it along a piece of the motion, in units of the piece.
-    virtual void wind(const Piece& /*piece*/, double /*length*/, std::vector<double>& /*winding*/) const {}
+    virtual void wind(const Piece& /*piece*/, double /*length*/, std::vector<double>& /*winding*/) const;
 
     /// The mode a motion begins in; nothing fires. May set variables exactly (a speed of a rail that holds a bead).
     virtual Mode begin(double t, std::span<double> x) const = 0;
@@ -109,45 +93,26 @@ public:
 
     /// What the accuracy of a motion is judged by, in a fixed order: by default the state variables, group by group.
     virtual void observe(const Mode& mode, double /*t*/, std::span<const double> x,
-                         std::vector<Observed>& observed) const {
-        observed.clear();
-        for (const VariableGroup& group : mode.equations->groups)
-            for (int first = group.first; first < group.first + group.count; first += 3) {
-                Observed o;
-                o.is_position = group.is_position;
-                for (int i = first; i < std::min(first + 3, group.first + group.count); ++i)
-                    o.value[i - first] = x[static_cast<std::size_t>(i)];
-                o.whole = o.value.norm();
-                observed.push_back(o);
-            }
-    }
+                         std::vector<Observed>& observed) const;
 
     /// Whether a body whose slip touches zero without passing would be held there for a while if it came to rest, as it
     /// is where its static coefficient of friction is above the dynamic one; else nothing depends on that.
-    virtual bool holds_what_touches(int /*subject*/) const { return false; }
+    virtual bool holds_what_touches(int /*subject*/) const;
 
     /// The value of a guard that is none of the program's outputs.
     virtual double guard_value(const Guard& /*guard*/, const Mode& /*mode*/, double /*t*/,
-                               std::span<const double> /*x*/) const {
-        return std::numeric_limits<double>::quiet_NaN();
-    }
+                               std::span<const double> /*x*/) const;
 
     /// What is not finite in a state, in words; empty if everything is.
-    virtual std::string not_finite(const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const {
-        return {};
-    }
+    virtual std::string not_finite(const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const;
 
     /// What has grown beyond all measure from one state to another, in words; empty if nothing has.
     virtual std::string grown(const Mode& /*before*/, double /*t0*/, std::span<const double> /*x0*/,
-                              const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const {
-        return {};
-    }
+                              const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const;
 
     /// x' where the equations are not finite but the motion is, and x'' of the positions.
     virtual Slope slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/,
-                        std::span<double> /*bend*/) const {
-        return {};
-    }
+                        std::span<double> /*bend*/) const;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,93 +1,25 @@
 // The sign that a function of the motion takes just after a time at which it is zero.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <span>
-#include <vector>
 
-#include "rbdyn/expression/rounding_sizes.hpp"
-#include "rbdyn/expression/series_evaluator.hpp"
-#include "rbdyn/expression/term_sizes.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace leading {
 
 /// By values alone, for equations that call back: the first sign that is more than rounding, along steps of Runge and
 /// Kutta's method from the present state, each four times as long as the one before. What Heun's method would have
 /// made of it tells their error. `is_zero`: what it begins with is known to be zero.
-inline int by_values(const Mode& mode, double t, std::span<const double> x, int output, bool is_zero) {
-    RoundingSizes f(mode.equations->program);
-    f.set_parameters(mode.parameters);
-    const std::size_t n = x.size();
-    using State = std::vector<double>;
-    const auto rates = [&](double time, const State& state) {
-        f(time, state);
-        State slope(n);
-        for (std::size_t i = 0; i < n; ++i) slope[i] = f.output(static_cast<int>(i));
-        return slope;
-    };
-    const State y(x.begin(), x.end());
-    const auto moved = [&](double h, const State& slope) {
-        State z = y;
-        for (std::size_t i = 0; i < n; ++i) z[i] += h * slope[i];
-        return z;
-    };
-    const State a = rates(t, y);
-    const double begin = is_zero ? f.output(output) : 0.0;
-    // positions change by their velocities, velocities by accelerations: the time in which they do so as much as they
-    // are
-    double time = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < n; ++i)
-        if (a[i] != 0.0 && y[i] != 0.0) time = std::min(time, std::abs(y[i] / a[i]));
-    if (!std::isfinite(time)) time = std::max(1.0, std::abs(t));
-    // where nothing moves no time is special: from the rounding of times to far ones
-    for (int k = -40; k <= 30; k += 2) {
-        const double h = std::ldexp(time, k);
-        const State b = rates(t + 0.5 * h, moved(0.5 * h, a)), c = rates(t + 0.5 * h, moved(0.5 * h, b)),
-                    d = rates(t + h, moved(h, c)), e = rates(t + h, moved(h, a));
-        State mean(n), rough(n);
-        for (std::size_t i = 0; i < n; ++i) {
-            mean[i] = (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0;
-            rough[i] = 0.5 * (a[i] + e[i]);
-        }
-        f(t + h, moved(h, rough));
-        const double other = f.output(output) - begin;
-        f(t + h, moved(h, mean));
-        const double g = f.output(output) - begin;
-        const double noise = 64.0 * std::numeric_limits<double>::epsilon() * f.size(output);
-        if (std::abs(g) > noise + 4.0 * std::abs(g - other)) return g > 0.0 ? 1 : -1;
-    }
-    return 0;
-}
+int by_values(const Mode& mode, double t, std::span<const double> x, int output, bool is_zero);
 
 }  // namespace leading
 
 /// The sign an output of a mode's equations takes just after t: that of its first coefficient that is more than the
 /// rounding of its own terms. 0: it stays zero.
 /// `known_zeros`: how many of the first are zero but for rounding.
-inline int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0) {
-    constexpr int order = 24;
-    const Program& program = mode.equations->program;
-    if (program.has_calls()) return leading::by_values(mode, t, x, output, known_zeros > 0);
-    SeriesEvaluator series(program, order);
-    series.set_parameters(mode.parameters);
-    series.begin(t, 1.0);
-    for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
-    for (int k = 0; k <= order; ++k) {
-        series.advance(k);
-        if (k < order)
-            for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
-    }
-    const double* g = series.output(output);
-    const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::all)(program.output(output));
-    for (int k = known_zeros; k <= order; ++k)
-        if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
-            return g[k] > 0.0 ? 1 : -1;
-    return 0;
-}
+int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -18,16 +18,24 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <memory>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "rbdyn/expression/function.hpp"
+#include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/recording.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/equations_writer.hpp"
+#include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// What simulate() takes for a model: a functor that records.
 template <class M>
@@ -116,4 +124,4 @@ private:
     M model_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -19,9 +19,10 @@
 // (state_map.hpp).
 #pragma once
 
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,16 +30,33 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/one_side.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/time_function.hpp"
 #include "rbdyn/model/acting.hpp"
-#include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/rail_landing.hpp"
 #include "rbdyn/model/rail_singular.hpp"
+#include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/rotation/euler_angles.hpp"
+#include "rbdyn/scene/couplings.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/rigid_motion.hpp"
 #include "rbdyn/scene/scene.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// Resultant of the active forces on one particle; what is exactly along a rail is kept apart.
 template <class S>
@@ -116,119 +134,13 @@ public:
         SpringEnd a, b;
     };
 
-    [[gnu::cold]] PointLaws(const Scene& scene, const Placement& view) : view_(view) {
-        const auto& bodies = scene.bodies();
-        int position = 0;
-        for (const Scene::Body& b : bodies) {
-            Body body;
-            body.mass = b.mass();
-            body.name = b.name;
-            if (b.rigid() != nullptr) {
-                body.rigid.emplace(scene, static_cast<int>(bodies_.size()));
-                body.rigid->start(b, body.start_positions, body.start_velocities);
-                body.start_angles = b.attitude.given_angles();
-            }
-            if (const Rail* rail = b.rail()) {
-                body.curve = rail->curve();
-                body.side = rail->side();
-                body.ends = rail->ends();
-                body.may_fly = rail->may_release();
-                if (body.side != RailSide::both) {
-                    body.one_side = curves::one_side(*body.curve, b.parameter, rail->up(), b.name);
-                    if (body.side == RailSide::minus) body.one_side->sign = -body.one_side->sign;
-                    body.binormal = seen(body.one_side->binormal());
-                }
-                if (const auto friction = rail->friction()) {
-                    body.rough = true;
-                    body.mu_static = friction->mu_static;
-                    body.mu_dynamic = friction->dynamic();
-                }
-            }
-            body.first = position;
-            position += body.positions();
-            body.start_u = {b.parameter, b.parameter_rest};
-            body.start_speed = b.speed;
-            body.start_position = b.position;
-            body.start_velocity = b.velocity;
-            bodies_.push_back(std::move(body));
-        }
-        positions_ = variables_ = position;
-        for (Body& b : bodies_) {
-            b.first_rate = variables_;
-            variables_ += b.velocities();
-        }
-        take_functions(scene);
-        for (const Scene::Connection& c : scene.connections()) {
-            const Spring& spring = std::get<Spring>(c.coupling);
-            springs_.push_back({spring, end(c.a), end(c.b)});
-        }
-        leave_out(std::vector<bool>(at(variables_), false));
-    }
+    [[gnu::cold]] PointLaws(const Scene& scene, const Placement& view);
 
     /// What may depend on numbers of the user's: all that acts on bodies, and how their rails move.
-    [[gnu::cold]] void take_functions(const Scene& scene) {
-        for (std::size_t i = 0; i < bodies_.size(); ++i) {
-            Body& body = bodies_[i];
-            body.force = seen_exactly(scene.gravity()) * DoubleDouble(body.mass);
-            body.drags.clear();
-            body.functions.clear();
-            body.function_loads.clear();
-            body.loads.clear();
-            if (const Rail* rail = scene.bodies()[i].rail()) {
-                body.drive = rail->drive();
-                body.motion = rail->motion();
-            }
-        }
-        loads_ = static_cast<int>(scene.loads().size());
-        for (int index = 0; index < loads_; ++index) {
-            const Scene::AppliedLoad& load = scene.loads()[at(index)];
-            Body& body = bodies_[at(load.body)];
-            const auto keep_as_function = [&] {
-                body.functions.push_back(load.load);
-                body.function_loads.push_back(index);
-            };
-            if (body.rigid) {
-                const auto point = load.at ? body.rigid->point_in_frame(*load.at) : body.rigid->exact.center;
-                if (is_present(load.load)) body.loads.push_back({load.load, point, index});
-            } else if (const Force* force = std::get_if<Force>(&load.load)) {
-                // along a line the view follows the forces
-                const bool is_seen_along = scene.bodies().size() == 1 && body.curve && body.curve->straight();
-                if (force->is_constant() && (is_seen_along || !force->is_of_numbers()))
-                    body.force += seen_exactly(force->settled());
-                else
-                    keep_as_function();
-            } else if (const Drag* drag = std::get_if<Drag>(&load.load)) {
-                if (drag->present()) body.drags.push_back(*drag);
-            } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load);
-                       lorentz == nullptr || lorentz->present()) {
-                keep_as_function();
-            }
-        }
-        for (Body& body : bodies_) body.force = snapped(body.force, rounded(body.force).norm());
-        for (std::size_t i = 0; i < springs_.size(); ++i)
-            springs_[i].spring = std::get<Spring>(scene.connections()[i].coupling);
-    }
+    [[gnu::cold]] void take_functions(const Scene& scene);
 
     /// Takes what stays as it starts out of the state.
-    [[gnu::cold]] void leave_out(const std::vector<bool>& stays) {
-        const std::vector<double> rest = start_rest();
-        map_ = StateMap(start(), stays, rest);
-        landings_.assign(bodies_.size(), nullptr);
-        singularities_.assign(bodies_.size(), nullptr);
-        singular_landings_.assign(bodies_.size(), nullptr);
-        for (std::size_t i = 0; i < bodies_.size(); ++i) {
-            const Body& b = bodies_[i];
-            if (b.one_side)
-                landings_[i] = std::make_shared<const RailLanding>(*b.curve, *b.one_side, view_, map_.place(b.first),
-                                                                   map_.place(b.first_of_space()));
-            if (b.one_side && !b.curve->always_regular())
-                singular_landings_[i] = std::make_shared<const SingularLanding>(*b.curve, b.start_u.hi, view_,
-                                                                                map_.place(b.first_of_space()));
-            if (b.curve && !b.curve->always_regular() && map_.is_simulated(b.first))
-                singularities_[i] = std::make_shared<const RailSingularity>(*b.curve, b.start_u.hi, map_.place(b.first),
-                                                                            map_.place(b.first_rate));
-        }
-    }
+    [[gnu::cold]] void leave_out(const std::vector<bool>& stays);
 
     const std::vector<Body>& bodies() const { return bodies_; }
     const Body& body(int i) const { return bodies_[at(i)]; }
@@ -243,241 +155,46 @@ public:
     struct Variables {
         double q[8], v[6];
     };
-    Variables variables_of(const Body& b, std::span<const double> x) const {
-        Variables own;
-        for (int k = 0; k < b.positions(); ++k) own.q[k] = map_.value(b.first + k, x);
-        for (int k = 0; k < b.velocities(); ++k) own.v[k] = map_.value(b.first_rate + k, x);
-        return own;
-    }
+    Variables variables_of(const Body& b, std::span<const double> x) const;
 
     /// All variables as the scene starts at time t, in 32 digits.
-    std::vector<DoubleDouble> exact_start(double t = 0.0) const {
-        std::vector<DoubleDouble> x(at(variables_), 0.0);
-        for (const Body& b : bodies_) {
-            DoubleDouble* q = x.data() + b.first;
-            DoubleDouble* v = x.data() + b.first_rate;
-            if (b.rigid) {
-                std::copy(b.start_positions, b.start_positions + b.positions(), q);
-                std::copy(b.start_velocities, b.start_velocities + b.velocities(), v);
-                continue;
-            }
-            if (b.curve) {
-                *q = b.start_u;
-                *v = DoubleDouble(b.start_speed) / sqrt(b.curve->at<DoubleDouble>(b.start_u, view_).speed_squared);
-                if (b.may_fly) {
-                    const double u = q->hi, w = v->hi;
-                    const PointState<double> p = moving<double>(b, t, &u, &w, false);
-                    for (int i = 0; i < 3; ++i) q[1 + i] = p.r[i];
-                }
-                continue;
-            }
-            const Vector3Of<DoubleDouble> r = seen_point(b.start_position), vel = seen_exactly(b.start_velocity);
-            for (int i = 0; i < 3; ++i) {
-                q[i] = r[i];
-                v[i] = vel[i];
-            }
-        }
-        return x;
-    }
+    std::vector<DoubleDouble> exact_start(double t = 0.0) const;
     /// The doubles of that, and what they are short of it; empty if nothing.
-    std::vector<double> start(double t = 0.0) const {
-        std::vector<double> x;
-        for (const DoubleDouble& d : exact_start(t)) x.push_back(d.hi);
-        return x;
-    }
-    std::vector<double> start_rest(double t = 0.0) const {
-        std::vector<double> rest;
-        for (const DoubleDouble& d : exact_start(t)) rest.push_back(std::isfinite(d.lo) ? d.lo : 0.0);
-        const bool is_exact = std::all_of(rest.begin(), rest.end(), [](double r) { return r == 0.0; });
-        return is_exact ? std::vector<double>() : rest;
-    }
+    std::vector<double> start(double t = 0.0) const;
+    std::vector<double> start_rest(double t = 0.0) const;
 
     /// All bodies at a time; `slip`: what each does in the mode.
     std::vector<PointState<double>> states(double t, std::span<const double> x,
-                                           std::span<const signed char> slip) const {
-        std::vector<PointState<double>> result;
-        for (std::size_t i = 0; i < bodies_.size(); ++i) {
-            const Body& b = bodies_[i];
-            const Variables own = variables_of(b, x);
-            result.push_back(moving<double>(b, t, own.q, own.v, slip[i] == flies));
-            // held by its rail: the rail's own speed, exactly
-            if (b.rough && slip[i] == sticks)
-                result.back().set_rate(b.drive(t) / std::sqrt(result.back().curve.speed_squared));
-        }
-        return result;
-    }
+                                           std::span<const signed char> slip) const;
 
     /// Motion and reaction of a body in a mode. `acting`: what acts in it, where the state alone does not say.
     PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
-                       const Acting* acting = nullptr) const {
-        const Body& b = bodies_[at(index)];
-        const signed char phase = slip[at(index)];
-        const std::vector<PointState<double>> all = states(t, x, slip);
-        const PointState<double>& p = all[at(index)];
-        PointReport result;
-        if (b.rigid) {
-            const RigidReport r = rigid_report(index, t, x, all, acting);
-            result.position = p.r;
-            result.velocity = p.v;
-            result.acceleration = r.center_acceleration;
-            result.force = r.force;
-            result.reaction = r.reaction;
-            result.speed = p.v.norm();
-            result.effort = r.force_effort;
-            result.spin_momentum = r.spin_momentum;
-            result.spin_energy = r.spin_energy;
-            result.spin_power = r.spin_power;
-            return result;
-        }
-        const Resultant<double> f =
-            acting != nullptr ? Resultant<double>{acting->force(index), acting->along(index)}
-                              : resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
-        Vector3 force = f.force, acceleration, reaction = Vector3::Zero();
-        if (!b.curve || phase == flies) {
-            acceleration = force / b.mass;
-            if (b.curve)
-                result.u = map_.value(b.first, x);
-            else
-                result.speed = p.v.norm();
-        } else {
-            const CurvePoint<double>& c = p.curve;
-            const bool stuck = b.rough && phase == sticks;
-            if (f.along != 0.0) force += c.first * (f.along / c.speed_squared);
-            const Resultant<double> g = guided(b, p, f);
-            const double w_rate = acting != nullptr ? rate_of(b.first_rate, *acting)
-                                  : stuck           ? carried_rate<double>(b, t, c, p.w)
-                                                    : sliding_rate<double>(b, c, p.w, g, static_cast<double>(phase),
-                                                                 friction_vector<double>(b, c, p.w, g).norm());
-            acceleration = p.acceleration(w_rate);
-            reaction = acceleration * b.mass - force;
-            const double norm = std::sqrt(c.speed_squared);
-            result.rail_speed = b.rough ? b.drive(t) : 0.0;
-            const double turn = result.rail_speed / norm;
-            result.effort =
-                force.norm() + b.mass * (acceleration.norm() + turn * turn * c.first_cross_second.norm() / norm);
-            result.u = map_.value(b.first, x);
-            result.w = p.w;
-            result.w_rate = w_rate;
-            result.speed = stuck ? b.drive(t) : p.w * norm;
-            result.tangential_force = (dot<double>(c.first, p.in_rail(f.force)) + f.along) / norm;
-        }
-        result.position = view_.origin + view_.axes * p.r;
-        result.velocity = view_.axes * p.v;
-        result.acceleration = view_.axes * acceleration;
-        result.force = view_.axes * force;
-        result.reaction = view_.axes * reaction;
-        return result;
-    }
+                       const Acting* acting = nullptr) const;
     /// Motion and reactions of a rigid body; `all`: where everything is in the mode.
     RigidReport rigid_report(int index, double t, std::span<const double> x, const std::vector<PointState<double>>& all,
-                             const Acting* acting = nullptr) const {
-        const Body& b = bodies_[at(index)];
-        if (acting == nullptr)
-            return {*b.rigid, *all[at(index)].rigid, wrench<double>(index, t, all), variables_of(b, x).q};
-        double v_rate[6];
-        rates_of(b, *acting, v_rate);
-        return {*b.rigid, *all[at(index)].rigid, Wrench<double>{acting->force(index), acting->moment(index)}, v_rate,
-                RigidReport::known_rates};
-    }
+                             const Acting* acting = nullptr) const;
     RigidReport rigid_report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
-                             const Acting* acting = nullptr) const {
-        return rigid_report(index, t, x, states(t, x, slip), acting);
-    }
+                             const Acting* acting = nullptr) const;
     /// The rates of a body's velocities.
-    void rates_of(const Body& b, const Acting& acting, double* v_rate) const {
-        for (int k = 0; k < b.velocities(); ++k) v_rate[k] = rate_of(b.first_rate + k, acting);
-    }
+    void rates_of(const Body& b, const Acting& acting, double* v_rate) const;
     /// How the rail of a body has turned from where its curve is placed, world axes.
-    Matrix3 rail_turn(int index, double t) const {
-        const RigidMotion& motion = bodies_[at(index)].motion;
-        if (!motion.present()) return Matrix3::Identity();
-        const RigidPlacement<double> p = motion.at(t);
-        Matrix3 r;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) r(i, j) = p.row[at(i)][j];
-        return r;
-    }
+    Matrix3 rail_turn(int index, double t) const;
     /// Whether nothing acts on a rigid body that turns but its weight.
-    bool is_conservative(int index) const {
-        const Body& b = bodies_[at(index)];
-        const auto touches = [&](const ConnectedSpring& c) {
-            return c.spring.present() && (c.a.body == index || c.b.body == index);
-        };
-        return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
-               std::none_of(springs_.begin(), springs_.end(), touches);
-    }
+    bool is_conservative(int index) const;
     /// Whether equations take numbers of their mode, two a body: the sign of its slip, and what is fixed in the mode.
-    bool takes_numbers() const {
-        return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& b) {
-            return b.rough || (b.rigid && b.rigid->follows_axis && map_.is_simulated(b.fixed_variable()));
-        });
-    }
+    bool takes_numbers() const;
     /// Whether any variable of a body's rotation is simulated.
-    bool turns(int index) const {
-        const Body& b = bodies_[at(index)];
-        if (!b.rigid || b.rigid->kind == RigidLaw::Kind::prismatic) return false;
-        for (int k = b.rigid->kind == RigidLaw::Kind::free ? 3 : 0; k < b.positions(); ++k)
-            if (map_.is_simulated(b.first + k)) return true;
-        return false;
-    }
+    bool turns(int index) const;
     /// Whether any variable of a body is simulated.
-    bool moves(int index) const {
-        const Body& b = bodies_[at(index)];
-        for (int k = 0; k < b.positions(); ++k)
-            if (map_.is_simulated(b.first + k)) return true;
-        for (int k = 0; k < b.velocities(); ++k)
-            if (map_.is_simulated(b.first_rate + k)) return true;
-        return false;
-    }
+    bool moves(int index) const;
     /// Whether a load of the scene is one that case distinctions can be in.
-    bool is_function(const Scene::AppliedLoad& load, int index) const {
-        const Body& b = bodies_[at(load.body)];
-        return b.rigid ? is_present(load.load)
-                       : std::find(b.function_loads.begin(), b.function_loads.end(), index) != b.function_loads.end();
-    }
+    bool is_function(const Scene::AppliedLoad& load, int index) const;
     /// Power of a load of the scene.
     double power(const Scene::AppliedLoad& load, std::span<const signed char> slip, double t,
-                 std::span<const double> x) const {
-        const Body& b = bodies_[at(load.body)];
-        const PointState<double> p = states(t, x, slip)[at(load.body)];
-        if (!b.rigid) {
-            const Vector3 v = view_.axes * p.v;
-            if (const Drag* drag = std::get_if<Drag>(&load.load)) {
-                const double speed = v.norm();
-                return -(drag->linear + drag->quadratic * speed) * speed * speed;
-            }
-            return force_of<double>(load.load, t, in_world<double>(p.r), v).dot(v);
-        }
-        Wrench<double> w;
-        add_load(w, *b.rigid, *p.rigid,
-                 {load.load, load.at ? b.rigid->point_in_frame(*load.at) : b.rigid->exact.center}, t, b.name);
-        return w.force.dot(p.rigid->v) + w.moment.dot(p.rigid->omega);
-    }
+                 std::span<const double> x) const;
     /// Derivatives of a body's position and velocity variables.
     void slope(int index, std::span<const signed char> slip, double t, std::span<const double> x, std::span<double> dq,
-               std::span<double> dv) const {
-        const Body& b = bodies_[at(index)];
-        if (b.rigid) {
-            const std::vector<PointState<double>> all = states(t, x, slip);
-            b.rigid->rates<double>(*all[at(index)].rigid, variables_of(b, x).q, wrench<double>(index, t, all),
-                                   dq.data(), dv.data());
-            return;
-        }
-        const PointReport r = report(index, slip, t, x);
-        for (int k = 0; k < b.positions(); ++k) dq[at(k)] = dv[at(k)] = 0.0;
-        if (b.curve && slip[at(index)] != flies) {
-            dq[0] = r.w;
-            dv[0] = r.w_rate;
-            return;
-        }
-        const int space = b.first_of_space() - b.first;
-        const Vector3 velocity = view_.axes.transpose() * r.velocity,
-                      acceleration = view_.axes.transpose() * r.acceleration;
-        for (int k = 0; k < 3; ++k) {
-            dq[at(space + k)] = velocity[k];
-            dv[at(space + k)] = acceleration[k];
-        }
-    }
+               std::span<double> dv) const;
 
     // --- the laws, in any number type ---
 
@@ -640,43 +357,11 @@ public:
     }
 
     /// The reaction that a bead without slip needs to stay so.
-    Holding holding(int i, double t, std::span<const double> x, std::span<const signed char> slip) const {
-        const Body& b = bodies_[at(i)];
-        std::vector<PointState<double>> all = states(t, x, slip);
-        PointState<double>& p = all[at(i)];
-        p.set_rate(b.drive(t) / std::sqrt(p.curve.speed_squared));
-        const CurvePoint<double>& c = p.curve;
-        const auto f = guided(b, p, resultant<double>(i, t, all, false, [](double v) { return std::abs(v); }));
-        const double rate = carried_rate<double>(b, t, c, p.w);
-        const double needed = b.mass * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) -
-                              dot<double>(c.first, f.force) - f.along;
-        double terms =
-            rounded(b.force).norm() + b.mass * (p.acceleration(rate).norm() + c.first_cross_second.norm() * p.w * p.w);
-        for (const auto& function : b.functions)
-            terms += force_of<double>(function, t, in_world<double>(p.r), view_.axes * p.v).norm();
-        for (const Drag& drag : b.drags) terms += (drag.linear.now() + drag.quadratic.now() * p.v.norm()) * p.v.norm();
-        for (const ConnectedSpring& s : springs_)
-            if ((s.a.body == i || s.b.body == i) && s.spring.present()) {
-                const auto [ra, va] = motion_of<double>(s.a, all);
-                const auto [rb, vb] = motion_of<double>(s.b, all);
-                terms += spring_force(s, all).norm() + s.spring.stiffness.now() * (ra.norm() + rb.norm()) +
-                         s.spring.damping.now() * (va.norm() + vb.norm());
-            }
-        return {needed, friction_vector<double>(b, c, p.w, f).norm(),
-                64.0 * epsilon * std::sqrt(c.speed_squared) * terms};
-    }
+    Holding holding(int i, double t, std::span<const double> x, std::span<const signed char> slip) const;
 
     /// Whether what presses a bead on its rail is a constant that rounding of its terms alone has made.
     static bool is_rounding(const Expression& pressing, const CurvePoint<Expression>& c,
-                            const Resultant<Expression>& f) {
-        if (!pressing.is_constant()) return false;
-        double size = 0.0;
-        for (int i = 0; i < 3; ++i)
-            for (int k = 0; k < 3; ++k)
-                if (i != k && c.first[i].is_constant() && f.force[k].is_constant())
-                    size += std::abs(c.first[i].value() * f.force[k].value());
-        return std::abs(pressing.value()) <= 16.0 * epsilon * size;
-    }
+                            const Resultant<Expression>& f);
 
     CurvePoint<double> curve_point(const Body& b, double u) const { return b.curve->at<double>(u, view_); }
 
@@ -691,9 +376,7 @@ public:
 
     /// A vector of the world in the view.
     Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
-    Vector3Of<DoubleDouble> seen_exactly(const Vector3& v) const {
-        return snapped(curves::turned<DoubleDouble>(view_.exact_axes().transpose(), widened(v)), v.norm());
-    }
+    Vector3Of<DoubleDouble> seen_exactly(const Vector3& v) const;
     const std::vector<ConnectedSpring>& springs() const { return springs_; }
     /// How many loads the scene has.
     int loads() const { return loads_; }
@@ -703,35 +386,14 @@ private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
     /// The rate of a variable; zero of what stays as it starts.
-    double rate_of(int variable, const Acting& acting) const {
-        return map_.is_simulated(variable) ? acting.rate(map_.place(variable)) : 0.0;
-    }
+    double rate_of(int variable, const Acting& acting) const;
 
     // --- seen from the view ---
 
-    static Vector3 snapped(Vector3 v, double size) {
-        for (int i = 0; i < 3; ++i)
-            if (std::abs(v[i]) <= 4.0 * epsilon * size) v[i] = 0.0;
-        return v;
-    }
-    static Vector3Of<DoubleDouble> snapped(Vector3Of<DoubleDouble> v, double size) {
-        for (int i = 0; i < 3; ++i)
-            if (std::abs(v[i].hi) <= 4.0 * epsilon * size) v[i] = 0.0;
-        return v;
-    }
-    Vector3Of<DoubleDouble> seen_point(const Vector3& p) const {
-        const Vector3Of<DoubleDouble> offset = widened(p) - widened(view_.origin);
-        return snapped(curves::turned<DoubleDouble>(view_.exact_axes().transpose(), offset),
-                       p.norm() + view_.origin.norm());
-    }
-    SpringEnd end(const End& e) const {
-        if (const Vector3* point = std::get_if<Vector3>(&e)) return {-1, seen_point(*point), false};
-        const int body = body_of(e);
-        const std::optional<RigidLaw>& rigid = bodies_[at(body)].rigid;
-        if (!rigid) return {body, {}, false};
-        const BodyPoint* point = std::get_if<BodyPoint>(&e);
-        return {body, {}, true, point != nullptr ? rigid->point_in_frame(point->point) : rigid->exact.center};
-    }
+    static Vector3 snapped(Vector3 v, double size);
+    static Vector3Of<DoubleDouble> snapped(Vector3Of<DoubleDouble> v, double size);
+    Vector3Of<DoubleDouble> seen_point(const Vector3& p) const;
+    SpringEnd end(const End& e) const;
 
     Placement view_;
     std::vector<std::shared_ptr<const RailLanding>> landings_;
@@ -743,4 +405,4 @@ private:
     int positions_ = 0, variables_ = 0, loads_ = 0;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,14 +1,20 @@
 // What a watched function may ask of particles, as expressions and in numbers.
 #pragma once
 
-#include <optional>
-#include <string>
+#include <cstddef>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/rigid_observables.hpp"
+#include "rbdyn/model/point_state.hpp"
+#include "rbdyn/scene/watch.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// The present of a scene of particles while its equations are recorded.
 class RecordedPoints {
@@ -24,43 +30,9 @@ public:
         const S* rates = nullptr;                     // of its velocities
     };
 
-    RecordedPoints(const PointLaws& laws, const S& t, const std::vector<Body>& bodies)
-        : laws_(laws), t_(t), bodies_(bodies) {}
+    RecordedPoints(const PointLaws& laws, const S& t, const std::vector<Body>& bodies);
 
-    S value(const Observable& o) const {
-        switch (o.quantity) {
-            case Quantity::time: return t_;
-            case Quantity::length: return length(ends(o.subject).first, std::string());
-            case Quantity::coupling_force: {
-                const auto [d, v] = ends(o.subject);
-                return component(laws_.springs()[at(o.subject)].spring(d, v), o);
-            }
-            default: break;
-        }
-        const Body& b = bodies_[at(o.subject)];
-        const PointLaws::Body& law = laws_.body(o.subject);
-        if (law.rigid)
-            return rbdyn::observed<S>(*law.rigid, *b.state.rigid, Wrench<S>{b.force.force, b.moment}, b.rates, o);
-        const CurvePoint<S>& c = b.state.curve;
-        switch (o.quantity) {
-            case Quantity::position: return laws_.in_world<S>(b.state.r)[o.component];
-            case Quantity::velocity: return component(b.state.v, o);
-            case Quantity::acceleration: return component(acceleration(b, law), o);
-            case Quantity::force: return component(force(b), o);
-            case Quantity::reaction:
-                if (!b.on_rail) return 0.0;
-                return component(acceleration(b, law) * S(law.mass) - force(b), o);
-            // in flight: where it left its rail, along which it does not move
-            case Quantity::parameter: return law.curve ? parameter(o.subject) : S(0.0);
-            case Quantity::speed:
-                if (b.on_rail) return sqrt(c.speed_squared) * b.state.w;
-                return law.curve ? S(0.0) : length(b.state.v, std::string());
-            case Quantity::tangential_force:
-                if (!b.on_rail) return 0.0;
-                return (dot<S>(c.first, b.state.in_rail(b.force.force)) + b.force.along) / sqrt(c.speed_squared);
-            default: return S(0.5 * law.mass) * dot<S>(b.state.v, b.state.v);
-        }
-    }
+    S value(const Observable& o) const;
 
     /// The parameters of beads as the equations have them.
     std::vector<S> parameters;
@@ -71,24 +43,9 @@ private:
 
     /// A component in the world of a vector in the view.
     S component(const Vector3Of<S>& v, const Observable& o) const { return laws_.to_world<S>(v)[o.component]; }
-    static Vector3Of<S> force(const Body& b) {
-        Vector3Of<S> f = b.force.force;
-        if (!b.force.along.is_zero()) f += b.state.curve.first * (b.force.along / b.state.curve.speed_squared);
-        return f;
-    }
-    static Vector3Of<S> acceleration(const Body& b, const PointLaws::Body& law) {
-        return b.on_rail ? b.state.acceleration(b.rate) : Vector3Of<S>(force(b) * (S(1.0) / S(law.mass)));
-    }
-    std::pair<Vector3Of<S>, Vector3Of<S>> ends(int coupling) const {
-        const PointLaws::ConnectedSpring& c = laws_.springs()[at(coupling)];
-        const auto end = [&](const PointLaws::SpringEnd& e) -> std::pair<Vector3Of<S>, Vector3Of<S>> {
-            std::vector<PointState<S>> states;
-            for (const Body& b : bodies_) states.push_back(b.state);
-            return PointLaws::motion_of<S>(e, states);
-        };
-        const auto a = end(c.a), b = end(c.b);
-        return {a.first - b.first, a.second - b.second};
-    }
+    static Vector3Of<S> force(const Body& b);
+    static Vector3Of<S> acceleration(const Body& b, const PointLaws::Body& law);
+    std::pair<Vector3Of<S>, Vector3Of<S>> ends(int coupling) const;
 
     const PointLaws& laws_;
     S t_;
@@ -100,52 +57,11 @@ struct SpringReport {
     Vector3 distance, velocity, force;
 
     SpringReport(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
-                 int index, const Acting* acting = nullptr) {
-        const auto all = laws.states(t, x, slip);
-        const PointLaws::ConnectedSpring& c = laws.springs()[static_cast<std::size_t>(index)];
-        const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);
-        distance = a.first - b.first;
-        velocity = a.second - b.second;
-        force = acting != nullptr && c.spring.present() ? acting->spring_force(index)
-                                                        : c.spring(distance, velocity, a.first.norm() + b.first.norm());
-    }
+                 int index, const Acting* acting = nullptr);
 };
 
 /// The same in numbers, at a state. `acting`: what acts in its mode, where the state alone does not say.
-inline double observed(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
-                       const Observable& o, const Acting* acting = nullptr) {
-    const auto vector = [&](const Vector3& v) { return v[o.component]; };
-    if (o.quantity == Quantity::time) return t;
-    if (is_of_coupling(o.quantity)) {
-        const SpringReport spring(laws, slip, t, x, o.subject, acting);
-        return o.quantity == Quantity::length ? spring.distance.norm() : vector(laws.view().axes * spring.force);
-    }
-    if (const auto& body = laws.body(o.subject); body.rigid) {
-        const auto all = laws.states(t, x, slip);
-        const RigidState<double>& s = *all[static_cast<std::size_t>(o.subject)].rigid;
-        double q_rate[8], v_rate[6];
-        Wrench<double> w;
-        if (acting != nullptr) {
-            w = {acting->force(o.subject), acting->moment(o.subject)};
-            laws.rates_of(body, *acting, v_rate);
-        } else {
-            w = laws.wrench<double>(o.subject, t, all);
-            body.rigid->rates<double>(s, laws.variables_of(body, x).q, w, q_rate, v_rate);
-        }
-        return observed<double>(*body.rigid, s, w, v_rate, o);
-    }
-    const PointReport r = laws.report(o.subject, slip, t, x, acting);
-    switch (o.quantity) {
-        case Quantity::position: return vector(r.position);
-        case Quantity::velocity: return vector(r.velocity);
-        case Quantity::acceleration: return vector(r.acceleration);
-        case Quantity::force: return vector(r.force);
-        case Quantity::reaction: return vector(r.reaction);
-        case Quantity::parameter: return r.u;
-        case Quantity::speed: return r.speed;
-        case Quantity::tangential_force: return r.tangential_force;
-        default: return 0.5 * laws.body(o.subject).mass * r.velocity.squaredNorm();
-    }
-}
+double observed(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
+                const Observable& o, const Acting* acting = nullptr);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -8,12 +8,17 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
-#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/point.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A rail that moves, at a time.
 template <class S>
@@ -100,4 +105,4 @@ struct PointState {
     Vector3Of<S> in_view(const Vector3Of<S>& f) const { return frame ? frame->at.turned(f) : f; }
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,57 +1,19 @@
 // What the action of a watched function makes of a rigid body's coordinates.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <span>
 #include <string>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/scene/watch.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// Puts a new state of a body, where `now` is how it moves, into the state x. Throws InvalidInput for words that are
 /// not its joint's, and for numbers that are no state.
-inline void change_rigid(const StateChange& c, const PointLaws::Body& body, const RigidReport& now,
-                         const std::string& user, std::span<double> x) {
-    const RigidLaw& law = *body.rigid;
-    const bool is_free = law.kind == RigidLaw::Kind::free, turns = law.turns_freely(),
-               is_hinged = law.kind == RigidLaw::Kind::revolute, slides = law.kind == RigidLaw::Kind::prismatic;
-    const struct {
-        const char* word;
-        bool is_given, fits;
-    } words[] = {{"position", c.position.has_value(), is_free},
-                 {"velocity", c.velocity.has_value(), is_free},
-                 {"attitude", c.attitude.has_value(), turns},
-                 {"angular_velocity", c.angular_velocity.has_value(), turns},
-                 {"angular_velocity_world", c.angular_velocity_world.has_value(), turns},
-                 {"angle", c.angle.has_value(), is_hinged},
-                 {"displacement", c.displacement.has_value(), slides},
-                 {"rate", c.rate.has_value(), is_hinged || slides},
-                 {"parameter", c.parameter.has_value(), false},
-                 {"speed", c.speed.has_value(), false}};
-    std::string own;
-    for (const auto& w : words)
-        if (w.fits) own += (own.empty() ? "" : ", ") + std::string(w.word);
-    for (const auto& w : words)
-        if (w.is_given && !w.fits)
-            throw InvalidInput(user + ": its action changes " + w.word + " of " + body.name +
-                               ", whose joint has none; give " + own);
-    Scene::Body changed;
-    changed.position = c.position.value_or(now.position);
-    changed.velocity = c.velocity.value_or(now.velocity);
-    changed.attitude = c.attitude.value_or(now.attitude);
-    changed.angular_velocity = joints::angular_velocity(c, changed.attitude, user, now.angular_velocity);
-    changed.parameter = is_hinged ? c.angle.value_or(now.coordinate) : c.displacement.value_or(now.coordinate);
-    changed.speed = c.rate.value_or(now.rate);
-    DoubleDouble q[8], v[6];
-    law.start(changed, q, v);
-    const auto put = [&](const DoubleDouble& value) {
-        require(std::isfinite(value.hi), user, "a number its action gives", value.hi, "a state is finite");
-        return value.hi;
-    };
-    std::transform(q, q + law.positions(), x.begin() + body.first, put);
-    std::transform(v, v + law.velocities(), x.begin() + body.first_rate, put);
-}
+void change_rigid(const StateChange& c, const PointLaws::Body& body, const RigidReport& now, const std::string& user,
+                  std::span<double> x);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -4,12 +4,23 @@
 //     M = I_G omega' + omega x I_G omega + (G - o) x m a_G - M_o, M_o the moment of what acts on it about o.
 #pragma once
 
-#include <cmath>
+#include <cstddef>
 #include <string>
+#include <utility>
+#include <variant>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/torque.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A load on a rigid body at a point of it, in the frame (rigid_state.hpp).
 struct RigidLoad {
@@ -83,19 +94,8 @@ Vector3Of<S> torque_of_joint(const RigidLaw& law, const RigidState<S>& s, const 
 }
 
 /// The sizes of what that is a difference of, component by component, for about the axis of a hinge terms may be large.
-inline double effort_of_torque(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
-                               const std::pair<Vector3, Vector3>& rates) {
-    const auto [moved, spun] = momentum_rates<double>(law, s, rates);
-    const Vector3 loads = w.moment - law.center.cross(s.to_frame(w.force)), force = w.force.cwiseAbs();
-    const Vector3 arm = law.center.cwiseAbs(),
-                  f = moved.cwiseAbs() + Vector3(s.axes.e1.cwiseAbs().dot(force), s.axes.e2.cwiseAbs().dot(force),
-                                                 s.axes.e3.cwiseAbs().dot(force));
-    Vector3 effort =
-        spun.cwiseAbs() + loads.cwiseAbs() +
-        Vector3(arm[1] * f[2] + arm[2] * f[1], arm[2] * f[0] + arm[0] * f[2], arm[0] * f[1] + arm[1] * f[0]);
-    if (law.kind == RigidLaw::Kind::revolute) effort[2] = 0.0;
-    return effort.norm();
-}
+double effort_of_torque(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
+                        const std::pair<Vector3, Vector3>& rates);
 
 /// Motion and reactions of a rigid body at a time.
 struct RigidReport {
@@ -110,46 +110,14 @@ struct RigidReport {
     double force_effort = 0.0, torque_effort = 0.0;  // sizes of what the reactions are differences of
 
     /// From the coordinates q, and what the law makes of the wrench.
-    RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q) {
-        double q_rate[8], v_rate[6];
-        law.rates<double>(s, q, w, q_rate, v_rate);
-        fill(law, s, w, v_rate);
-    }
+    RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q);
     /// From the rates of the velocities.
     enum KnownRates { known_rates };
     RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* v_rate,
-                KnownRates) {
-        fill(law, s, w, v_rate);
-    }
+                KnownRates);
 
 private:
-    void fill(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* v_rate) {
-        const auto rates = law.accelerations<double>(s, v_rate);
-        const Vector3& turning = rates.first;
-        center_acceleration = RigidLaw::acceleration<double>(s, rates, law.center);
-        force = w.force;
-        attitude = law.attitude(s);
-        angular_velocity = law.to_body(s, s.omega);
-        angular_acceleration = law.to_body(s, turning);
-        const Vector3 o = law.origin_in_frame(s);
-        position = s.position(o);
-        velocity = s.velocity(o);
-        acceleration = RigidLaw::acceleration<double>(s, rates, o);
-        coordinate = s.coordinate;
-        rate = s.rate;
-        const Vector3 momentum = law.inertia * s.omega;
-        spin_momentum = s.to_world(momentum);
-        spin_energy = 0.5 * s.omega.dot(momentum);
-        spin_power = momentum.dot(turning);
-        moment = s.to_world(w.moment);
-        reaction = reaction_torque = Vector3::Zero();
-        if (law.kind == RigidLaw::Kind::free) return;
-        reaction = law.mass * center_acceleration - force;
-        force_effort = law.mass * center_acceleration.norm() + force.norm();
-        if (law.kind == RigidLaw::Kind::spherical) return;
-        reaction_torque = s.to_world(torque_of_joint<double>(law, s, w, rates));
-        torque_effort = effort_of_torque(law, s, w, rates);
-    }
+    void fill(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* v_rate);
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,9 +1,17 @@
 // What a watched function may ask of a rigid body, in numbers of any type.
 #pragma once
 
-#include "rbdyn/model/rigid_loads.hpp"
+#include <cmath>
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/watch.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A quantity of a rigid body. `q`: its coordinates, `v_rate`: the derivatives of its velocities.
 template <class S>
@@ -66,4 +74,4 @@ S observed(const RigidLaw& law, const RigidState<S>& s, const Wrench<S>& w, cons
     }
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

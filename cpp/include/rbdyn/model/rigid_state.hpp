@@ -8,9 +8,11 @@
 // point from o.
 #pragma once
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 template <class S>
 struct RigidState {
@@ -44,4 +46,4 @@ struct Wrench {
     }
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -14,6 +14,7 @@
 // of its two sides. Where g depends on one variable alone, that variable does not change, exactly.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -22,57 +23,23 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/derivative.hpp"
+#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace sliding {
 
 /// The one variable that an expression depends on; none if there are more, or time is among them.
-inline std::optional<int> only_variable(const Recorder& r, std::int32_t node) {
-    std::vector<std::int32_t> todo{node};
-    std::set<std::int32_t> seen;
-    std::optional<int> variable;
-    while (!todo.empty()) {
-        const std::int32_t n = todo.back();
-        todo.pop_back();
-        if (!seen.insert(n).second) continue;
-        const Node& now = r.node(n);
-        if (now.operation == Operation::time || now.operation == Operation::call) return std::nullopt;
-        if (now.operation == Operation::input) {
-            if (variable) return std::nullopt;
-            variable = now.a;
-        }
-        for (const std::int32_t operand : now.operands())
-            if (operand >= 0) todo.push_back(operand);
-    }
-    return variable;
-}
+std::optional<int> only_variable(const Recorder& r, std::int32_t node);
 
 /// The solution of m a = b by elimination, the pivots those that are not known to be zero; none if there are too few.
-inline std::optional<std::vector<Expression>> solved(std::vector<std::vector<Expression>> m,
-                                                     std::vector<Expression> b) {
-    const std::size_t n = b.size();
-    for (std::size_t k = 0; k < n; ++k) {
-        std::size_t pivot = k;
-        while (pivot < n && m[pivot][k].is_zero()) ++pivot;
-        if (pivot == n) return std::nullopt;
-        std::swap(m[k], m[pivot]);
-        std::swap(b[k], b[pivot]);
-        for (std::size_t i = k + 1; i < n; ++i) {
-            if (m[i][k].is_zero()) continue;
-            const Expression factor = m[i][k] / m[k][k];
-            for (std::size_t j = k + 1; j < n; ++j) m[i][j] -= factor * m[k][j];
-            b[i] -= factor * b[k];
-        }
-    }
-    for (std::size_t k = n; k-- > 0;) {
-        for (std::size_t j = k + 1; j < n; ++j) b[k] -= m[k][j] * b[j];
-        b[k] = b[k] / m[k][k];
-    }
-    return b;
-}
+std::optional<std::vector<Expression>> solved(std::vector<std::vector<Expression>> m, std::vector<Expression> b);
 
 }  // namespace sliding
 
@@ -173,4 +140,4 @@ std::unique_ptr<Structure> written(Recorder& r, int variables, const std::set<st
     return result;
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -4,23 +4,21 @@
 // their order is the same.
 #pragma once
 
+#include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class StateMap {
 public:
     StateMap() = default;
     /// `start`: what all variables start with; `stays`: which of them stay so and are left out; `rest`: what `start` is
     /// short of 32 digits, if of any.
-    StateMap(std::vector<double> start, const std::vector<bool>& stays, std::vector<double> rest = {})
-        : all_(std::move(start)), rest_(std::move(rest)) {
-        for (std::size_t i = 0; i < all_.size(); ++i) place_.push_back(stays[i] ? -1 : size_++);
-    }
+    StateMap(std::vector<double> start, const std::vector<bool>& stays, std::vector<double> rest = {});
 
     /// How many variables are simulated, and how many there are.
     int size() const { return size_; }
@@ -33,28 +31,15 @@ public:
     /// What a variable starts with.
     double start(int variable) const { return all_[static_cast<std::size_t>(variable)]; }
     /// The same in 32 digits.
-    DoubleDouble exact_start(int variable) const {
-        return {start(variable), rest_.empty() ? 0.0 : rest_[static_cast<std::size_t>(variable)]};
-    }
-    double value(int variable, std::span<const double> x) const {
-        const int i = place(variable);
-        return i < 0 ? start(variable) : x[static_cast<std::size_t>(i)];
-    }
+    DoubleDouble exact_start(int variable) const;
+    double value(int variable, std::span<const double> x) const;
 
     /// All variables at a state.
-    void spread(std::span<const double> x, std::span<double> all) const {
-        for (int i = 0; i < variables(); ++i) all[static_cast<std::size_t>(i)] = value(i, x);
-    }
+    void spread(std::span<const double> x, std::span<double> all) const;
     /// The same of something that what stays has none of.
-    void spread_zero(std::span<const double> x, std::span<double> all) const {
-        for (int i = 0; i < variables(); ++i)
-            all[static_cast<std::size_t>(i)] = is_simulated(i) ? x[static_cast<std::size_t>(place(i))] : 0.0;
-    }
+    void spread_zero(std::span<const double> x, std::span<double> all) const;
     /// What belongs to the state, of something for each variable.
-    void gather(std::span<const double> all, std::span<double> x) const {
-        for (int i = 0; i < variables(); ++i)
-            if (is_simulated(i)) x[static_cast<std::size_t>(place(i))] = all[static_cast<std::size_t>(i)];
-    }
+    void gather(std::span<const double> all, std::span<double> x) const;
 
 private:
     int size_ = 0;
@@ -62,4 +47,4 @@ private:
     std::vector<double> all_, rest_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -4,9 +4,10 @@
 #include <string>
 #include <variant>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A point of a body: in body axes, from the origin of its frame [m].
 struct BodyPoint {
@@ -44,10 +45,6 @@ using End = std::variant<BodyHandle, BodyPoint, Vector3>;
 using Removable = std::variant<std::string, LoadHandle, CouplingHandle>;
 
 /// The body an end is on, or -1.
-inline int body_of(const End& end) {
-    if (const BodyHandle* body = std::get_if<BodyHandle>(&end)) return body->index;
-    if (const BodyPoint* point = std::get_if<BodyPoint>(&end)) return point->body;
-    return -1;
-}
+int body_of(const End& end);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,31 +1,28 @@
 // Joints: how a body may move, and where its motion starts, in the joint's own words.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"
-#include "rbdyn/curve/one_side.hpp"
 #include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/time_function.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace joints {
 
-inline void require_finite(const std::string& object, const std::string& what, const Vector3& v) {
-    for (int i = 0; i < 3; ++i)
-        require(std::isfinite(v[i]), object, "component " + std::to_string(i) + " of " + what, v[i],
-                "it is finite; give it in SI units");
-}
-inline void require_direction(const std::string& object, const Vector3& axis) {
-    require_finite(object, "axis", axis);
-    require(axis.norm() > 0.0, object, "length of axis", axis.norm(), "an axis has a direction; its length is free");
-}
+void require_finite(const std::string& object, const std::string& what, const Vector3& v);
+void require_direction(const std::string& object, const Vector3& axis);
 
 /// The angular velocity in body axes that a start gives, or what it is otherwise.
 template <class Start>
@@ -74,31 +71,12 @@ struct Coulomb {
     std::optional<Given> mu_dynamic = std::nullopt;  // default: mu_static
 
     double dynamic() const { return mu_dynamic.value_or(mu_static); }
-    bool operator==(const Coulomb& other) const {
-        return mu_static == other.mu_static &&
-               mu_dynamic.value_or(mu_static) == other.mu_dynamic.value_or(other.mu_static);
-    }
+    bool operator==(const Coulomb& other) const;
     /// With the numbers of the user's as they are now.
-    Coulomb frozen() const {
-        Coulomb result{mu_static.frozen(), mu_dynamic};
-        if (mu_dynamic) result.mu_dynamic = mu_dynamic->frozen();
-        result.validate();
-        return result;
-    }
-    void give(GivenNumbers& numbers) const {
-        mu_static.give(numbers);
-        if (mu_dynamic) mu_dynamic->give(numbers);
-    }
+    Coulomb frozen() const;
+    void give(GivenNumbers& numbers) const;
     bool present() const { return mu_static > 0.0 || dynamic() > 0.0; }
-    void validate() const {
-        require(std::isfinite(mu_static) && mu_static >= 0.0, "Coulomb", "mu_static", mu_static,
-                "a friction coefficient is zero or positive and finite");
-        require(std::isfinite(dynamic()) && dynamic() >= 0.0, "Coulomb", "mu_dynamic", dynamic(),
-                "a friction coefficient is zero or positive and finite");
-        require(dynamic() <= mu_static, "Coulomb", "mu_dynamic", dynamic(),
-                "the dynamic coefficient is at most the static one, which is " + text(mu_static.now()) +
-                    "; exchange them, or make them equal");
-    }
+    void validate() const;
 };
 
 /// What happens when the bead reaches an end of its curve: the run ends, or the bead goes on freely.
@@ -124,25 +102,7 @@ struct RailOptions {
 /// A guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26), fixed or moving.
 class Rail {
 public:
-    Rail(Curve curve, std::optional<Coulomb> friction = std::nullopt, RailOptions options = {})
-        : curve_(std::move(curve)), friction_(friction), options_(std::move(options)) {
-        if (friction_) friction_->validate();
-        if (options_.drive.is_constant())
-            require(std::isfinite(options_.drive.constant()), "Rail", "drive", options_.drive.constant(),
-                    "the speed of a rail's surface is finite; give it in m/s");
-        if (options_.side != RailSide::both && options_.motion.present())
-            throw InvalidInput(
-                "Rail: side is given, and motion too; where a bead lands on a rail that moves is not known here: use "
-                "side \"both\", or a rail at rest");
-        if (!options_.up) return;
-        joints::require_finite("Rail", "up", *options_.up);
-        require(options_.up->norm() > 0.0, "Rail", "length of up", options_.up->norm(),
-                "up is a direction; its length is free");
-        if (options_.side == RailSide::both)
-            throw InvalidInput(
-                "Rail: up is given, and side is \"both\"; up says which side of a rail is \"+\": give side \"+\", or "
-                "\"-\" for the other");
-    }
+    Rail(Curve curve, std::optional<Coulomb> friction = std::nullopt, RailOptions options = {});
 
     const Curve& curve() const { return curve_; }
     /// Friction, if any of its coefficients is not zero.
@@ -154,37 +114,16 @@ public:
     const std::optional<Vector3>& up() const { return options_.up; }
     /// The way it pushes a bead that starts at u, a unit vector in the world; none if it holds on both sides. Throws
     /// InvalidInput unless the curve is plane and `up` says a side there. `name`: what messages call it.
-    std::optional<Vector3> pushes(double u, const std::string& name = "Rail") const {
-        if (options_.side == RailSide::both) return std::nullopt;
-        const Vector3 normal = curves::one_side(curve_, u, options_.up, name).normal();
-        return options_.side == RailSide::plus ? normal : Vector3(-normal);
-    }
+    std::optional<Vector3> pushes(double u, const std::string& name = "Rail") const;
     /// Whether the bead may come to fly.
-    bool may_release() const {
-        const Domain d = curve_.domain();
-        const bool ends = !curve_.closed() && (std::isfinite(d.begin) || std::isfinite(d.end));
-        return options_.side != RailSide::both || (options_.ends == RailEnds::release && ends);
-    }
+    bool may_release() const;
     /// With the numbers of the user's as they are now.
-    Rail frozen() const {
-        Rail result = *this;
-        if (friction_) result.friction_ = friction_->frozen();
-        result.options_.drive = options_.drive.frozen();
-        result.options_.motion = options_.motion.frozen();
-        return result;
-    }
+    Rail frozen() const;
 
     /// The numbers of the user's that it depends on.
-    void give(GivenNumbers& numbers) const {
-        if (friction_) friction_->give(numbers);
-        options_.drive.function().give(numbers);
-        options_.motion.function().give(numbers);
-    }
+    void give(GivenNumbers& numbers) const;
 
-    bool operator==(const Rail& other) const {
-        return curve_ == other.curve_ && friction() == other.friction() && drive() == other.drive() &&
-               motion() == other.motion() && side() == other.side() && ends() == other.ends() && up() == other.up();
-    }
+    bool operator==(const Rail& other) const;
 
 private:
     Curve curve_;
@@ -206,10 +145,7 @@ struct Spherical {
     Vector3 point = Vector3::Zero();
 
     bool operator==(const Spherical&) const = default;
-    void validate() const {
-        joints::require_finite("Spherical", "at", at);
-        joints::require_finite("Spherical", "point", point);
-    }
+    void validate() const;
 };
 
 /// Initial state on a ball joint: attitude; angular velocity [rad/s], in body axes or in the world's, one of them.
@@ -227,11 +163,7 @@ struct Revolute {
     Vector3 point = Vector3::Zero();
 
     bool operator==(const Revolute&) const = default;
-    void validate() const {
-        joints::require_direction("Revolute", axis);
-        joints::require_finite("Revolute", "at", at);
-        joints::require_finite("Revolute", "point", point);
-    }
+    void validate() const;
 };
 
 /// Initial state on a hinge: angle [rad] and its rate [rad/s].
@@ -248,11 +180,7 @@ struct Prismatic {
     Vector3 point = Vector3::Zero();
 
     bool operator==(const Prismatic&) const = default;
-    void validate() const {
-        joints::require_direction("Prismatic", axis);
-        joints::require_finite("Prismatic", "at", at);
-        joints::require_finite("Prismatic", "point", point);
-    }
+    void validate() const;
 };
 
 /// Initial state on a slide: displacement [m] along the axis and its rate [m/s].
@@ -264,8 +192,6 @@ struct PrismaticStart {
 using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic>;
 
 /// Where arc length counts from on a curve.
-inline double arc_length_origin(const Curve& curve) {
-    return std::isfinite(curve.domain().begin) ? curve.domain().begin : 0.0;
-}
+double arc_length_origin(const Curve& curve);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

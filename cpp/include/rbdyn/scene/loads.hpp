@@ -1,38 +1,35 @@
 // Loads: forces and torques on one body.
 #pragma once
 
-#include <cmath>
-#include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <variant>
+#include <vector>
 
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/scene/torque.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A force [N], in world axes or in those of the body: constant, or a function (t, position, velocity) of the point it
 /// acts at, world axes both, recorded or called back.
 class Force {
 public:
-    Force(const Vector3& constant, Frame frame = Frame::world) : constant_(constant), frame_(frame) {
-        for (int i = 0; i < 3; ++i)
-            require(std::isfinite(constant[i]), "Force", "component " + std::to_string(i), constant[i],
-                    "a force is finite; give it in N");
-    }
+    Force(const Vector3& constant, Frame frame = Frame::world);
     /// From a recorded function of (t, x, y, z, vx, vy, vz) with three results.
-    explicit Force(Function function, std::string name = "function", Frame frame = Frame::world)
-        : is_constant_(false), function_(std::move(function)), name_(std::move(name)), frame_(frame) {
-        require_shape(function_.inputs(), function_.outputs());
-    }
+    explicit Force(Function function, std::string name = "function", Frame frame = Frame::world);
     /// From a function that is called back, of (t, x, y, z, vx, vy, vz) with three results.
-    explicit Force(std::shared_ptr<const Callback> callback, Frame frame = Frame::world)
-        : is_constant_(false), callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
-        require_shape(callback_->inputs, callback_->outputs);
-    }
+    explicit Force(std::shared_ptr<const Callback> callback, Frame frame = Frame::world);
     /// [](const auto& t, const auto& position, const auto& velocity) { return Vector3Of<...>{...}; }
     template <class F>
     requires std::is_invocable_v < F, const Expression&, const Vector3Of<Expression>
@@ -51,34 +48,17 @@ public:
     Frame frame() const { return frame_; }
     const Vector3& constant() const { return constant_; }
     /// The same; what is made of it while equations are recorded holds for this value only.
-    const Vector3& settled() const {
-        if (function_) function_.settle();
-        return constant_;
-    }
+    const Vector3& settled() const;
     const Function& function() const { return function_; }
     const std::shared_ptr<const Callback>& callback() const { return callback_; }
     const std::string& name() const { return name_; }
     bool depends_on_time() const { return callback_ || (function_ && function_.depends_on(0)); }
     /// Depends on the body's velocity.
-    bool depends_on_velocity() const {
-        return callback_ ||
-               (function_ && (function_.depends_on(4) || function_.depends_on(5) || function_.depends_on(6)));
-    }
+    bool depends_on_velocity() const;
     /// Whether there is any.
     bool present() const { return !is_constant() || !constant_.isZero(0.0); }
     /// With the numbers of the user's as they are now; constant if nothing in it varies with them.
-    Force frozen() const {
-        Force result = *this;
-        if (!function_) return result;
-        result.function_ = function_.frozen();
-        if (const auto same = result.function_.constants()) {
-            result.is_constant_ = true;
-            result.constant_ = {(*same)[0], (*same)[1], (*same)[2]};
-            // the formula remains: equations that are recorded hold for other numbers, too
-            if (function_.parameters().empty() || !result.present()) result.function_ = {};
-        }
-        return result;
-    }
+    Force frozen() const;
 
     template <class S>
     Vector3Of<S> operator()(const S& t, const Vector3Of<S>& r, const Vector3Of<S>& v) const {
@@ -103,17 +83,10 @@ public:
         }
     }
 
-    bool operator==(const Force& other) const {
-        return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_ &&
-               frame_ == other.frame_;
-    }
+    bool operator==(const Force& other) const;
 
 private:
-    static void require_shape(int inputs, int outputs) {
-        if (inputs != 7 || outputs != 3)
-            throw InvalidInput("Force: the function has " + std::to_string(outputs) +
-                               " results; a force has three components, in N");
-    }
+    static void require_shape(int inputs, int outputs);
 
     bool is_constant_ = true;
     Vector3 constant_ = Vector3::Zero();
@@ -127,13 +100,7 @@ private:
 class Potential {
 public:
     /// From a recorded function of (x, y, z) with one result.
-    explicit Potential(Function function, std::string name = "function")
-        : function_(std::move(function)), name_(std::move(name)) {
-        if (function_.inputs() != 3 || function_.outputs() != 1)
-            throw InvalidInput("Potential: the function has " + std::to_string(function_.outputs()) +
-                               " results; a potential is one number, in J");
-        for (int i = 0; i < 3; ++i) slope_[i] = function_.derivative(i);
-    }
+    explicit Potential(Function function, std::string name = "function");
     /// [](const auto& position) { return ...; }
     template <class F>
     requires std::is_invocable_v < F, const Vector3Of<Expression>
@@ -146,17 +113,7 @@ public:
     const std::string& name() const { return name_; }
     /// Whether it exerts any force; what depends on numbers of the user's does until they are frozen().
     bool present() const { return present_; }
-    Potential frozen() const {
-        Potential result = *this;
-        result.function_ = function_.frozen();
-        result.present_ = false;
-        for (Function& f : result.slope_) {
-            f = f.frozen();
-            const auto same = f.constants();
-            result.present_ = result.present_ || !same || same->front() != 0.0;
-        }
-        return result;
-    }
+    Potential frozen() const;
 
     /// U [J].
     template <class S>
@@ -183,12 +140,7 @@ struct Lorentz {
     Given strength = 0.0;
     Vector3 field = Vector3::Zero();  // world axes; strength times field is in kg/s
 
-    void validate() const {
-        require(std::isfinite(strength.now()), "Lorentz", "strength", strength.now(), "it is finite");
-        for (int i = 0; i < 3; ++i)
-            require(std::isfinite(field[i]), "Lorentz", "component " + std::to_string(i) + " of field", field[i],
-                    "it is finite");
-    }
+    void validate() const;
     bool present() const { return !strength.is_zero() && !field.isZero(0.0); }
     Lorentz frozen() const { return {strength.frozen(), field}; }
     template <class S>
@@ -205,16 +157,8 @@ struct Drag {
     Given quadratic = 0.0;
 
     bool present() const { return !linear.is_zero() || !quadratic.is_zero(); }
-    Drag frozen() const {
-        const Drag result{linear.frozen(), quadratic.frozen()};
-        result.validate();
-        return result;
-    }
-    void validate() const {
-        for (auto [name, value] : {std::pair{"linear", linear.now()}, std::pair{"quadratic", quadratic.now()}})
-            require(std::isfinite(value) && value >= 0.0, "Drag", name, value,
-                    "a resistance is zero or positive and finite; a driving force is a Force");
-    }
+    Drag frozen() const;
+    void validate() const;
     bool operator==(const Drag&) const = default;
 };
 
@@ -226,45 +170,20 @@ struct TorsionSpring {
     Given damping = 0.0;
 
     bool present() const { return !stiffness.is_zero() || !damping.is_zero(); }
-    TorsionSpring frozen() const {
-        const TorsionSpring result{stiffness.frozen(), rest_angle.frozen(), damping.frozen()};
-        result.validate();
-        return result;
-    }
-    void validate() const {
-        for (auto [name, value] : {std::pair{"stiffness", stiffness.now()}, std::pair{"damping", damping.now()}})
-            require(std::isfinite(value) && value >= 0.0, "TorsionSpring", name, value,
-                    "it is zero or positive and finite");
-        require(std::isfinite(rest_angle.now()), "TorsionSpring", "rest_angle", rest_angle.now(),
-                "an angle is finite, in rad");
-    }
+    TorsionSpring frozen() const;
+    void validate() const;
     bool operator==(const TorsionSpring&) const = default;
 };
 
 using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring>;
 
 /// Whether a load does anything.
-inline bool is_present(const Load& load) {
-    return std::visit([](const auto& l) { return l.present(); }, load);
-}
+bool is_present(const Load& load);
 
 /// A load with the numbers of the user's as they are now.
-inline Load frozen(const Load& load) {
-    return std::visit([](const auto& l) -> Load { return l.frozen(); }, load);
-}
+Load frozen(const Load& load);
 /// The numbers of the user's that a load depends on.
-inline void give(const Load& load, GivenNumbers& numbers) {
-    const auto give_all = [&](std::initializer_list<const Given*> all) {
-        for (const Given* number : all) number->give(numbers);
-    };
-    if (const auto* force = std::get_if<Force>(&load)) force->function().give(numbers);
-    if (const auto* torque = std::get_if<Torque>(&load)) torque->function().give(numbers);
-    if (const auto* potential = std::get_if<Potential>(&load)) potential->function().give(numbers);
-    if (const auto* lorentz = std::get_if<Lorentz>(&load)) give_all({&lorentz->strength});
-    if (const auto* drag = std::get_if<Drag>(&load)) give_all({&drag->linear, &drag->quadratic});
-    if (const auto* spring = std::get_if<TorsionSpring>(&load))
-        give_all({&spring->stiffness, &spring->rest_angle, &spring->damping});
-}
+void give(const Load& load, GivenNumbers& numbers);
 
 /// The force of a load on a particle at r that moves with v; zero for a drag, whose law depends on how the particle
 /// moves (model/point_laws.hpp).
@@ -276,4 +195,4 @@ Vector3Of<S> force_of(const Load& load, const S& t, const Vector3Of<S>& r, const
     return {S(0.0), S(0.0), S(0.0)};
 }
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -3,23 +3,18 @@
 
 #include <memory>
 #include <mutex>
-#include <utility>
 
-namespace rbdyn {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
 
 struct KeptPlan;  // plan/kept_plan.hpp
 
 /// Holds a plan, or none. Copies share it, until one of them forgets it. No part of what a scene is: any two are equal.
 class PlanSlot {
 public:
-    std::shared_ptr<const KeptPlan> get() const {
-        const std::lock_guard lock(held_->mutex);
-        return held_->plan;
-    }
-    void set(std::shared_ptr<const KeptPlan> plan) const {
-        const std::lock_guard lock(held_->mutex);
-        held_->plan = std::move(plan);
-    }
+    std::shared_ptr<const KeptPlan> get() const;
+    void set(std::shared_ptr<const KeptPlan> plan) const;
     /// Leaves it to the copies.
     void forget() { held_ = std::make_shared<Held>(); }
 
@@ -33,4 +28,4 @@ private:
     std::shared_ptr<Held> held_ = std::make_shared<Held>();
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,17 +1,22 @@
 // A prescribed rigid motion: r(t) = R(t) r0 + d(t), with its first two derivatives.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <string>
+#include <cstddef>
+#include <span>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/node.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// A rotation and a displacement, or one of their derivatives, in numbers of type S: rows of the matrix, and d.
 template <class S>
@@ -36,27 +41,7 @@ public:
     RigidMotion() = default;
     /// From a recorded function of t with twelve results: the rotation matrix row by row, then the displacement [m].
     /// Throws InvalidInput unless the matrix is a rotation at a number of times.
-    explicit RigidMotion(Function function) : function_(std::move(function)) {
-        if (function_.inputs() != 1 || function_.outputs() != 12)
-            throw InvalidInput("motion: the function has " + std::to_string(function_.outputs()) +
-                               " results; a rigid motion has twelve, a rotation matrix row by row and a displacement");
-        for (const double t : {0.0, 0.37, 1.0, 2.9, 17.3}) {
-            const RigidPlacement<double> p = at(t);
-            double off = 0.0;
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) {
-                    const double product = dot(p.row[i], p.row[j]);
-                    off = std::max(off, std::abs(i == j ? product - 1.0 : product));
-                }
-            const double determinant = dot(p.row[0], cross(p.row[1], p.row[2]));
-            require(off < 1e-9, "motion", "departure from a rotation at t = " + text(t) + " s", off,
-                    "the matrix of a rigid motion has orthonormal rows");
-            require(determinant > 0.0, "motion", "determinant at t = " + text(t) + " s", determinant,
-                    "a rigid motion does not mirror: the determinant is 1");
-        }
-        rate_ = function_.derivative(0);
-        second_ = rate_.derivative(0);
-    }
+    explicit RigidMotion(Function function);
     /// A displacement d(t) alone, from any callable over the number type: [](const auto& t) { return Vector3Of<...>; }
     template <class F>
     requires std::is_invocable_v<F, const Expression&>
@@ -93,15 +78,7 @@ public:
     bool present() const { return static_cast<bool>(function_); }
     const Function& function() const { return function_; }
     /// With the numbers of the user's as they are now; none if it moves nothing.
-    RigidMotion frozen() const {
-        RigidMotion result = *this;
-        if (!present()) return result;
-        result.function_ = function_.frozen();
-        if (result.function_.constants() == std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}) return {};
-        result.rate_ = rate_.frozen();
-        result.second_ = second_.frozen();
-        return result;
-    }
+    RigidMotion frozen() const;
 
     template <class S>
     RigidPlacement<S> at(const S& t) const {
@@ -128,4 +105,4 @@ private:
     Function function_, rate_, second_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -2,16 +2,22 @@
 #pragma once
 
 #include <array>
-#include <cmath>
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// The axes a vector is given in: the world's, or those of the body it acts on.
 enum class Frame { world, body };
@@ -25,22 +31,12 @@ using RotationOf = std::array<std::array<S, 3>, 3>;
 /// the axes the torque is in.
 class Torque {
 public:
-    Torque(const Vector3& constant, Frame frame = Frame::body) : constant_(constant), frame_(frame) {
-        for (int i = 0; i < 3; ++i)
-            require(std::isfinite(constant[i]), "Torque", "component " + std::to_string(i), constant[i],
-                    "a torque is finite; give it in N m");
-    }
+    Torque(const Vector3& constant, Frame frame = Frame::body);
     /// From a recorded function of t, the 9 elements of the matrix row by row, and the angular velocity, with three
     /// results.
-    explicit Torque(Function function, std::string name = "function", Frame frame = Frame::body)
-        : is_constant_(false), function_(std::move(function)), name_(std::move(name)), frame_(frame) {
-        require_shape(function_.inputs(), function_.outputs());
-    }
+    explicit Torque(Function function, std::string name = "function", Frame frame = Frame::body);
     /// From a function that is called back, of the same numbers.
-    explicit Torque(std::shared_ptr<const Callback> callback, Frame frame = Frame::body)
-        : is_constant_(false), callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
-        require_shape(callback_->inputs, callback_->outputs);
-    }
+    explicit Torque(std::shared_ptr<const Callback> callback, Frame frame = Frame::body);
     /// [](const auto& t, const auto& rotation_matrix, const auto& angular_velocity) { return Vector3Of<...>{...}; }
     template <class F>
     requires std::is_invocable_v < F, const Expression&, const RotationOf<Expression>
@@ -64,18 +60,7 @@ public:
     /// Whether there is any.
     bool present() const { return !is_constant() || !constant_.isZero(0.0); }
     /// With the numbers of the user's as they are now; constant if nothing in it varies with them.
-    Torque frozen() const {
-        Torque result = *this;
-        if (!function_) return result;
-        result.function_ = function_.frozen();
-        if (const auto same = result.function_.constants()) {
-            result.is_constant_ = true;
-            result.constant_ = {(*same)[0], (*same)[1], (*same)[2]};
-            // the formula remains: equations that are recorded hold for other numbers, too
-            if (function_.parameters().empty() || !result.present()) result.function_ = {};
-        }
-        return result;
-    }
+    Torque frozen() const;
 
     template <class S>
     Vector3Of<S> operator()(const S& t, const RotationOf<S>& r, const Vector3Of<S>& omega) const {
@@ -102,19 +87,12 @@ public:
         }
     }
 
-    bool operator==(const Torque& other) const {
-        return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_ &&
-               frame_ == other.frame_;
-    }
+    bool operator==(const Torque& other) const;
 
 private:
     static constexpr std::size_t inputs = 13;
 
-    static void require_shape(int given_inputs, int outputs) {
-        if (given_inputs != static_cast<int>(inputs) || outputs != 3)
-            throw InvalidInput("Torque: the function has " + std::to_string(outputs) +
-                               " results; a torque has three components, in N m");
-    }
+    static void require_shape(int given_inputs, int outputs);
 
     bool is_constant_ = true;
     Vector3 constant_ = Vector3::Zero();
@@ -124,4 +102,4 @@ private:
     Frame frame_ = Frame::body;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

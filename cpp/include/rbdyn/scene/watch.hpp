@@ -5,9 +5,9 @@
 // and zeros are found on an interpolation.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -15,11 +15,18 @@
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/rotation/euler_angles.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/handles.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// What a watched function may ask for.
 enum class Quantity {
@@ -72,15 +79,8 @@ class Now {
 public:
     explicit Now(std::vector<Observable>& asked) : asked_(asked) {}
 
-    Expression value(const Observable& what) const {
-        auto found = std::find(asked_.begin(), asked_.end(), what);
-        const auto index = static_cast<int>(found - asked_.begin());
-        if (found == asked_.end()) asked_.push_back(what);
-        return recording::active()->input(index);
-    }
-    Vector3Of<Expression> vector(Quantity quantity, int subject) const {
-        return {value({quantity, subject, 0}), value({quantity, subject, 1}), value({quantity, subject, 2})};
-    }
+    Expression value(const Observable& what) const;
+    Vector3Of<Expression> vector(Quantity quantity, int subject) const;
 
     /// A body at the present moment, world axes.
     class Body {
@@ -96,34 +96,15 @@ public:
         Expression tangential_force() const { return now_.value({Quantity::tangential_force, index_}); }
         Expression kinetic_energy() const { return now_.value({Quantity::kinetic_energy, index_}); }
         Vector3Of<Expression> center_of_mass() const { return now_.vector(Quantity::center_of_mass, index_); }
-        Vector3Of<Expression> center_of_mass_velocity() const {
-            return now_.vector(Quantity::center_of_mass_velocity, index_);
-        }
-        Vector3Of<Expression> center_of_mass_acceleration() const {
-            return now_.vector(Quantity::center_of_mass_acceleration, index_);
-        }
-        QuaternionOf<Expression> quaternion() const {
-            const auto q = [&](int i) { return now_.value({Quantity::quaternion, index_, i}); };
-            return {q(0), q(1), q(2), q(3)};
-        }
+        Vector3Of<Expression> center_of_mass_velocity() const;
+        Vector3Of<Expression> center_of_mass_acceleration() const;
+        QuaternionOf<Expression> quaternion() const;
         /// Row by row.
-        std::array<Expression, 9> rotation_matrix() const {
-            std::array<Expression, 9> r;
-            for (std::size_t i = 0; i < 9; ++i)
-                r[i] = now_.value({Quantity::rotation_matrix, index_, static_cast<int>(i)});
-            return r;
-        }
-        EulerAnglesOf<Expression> euler_angles() const {
-            const Vector3Of<Expression> a = now_.vector(Quantity::euler_angles, index_);
-            return {a[0], a[1], a[2]};
-        }
+        std::array<Expression, 9> rotation_matrix() const;
+        EulerAnglesOf<Expression> euler_angles() const;
         Vector3Of<Expression> angular_velocity() const { return now_.vector(Quantity::angular_velocity, index_); }
-        Vector3Of<Expression> angular_acceleration() const {
-            return now_.vector(Quantity::angular_acceleration, index_);
-        }
-        Vector3Of<Expression> angular_velocity_world() const {
-            return now_.vector(Quantity::angular_velocity_world, index_);
-        }
+        Vector3Of<Expression> angular_acceleration() const;
+        Vector3Of<Expression> angular_velocity_world() const;
         Vector3Of<Expression> poisson_vector() const { return now_.vector(Quantity::poisson_vector, index_); }
         Vector3Of<Expression> reaction_torque() const { return now_.vector(Quantity::reaction_torque, index_); }
         Expression angle() const { return now_.value({Quantity::angle, index_}); }
@@ -167,49 +148,23 @@ public:
             return std::pair(std::vector<Expression>{y}, static_cast<int>(arguments_.size()));
         });
     }
-    WatchFunction(Function function, std::vector<Observable> arguments)
-        : function_(std::move(function)), arguments_(std::move(arguments)) {}
+    WatchFunction(Function function, std::vector<Observable> arguments);
     /// Called back with numbers. `reason`: why it is not recorded.
     static WatchFunction called_back(std::function<double(const Observe&)> callback, std::string reason,
-                                     bool is_python = false) {
-        WatchFunction result;
-        result.callback_ = std::move(callback);
-        auto counter = std::make_shared<Callback>();
-        counter->reason = std::move(reason);
-        counter->is_python = is_python;
-        result.counter_ = std::move(counter);
-        return result;
-    }
+                                     bool is_python = false);
 
     bool is_recorded() const { return static_cast<bool>(function_); }
     const Function& function() const { return function_; }
     const std::vector<Observable>& arguments() const { return arguments_; }
     /// Counts the calls of one that is called back, and says why it is.
     const std::shared_ptr<const Callback>& counter() const { return counter_; }
-    bool asks_for(Quantity quantity) const {
-        return std::any_of(arguments_.begin(), arguments_.end(),
-                           [&](const Observable& o) { return o.quantity == quantity; });
-    }
-    WatchFunction frozen() const {
-        WatchFunction result = *this;
-        result.function_ = function_.frozen();
-        return result;
-    }
+    bool asks_for(Quantity quantity) const;
+    WatchFunction frozen() const;
 
     /// Its value at a moment.
-    double operator()(const Observe& observe) const {
-        if (callback_) {
-            counter_->calls.fetch_add(1, std::memory_order_relaxed);
-            return callback_(observe);
-        }
-        std::vector<double> x;
-        for (const Observable& o : arguments_) x.push_back(observe(o));
-        return function_(std::span<const double>(x))[0];
-    }
+    double operator()(const Observe& observe) const;
 
-    bool operator==(const WatchFunction& other) const {
-        return !callback_ && !other.callback_ && arguments_ == other.arguments_ && function_ == other.function_;
-    }
+    bool operator==(const WatchFunction& other) const;
 
 private:
     Function function_;
@@ -243,4 +198,4 @@ struct WatchOptions {
     WatchAction action = {};
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

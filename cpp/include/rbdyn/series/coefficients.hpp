@@ -13,7 +13,9 @@
 #include <cstddef>
 #include <cstring>
 
-namespace rbdyn::series {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::series {
 
 /// Two lanes; a loop over them is left alone by compilers that do not look for it.
 #if defined(__GNUC__) || defined(__clang__)
@@ -100,4 +102,4 @@ inline double integral_of_slope(const double* slope, const View& b, int k) {
     return (slope[k] * b[0] + slope[1] * b[k - 1] + dot(slope + 2, b.from(k - 2), k - 2)) / k;
 }
 
-}  // namespace rbdyn::series
+}  // namespace rbdyn::inline RBDYN_FORM::series

@@ -9,14 +9,12 @@
 // Invariant: the polynomial is the first value at x = 0, exactly.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
-#include <limits>
-#include <numbers>
 
-namespace rbdyn::series {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::series {
 
 class Fit {
 public:
@@ -31,22 +29,7 @@ public:
 
     /// Coefficients 0 .. degree in powers of x from the values at the points; of the last terms those that together
     /// are at most `negligible` are left out.
-    static void coefficients(const double* values, double negligible, double* c) {
-        const Tables& t = tables();
-        std::array<double, points> terms;
-        for (int k = 0; k <= degree; ++k) {
-            double sum = 0.5 * (values[0] * t.chebyshev[at(k)][0] + values[degree] * t.chebyshev[at(k)][degree]);
-            for (int j = 1; j < degree; ++j) sum += values[j] * t.chebyshev[at(k)][at(j)];
-            terms[at(k)] = sum * (k == 0 || k == degree ? 1.0 : 2.0) / degree;
-        }
-        int last = degree;
-        for (double rest = std::abs(terms[degree]); last > 0 && rest <= negligible; rest += std::abs(terms[at(last)]))
-            --last;
-        std::fill_n(c, points, 0.0);
-        for (int k = 0; k <= last; ++k)
-            for (int i = 0; i <= k; ++i) c[i] += terms[at(k)] * t.powers[at(k)][at(i)];
-        c[0] = values[0];
-    }
+    static void coefficients(const double* values, double negligible, double* c);
 
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
@@ -57,35 +40,9 @@ private:
         std::array<std::array<double, points>, points> chebyshev;  // T_k at point j
         std::array<std::array<double, points>, points> powers{};   // T_k(2 x - 1) in powers of x
 
-        Tables() {
-            for (int j = 0; j <= degree; ++j) {
-                const double s = std::sin(0.5 * std::numbers::pi * j / degree);
-                place[at(j)] = s * s;
-                for (int k = 0; k <= degree; ++k) {
-                    // x = (1 - cos(pi j / n)) / 2, so 2 x - 1 = cos(pi - pi j / n)
-                    const int turns = k * (degree - j) % (2 * degree);
-                    chebyshev[at(k)][at(j)] = std::cos(std::numbers::pi * turns / degree);
-                }
-            }
-            constexpr std::array<int, checks> between{0, 3, 7, 11};
-            for (int j = 0; j < checks; ++j) {
-                const double s = std::sin(0.5 * std::numbers::pi * (between[at(j)] + 0.5) / degree);
-                check[at(j)] = s * s;
-            }
-            // T_{k+1} = 2 (2 x - 1) T_k - T_{k-1}; whole numbers below 2^53
-            powers[0][0] = 1.0;
-            powers[1][0] = -1.0;
-            powers[1][1] = 2.0;
-            for (int k = 1; k < degree; ++k)
-                for (int i = 0; i <= k + 1; ++i)
-                    powers[at(k + 1)][at(i)] = (i > 0 ? 4.0 * powers[at(k)][at(i - 1)] : 0.0) -
-                                               2.0 * powers[at(k)][at(i)] - powers[at(k - 1)][at(i)];
-        }
+        Tables();
     };
-    static const Tables& tables() {
-        static const Tables t;
-        return t;
-    }
+    static const Tables& tables();
 };
 
-}  // namespace rbdyn::series
+}  // namespace rbdyn::inline RBDYN_FORM::series

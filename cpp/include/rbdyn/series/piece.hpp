@@ -1,16 +1,12 @@
 // One smooth piece of motion: polynomials in time, whatever engine made them.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <span>
-#include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
-#include "rbdyn/series/polynomial.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// State variables on [start, start + length * unit]: x_i = sum_k c[i][k] tau^k with tau = (t - start) / unit.
 struct Piece {
@@ -21,16 +17,12 @@ struct Piece {
     const double* coefficients = nullptr;  // variables rows of order + 1
     int stride = 0;                        // between rows; 0: order + 1
 
-    const double* variable(int i) const {
-        return coefficients + static_cast<std::ptrdiff_t>(i) * (stride > 0 ? stride : order + 1);
-    }
+    const double* variable(int i) const;
     double tau(double t) const { return (t - start) / unit; }
     Instant at(double tau_) const { return start + tau_ * unit; }
     double duration() const { return length * unit; }
 
-    void state(double tau_, std::span<double> x) const {
-        for (int i = 0; i < variables; ++i) x[static_cast<std::size_t>(i)] = series::value(variable(i), order, tau_);
-    }
+    void state(double tau_, std::span<double> x) const;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

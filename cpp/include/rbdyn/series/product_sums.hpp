@@ -15,7 +15,9 @@
 #define RBDYN_INLINE_LANES inline
 #endif
 
-namespace rbdyn::series {
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::series {
 
 #if defined(__GNUC__) || defined(__clang__)
 using Quad = double __attribute__((vector_size(32), aligned(32)));
@@ -119,7 +121,7 @@ inline LaneOrder lane_order() {
     return lanes::plain;
 }
 
-}  // namespace rbdyn::series
+}  // namespace rbdyn::inline RBDYN_FORM::series
 
 #undef RBDYN_INLINE_LANES
 #undef RBDYN_WIDE_LANES

@@ -10,16 +10,13 @@
 // and by the sizes of the terms g_k x^k at x, so that roots of g(s x) are those of g divided by s.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
-#include "rbdyn/series/polynomial.hpp"
+#include "rbdyn/basics/form.hpp"
 
-namespace rbdyn::series {
+namespace rbdyn::inline RBDYN_FORM::series {
 
 /// Highest degree whose roots are sought.
 inline constexpr int max_degree = 40;
@@ -30,70 +27,20 @@ struct Bounds {
     double low, high;
     bool exclude_zero() const { return low > 0.0 || high < 0.0; }
 };
-inline Bounds bounds(const double* c, int degree) {
-    Bounds b{c[degree], c[degree]};
-    for (int k = degree - 1; k >= 0; --k) {
-        b.low = c[k] + (b.low < 0.0 ? b.low : 0.0);
-        b.high = c[k] + (b.high > 0.0 ? b.high : 0.0);
-    }
-    return b;
-}
-inline Bounds slope_bounds(const double* c, int degree) {
-    Bounds b{degree * c[degree], degree * c[degree]};
-    for (int k = degree - 1; k >= 1; --k) {
-        b.low = k * c[k] + (b.low < 0.0 ? b.low : 0.0);
-        b.high = k * c[k] + (b.high > 0.0 ? b.high : 0.0);
-    }
-    return b;
-}
+Bounds bounds(const double* c, int degree);
+Bounds slope_bounds(const double* c, int degree);
 
 /// Whether g is bounded away from zero on [0, 1] on the side of g(0): a quicker, one-sided form of the same bounds,
 /// with the upper half of the coefficients beside the lower one.
-inline bool keeps_sign(const double* c, int degree) {
-    const double sign = c[0] < 0.0 ? -1.0 : 1.0;
-    const int middle = degree / 2 + 1;
-    double low = 0.0, high = 0.0;
-    int i = middle - 1;
-    for (int k = degree; k >= middle; --k, --i) {
-        high = sign * c[k] + (high < 0.0 ? high : 0.0);
-        if (i >= 1) low = sign * c[i] + (low < 0.0 ? low : 0.0);
-    }
-    for (; i >= 1; --i) low = sign * c[i] + (low < 0.0 ? low : 0.0);
-    return sign * c[0] + (low < 0.0 ? low : 0.0) + (high < 0.0 ? high : 0.0) > 0.0;
-}
+bool keeps_sign(const double* c, int degree);
 
 /// Coefficients of g(x / 2), the left half; exact.
-inline void left_half(const double* c, int degree, double* out) {
-    double power = 1.0;
-    for (int k = 0; k <= degree; ++k, power *= 0.5) out[k] = c[k] * power;
-}
+void left_half(const double* c, int degree, double* out);
 /// From the coefficients of the left half those of the right one, g((1 + x) / 2), in place.
-inline void right_half(double* c, int degree) {
-    for (int i = 0; i < degree; ++i)
-        for (int k = degree - 1; k >= i; --k) c[k] += c[k + 1];
-}
+void right_half(double* c, int degree);
 
 /// The root of g between lo and hi where its signs differ, by Newton's method kept inside the bracket.
-inline double bracketed_root(const double* c, int degree, double lo, double hi) {
-    const bool rises = value(c, degree, lo) < 0.0;
-    double x = 0.5 * (lo + hi);
-    for (int iteration = 0; iteration < 100; ++iteration) {
-        double g = c[degree], slope = 0.0;
-        for (int k = degree - 1; k >= 0; --k) {
-            slope = slope * x + g;
-            g = g * x + c[k];
-        }
-        if (g == 0.0) return x;
-        ((g < 0.0) == rises ? lo : hi) = x;
-        double next = x - g / slope;
-        // far from a root very near to zero, of which Newton's method sees nothing but the rounding of x
-        if (!(next > lo && next < hi)) next = lo > 0.0 ? 0.5 * (lo + hi) : 0x1p-32 * hi;
-        if (next == x || std::abs(next - x) <= 1e-17 * std::abs(x)) return next;
-        x = next;
-        if (hi - lo <= 2.3e-16 * std::abs(hi)) return x;
-    }
-    return x;
-}
+double bracketed_root(const double* c, int degree, double lo, double hi);
 
 /// Finds the roots of g on (0, 1] at which its sign changes.
 class RootFinder {
@@ -104,46 +51,7 @@ public:
     };
 
     /// Appends the roots in increasing order. `g` holds degree + 1 coefficients.
-    void find(const double* g, int degree, std::vector<double>& roots) {
-        flats_.clear();
-        multiple_.clear();
-        // roots at zero belong to what came before
-        while (degree > 0 && g[0] == 0.0) {
-            ++g;
-            --degree;
-        }
-        while (degree > 0 && g[degree] == 0.0) --degree;
-        if (degree == 0 || bounds(g, degree).exclude_zero()) return;
-        g_ = g;
-        degree_ = degree;
-        visits_ = 0;
-        const std::size_t known = roots.size();
-        noise_ = noise(1.0);
-        search(g, 0.0, 1.0, roots);
-        // what g alone does not tell sharply is a root by the signs on both sides, and found by a derivative
-        std::size_t kept = known;
-        double settled = 0.0;  // up to here
-        for (std::size_t k = known; k < roots.size(); ++k) {
-            const double x = roots[k];
-            if (x <= settled) continue;
-            std::optional<Flat> about;
-            if (std::abs(slope(x)) * sharp * x <= noise(x)) about = surroundings({x, x});
-            if (about) settled = about->hi;
-            if (about) multiple_.push_back(*about);
-            if (about && !changes(*about)) continue;
-            roots[kept++] = about ? located(*about) : x;
-        }
-        roots.resize(kept);
-        for (const Flat& flat : flats_) {
-            const std::optional<Flat> about = surroundings(flat);
-            if (about) multiple_.push_back(*about);
-            if (!about || !changes(*about)) continue;
-            const auto first = roots.begin() + static_cast<std::ptrdiff_t>(known);
-            const auto place = std::lower_bound(first, roots.end(), about->lo);
-            const double x = located(*about);
-            if (x <= 1.0 && (place == roots.end() || *place > about->hi)) roots.insert(place, x);
-        }
-    }
+    void find(const double* g, int degree, std::vector<double>& roots);
 
     /// About where g touched zero, or passed it by a root of higher multiplicity, when it was searched last: all that
     /// rounding does not tell from a place there, and g more than that at both ends, as far as they are in (0, 1).
@@ -151,105 +59,27 @@ public:
 
 private:
     /// What rounding of coefficients and sums makes of g at x.
-    double noise(double x) const {
-        return 4.0 * std::numeric_limits<double>::epsilon() * value_of_sizes(g_, degree_, x);
-    }
+    double noise(double x) const;
     /// Whether a size that is met at x and beyond is rounding there; noise grows with x.
     bool is_noise(double size, double x) const { return size <= noise_ && size <= noise(x); }
 
-    void search(const double* d, double lo, double width, std::vector<double>& roots) {
-        const Bounds b = bounds(d, degree_);
-        if (b.exclude_zero()) return;
-        if (is_noise(std::max(-b.low, b.high), lo)) return add_flat(lo, lo + width);
-        if (width <= narrowest * lo || ++visits_ > max_visits || slope_bounds(d, degree_).exclude_zero()) {
-            // monotone, or too narrow to tell: a change of sign is one root, unless all of g here is rounding
-            const double hi = lo + width;
-            const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
-            if (is_noise(std::max(std::abs(at_lo), std::abs(at_hi)), lo)) return add_flat(lo, hi);
-            if (at_hi == 0.0 && at_lo != 0.0) {
-                if (sign_after(hi) * at_lo < 0.0) roots.push_back(hi);
-            } else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
-                roots.push_back(bracketed_root(g_, degree_, lo, hi));
-            return;
-        }
-        Coefficients half;
-        left_half(d, degree_, half.data());
-        search(half.data(), lo, 0.5 * width, roots);
-        right_half(half.data(), degree_);
-        search(half.data(), lo + 0.5 * width, 0.5 * width, roots);
-    }
+    void search(const double* d, double lo, double width, std::vector<double>& roots);
 
     /// Intervals come in order.
-    void add_flat(double lo, double hi) {
-        if (!flats_.empty() && flats_.back().hi == lo)
-            flats_.back().hi = hi;
-        else
-            flats_.push_back({lo, hi});
-    }
+    void add_flat(double lo, double hi);
 
     /// As far about an interval where g is rounding as it takes until g is none; none if that is not within the step
     /// or a little beyond. At x = 0 no more than g_0 is left, which is none.
-    std::optional<Flat> surroundings(const Flat& flat) const {
-        const double least = std::max(flat.hi - flat.lo, sharp * flat.hi);
-        Flat about = flat;
-        for (double margin = least; about.lo > 0.0; margin *= 2.0) {
-            about.lo = std::max(0.0, flat.lo - margin);
-            if (std::abs(value(g_, degree_, about.lo)) > noise(about.lo)) break;
-        }
-        for (double margin = least; margin <= widest_flat * flat.hi; margin *= 2.0) {
-            about.hi = flat.hi + margin;
-            if (std::abs(value(g_, degree_, about.hi)) > noise(about.hi)) return about;
-        }
-        return std::nullopt;
-    }
-    bool changes(const Flat& about) const {
-        return (value(g_, degree_, about.lo) < 0.0) != (value(g_, degree_, about.hi) < 0.0);
-    }
+    std::optional<Flat> surroundings(const Flat& flat) const;
+    bool changes(const Flat& about) const;
 
     /// The root of odd multiplicity m in an interval: where the derivative of order m - 1 is zero.
-    double located(const Flat& about) const {
-        const double half = 0.5 * (about.hi - about.lo);
-        double x = 0.5 * (about.lo + about.hi);
-        // the middle is off, and a term of lower order rules until it is less so
-        for (int iteration = 0; iteration < 100; ++iteration) {
-            Coefficients c;
-            std::copy_n(g_, degree_ + 1, c.begin());
-            shift(c.data(), degree_, x);
-            // the odd term that rules over the interval
-            std::size_t ruling = 1;
-            double largest = 0.0, power = half;
-            for (std::size_t m = 1; m <= static_cast<std::size_t>(degree_); m += 2, power *= half * half) {
-                if (!(std::abs(c[m]) * power > largest)) continue;
-                largest = std::abs(c[m]) * power;
-                ruling = m;
-            }
-            const double next =
-                std::clamp(x - c[ruling - 1] / (static_cast<double>(ruling) * c[ruling]), about.lo, about.hi);
-            const bool is_there = std::abs(next - x) <= 4.0 * std::numeric_limits<double>::epsilon() * x;
-            x = next;
-            if (is_there) break;
-        }
-        return x;
-    }
+    double located(const Flat& about) const;
 
-    double slope(double x) const {
-        double sum = 0.0;
-        for (int k = degree_; k >= 1; --k) sum = sum * x + k * g_[k];
-        return sum;
-    }
+    double slope(double x) const;
 
     /// The sign of g just beyond x: that of its first derivative there that is not zero.
-    double sign_after(double x) const {
-        Coefficients c;
-        for (int k = 0; k <= degree_; ++k) c[static_cast<std::size_t>(k)] = g_[k];
-        for (int i = 0; i < degree_; ++i) {
-            for (int k = degree_ - 1; k >= i; --k)
-                c[static_cast<std::size_t>(k)] += x * c[static_cast<std::size_t>(k) + 1];
-            if (i > 0 && c[static_cast<std::size_t>(i)] != 0.0)
-                return c[static_cast<std::size_t>(i)] > 0.0 ? 1.0 : -1.0;
-        }
-        return c[static_cast<std::size_t>(degree_)] > 0.0 ? 1.0 : -1.0;
-    }
+    double sign_after(double x) const;
 
     // two roots 2^-40 of their place apart are told apart; closer ones, where g is rounding, are a graze
     static constexpr double narrowest = 0x1p-40;
@@ -267,4 +97,4 @@ private:
     std::vector<Flat> flats_, multiple_;
 };
 
-}  // namespace rbdyn::series
+}  // namespace rbdyn::inline RBDYN_FORM::series

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// Where a scene stays at rest, and what it does nearby.
 struct Equilibrium {
@@ -33,16 +33,6 @@ struct Equilibrium {
     bool operator==(const Equilibrium&) const = default;
 };
 
-inline std::ostream& operator<<(std::ostream& out, const Equilibrium& e) {
-    out << "Equilibrium at ";
-    for (std::size_t k = 0; k < e.coordinates.size(); ++k) out << (k == 0 ? "" : ", ") << text(e.coordinates[k]);
-    out << (e.stable ? ", stable" : e.decided ? ", not stable" : ", stable or not (rounding hides it)");
-    if (e.interval) out << ", from " << text(e.interval->first) << " to " << text(e.interval->second);
-    for (std::size_t k = 0; k < e.periods.size(); ++k) out << (k == 0 ? ", periods " : ", ") << text(e.periods[k]);
-    if (!e.periods.empty()) out << " s";
-    for (const Vector3& a : e.axes)
-        out << ", free to turn about (" << text(a[0]) << ", " << text(a[1]) << ", " << text(a[2]) << ')';
-    return out << '\n';
-}
+std::ostream& operator<<(std::ostream& out, const Equilibrium& e);
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -18,72 +18,25 @@
 // decided.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/path_zero.hpp"
+#include "rbdyn/statics/path_forces.hpp"
+#include "rbdyn/statics/path_pieces.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class PathEquilibria {
 public:
     /// `scene`: one body on a rail at rest, a hinge or a slide. `place`: about where a path without ends is searched.
-    PathEquilibria(const Scene& scene, double place) : forces_(scene), pieces_(forces_), place_(place) {
-        const Domain d = forces_.domain();
-        round_ = forces_.period();
-        low_ = d.begin;
-        high_ = d.end;
-        if (round_ > 0.0) {
-            if (!std::isfinite(low_)) low_ = 0.0;
-            high_ = low_ + round_;
-        } else if (forces_.is_on_hinge()) {
-            const auto [spring, reach] = wound();
-            low_ = spring - reach;
-            high_ = spring + reach;
-        }
-        walk();
-        std::vector<Piece> path;
-        for (const Piece& p : path_) refine(p, 0, path);
-        path_ = std::move(path);
-    }
+    PathEquilibria(const Scene& scene, double place);
 
-    std::vector<Equilibrium> find() {
-        find_points();
-        std::vector<Equilibrium> result;
-        if (forces_.rough()) {
-            find_held();
-            for (const Interval& i : held_) result.push_back(resting(i, true));
-        } else {
-            for (const Interval& i : flat_) {
-                result.push_back(resting(i, false));
-                result.back().decided =
-                    std::none_of(felt_.begin(), felt_.end(), [&](double u) { return u >= i.first && u <= i.second; });
-            }
-            for (const Interval& i : hidden_) {
-                result.push_back({{i.first + 0.5 * (i.second - i.first)}, false, i});
-                result.back().decided = false;
-            }
-        }
-        for (const Point& p : points_) {
-            if (inside(forces_.rough() ? held_ : flat_, p.u)) continue;
-            if (forces_.one_sided() && !p.pushed) continue;
-            Equilibrium e{{p.u}, p.stable};
-            e.decided = p.order > 0;
-            if (forces_.rough()) e.interval = {p.u, p.u};
-            if (p.stable && p.slope < 0.0)
-                e.periods = {2.0 * std::numbers::pi * std::sqrt(-forces_.inertia(p.u) / p.slope)};
-            result.push_back(std::move(e));
-        }
-        if (forces_.is_on_hinge() && round_ > 0.0)
-            for (Equilibrium& e : result) turn_back(e);
-        std::sort(result.begin(), result.end(),
-                  [](const Equilibrium& a, const Equilibrium& b) { return a.coordinates[0] < b.coordinates[0]; });
-        return result;
-    }
+    std::vector<Equilibrium> find();
 
 private:
     using Piece = statics::PathPiece;
@@ -110,392 +63,62 @@ private:
 
     /// Where the torsion springs of a hinge have no moment together, and how far from there anything else can be as
     /// strong: all else repeats itself after a turn.
-    std::pair<double, double> wound() {
-        const TorsionSpring spring = forces_.torsion();
-        const double turn = 2.0 * std::numbers::pi;
-        double most = 0.0;
-        pieces_.march(spring.rest_angle, spring.rest_angle + turn, most_pieces, [&](Piece p) {
-            p.output[along][0] += spring.stiffness * (p.middle - spring.rest_angle);
-            p.output[along][1] += spring.stiffness * p.half;
-            most = std::max(most, p.bound());
-            return true;
-        });
-        return {spring.rest_angle, std::min(1.0 + most / spring.stiffness, most_turns * turn)};
-    }
+    std::pair<double, double> wound();
     /// The angle of a hinge in (-pi, pi]; of one that stays wherever it is, that of the start.
-    void turn_back(Equilibrium& e) const {
-        double& angle = e.coordinates[0];
-        if (e.interval && e.interval->second - e.interval->first == round_) {
-            angle = place_;
-            e.interval = {place_ - 0.5 * round_, place_ + 0.5 * round_};
-        }
-        if (e.interval || !(angle > 0.5 * round_ * (1.0 + 4.0 * epsilon))) return;
-        angle -= round_;
-    }
+    void turn_back(Equilibrium& e) const;
 
-    void walk() {
-        const auto keep = [&](const Piece& p) {
-            path_.push_back(p);
-            // the same force all along
-            return !(p.endless && is_same_all_along(p));
-        };
-        if (std::isfinite(low_) && std::isfinite(high_)) {
-            pieces_.march(low_, high_, most_pieces, keep);
-            return;
-        }
-        pieces_.march(place_, low_, most_stretches, keep);
-        std::reverse(path_.begin(), path_.end());
-        if (path_.size() == 1 && path_[0].endless && is_same_all_along(path_[0])) return;
-        pieces_.march(place_, high_, most_stretches, [&](const Piece& p) {
-            path_.push_back(p);
-            return true;
-        });
-    }
+    void walk();
     /// Where a piece is rounding: a zero of high order has no sign that shows within a twentieth of the piece, one of
     /// lower order is told by the roots unless it is at an end or in the middle.
-    static std::vector<double> flat_places(const Piece& p) {
-        std::vector<double> places;
-        constexpr int steps = 32;
-        for (int k = -steps; k <= steps; ++k) {
-            const double x = static_cast<double>(k) / steps;
-            if (std::abs(p.value(PathForces::along, x)) <= p.noise()) places.push_back(x);
-        }
-        return places;
-    }
+    static std::vector<double> flat_places(const Piece& p);
     /// Halves a piece as long as the forces about its zeros of Q are small beside what they are elsewhere on it: there
     /// its polynomial knows them to few digits.
-    void refine(const Piece& p, int depth, std::vector<Piece>& path) {
-        bool splits = false;
-        if (depth < most_halvings) {
-            std::array<double, statics::order + 1> derivative = p.output[along];
-            for (int degree = statics::order; degree >= statics::order - 3; --degree) {
-                if (degree < statics::order)
-                    for (int k = 0; k <= degree; ++k)
-                        derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
-                for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                    if (degree == statics::order || p.may_vanish(x))
-                        splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
-            }
-            for (const double x : flat_places(p)) splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
-        }
-        if (!splits) {
-            path.push_back(p);
-            return;
-        }
-        for (const double way : {-1.0, 1.0}) {
-            Piece half = pieces_.about(p.middle + 0.5 * way * p.half, 0.5 * p.half);
-            (way < 0.0 ? half.cut_below : half.cut_above) = way < 0.0 ? p.cut_below : p.cut_above;
-            half.polynomial = p.polynomial;
-            refine(half, depth + 1, path);
-        }
-    }
+    void refine(const Piece& p, int depth, std::vector<Piece>& path);
     /// Whether the forces are the same on the whole piece, within rounding.
-    bool is_same_all_along(const Piece& p) const {
-        for (std::size_t j = 0; j < p.output.size(); ++j) {
-            double sum = 0.0;
-            for (std::size_t k = 1; k < p.output[j].size(); ++k) sum += std::abs(p.output[j][k]);
-            if (sum > (j == PathForces::hold ? hold_noise(p) : p.noise())) return false;
-        }
-        return true;
-    }
+    bool is_same_all_along(const Piece& p) const;
     /// What rounding makes of hold, somewhere; of Q^2 where hold is its difference from nearly the same.
-    double hold_noise(const Piece& p) const {
-        const double mu = forces_.body().mu_static;
-        return 2.0 * (1.0 + mu * mu) * p.effort * p.noise();
-    }
-    double hold_noise(const Piece& p, double x) const {
-        const double q = p.value(PathForces::along, x), noise = p.noise();
-        return 32.0 * epsilon * q * q + noise * noise;
-    }
-    static bool adjoin(double end, const Piece& p) {
-        return std::abs(p.begin() - end) <= 1e-14 * (std::abs(end) + p.half);
-    }
+    double hold_noise(const Piece& p) const;
+    double hold_noise(const Piece& p, double x) const;
+    static bool adjoin(double end, const Piece& p);
 
     // --- zeros of Q ---
 
-    void find_points() {
-        for (std::size_t i = 0; i < path_.size(); ++i) {
-            const Piece& p = path_[i];
-            const double noise = p.noise();
-            if (p.bound() <= noise) {
-                if (!is_pushed(p.middle)) continue;
-                extend(flat_, i);
-                if (is_felt(p)) felt_.push_back(p.middle);
-                continue;
-            }
-            const double* q = p.output[along].data();
-            for (const double x : statics::roots_about_middle(q, statics::order)) add(p, x);
-            // zeros without a change of sign, or too flat to show one: those of derivatives
-            std::array<double, statics::order + 1> derivative = p.output[along];
-            for (int degree = statics::order - 1; degree >= statics::order - 3; --degree) {
-                for (int k = 0; k <= degree; ++k)
-                    derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
-                for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                    if (p.may_vanish(x)) add(p, x);
-            }
-            for (const double x : flat_places(p)) add(p, x);
-            if (i > 0) add_jump(path_[i - 1], p);
-        }
-        // pieces that grow ever shorter towards a zero do not reach it
-        if (!path_.empty() && !std::isfinite(low_)) add_near(path_.front().begin(), 32.0 * path_.front().half);
-        if (!path_.empty() && !std::isfinite(high_)) add_near(path_.back().end(), 32.0 * path_.back().half);
-        const std::vector<Stretch> stretches = find_stretches();
-        for (const Stretch& s : stretches) add_near(s.from + 0.5 * (s.to - s.from), 2.0 * (s.to - s.from));
-        for (Point& p : points_) p.u = in_window(p.u);
-        std::sort(points_.begin(), points_.end(), [](const Point& a, const Point& b) { return a.u < b.u; });
-        // those that rounding does not tell apart are one: that of the highest order
-        std::vector<Point> apart;
-        const auto is_one = [](const Point& p, const Point& q, double way) {
-            return way <= std::max({p.radius, q.radius, 1e-9 * q.half});
-        };
-        for (const Point& p : points_) {
-            if (apart.empty() || !is_one(apart.back(), p, p.u - apart.back().u))
-                apart.push_back(p);
-            else if (p.order > apart.back().order)
-                apart.back() = p;
-        }
-        if (round_ > 0.0 && apart.size() > 1 &&
-            is_one(apart.front(), apart.back(), apart.front().u + round_ - apart.back().u))
-            apart.pop_back();
-        points_ = std::move(apart);
-        for (const Stretch& s : stretches) judge(s);
-        finish(flat_);
-    }
+    void find_points();
 
     /// Whether Q on a piece is more than the rounding of its own terms.
-    bool is_felt(const Piece& p) {
-        const auto& c = pieces_.about(p.middle, p.half).output[along];
-        const std::array<double, statics::order + 1> sizes = pieces_.sizes();
-        for (std::size_t k = 0; k < c.size(); ++k)
-            if (std::abs(c[k]) > 64.0 * epsilon * sizes[k]) return true;
-        return false;
-    }
+    bool is_felt(const Piece& p);
     /// Those that go on smoothly at an end, and so are no equilibria all along.
-    std::vector<Stretch> find_stretches() const {
-        std::vector<Stretch> all;
-        bool is_open = false;
-        int last = 0;
-        constexpr int steps = 32;
-        for (std::size_t i = 0; i < path_.size(); ++i) {
-            const Piece& p = path_[i];
-            if (i > 0 && (p.cut_below || path_[i - 1].cut_above || !adjoin(path_[i - 1].end(), p))) {
-                is_open = false;
-                last = 0;
-            }
-            for (int k = -steps; k <= steps; ++k) {
-                const double x = static_cast<double>(k) / steps, q = p.value(PathForces::along, x);
-                if (std::abs(q) > p.noise()) {
-                    last = q < 0.0 ? -1 : 1;
-                    if (is_open) all.back().after = last;
-                    is_open = false;
-                } else if (is_open) {
-                    all.back().to = p.place(x);
-                    ++all.back().places;
-                } else {
-                    all.push_back({p.place(x), p.place(x), 1, last});
-                    is_open = true;
-                }
-            }
-        }
-        std::erase_if(all, [](const Stretch& s) { return !s.goes_on(); });
-        return all;
-    }
+    std::vector<Stretch> find_stretches() const;
     /// Keeps the zeros of a stretch if they and the signs beside it agree; else all of it is one that is not decided.
-    void judge(const Stretch& stretch) {
-        std::erase_if(flat_, [&](const Interval& i) { return i.first >= stretch.from && i.second <= stretch.to; });
-        std::erase_if(points_, [&](const Point& p) { return p.order == 0 && stretch.has(p.u); });
-        int sign = stretch.before, count = 0;
-        bool agree = true;
-        const auto meet = [&](int other) { agree = agree && (sign == 0 || other == 0 || sign == other); };
-        for (const Point& p : points_) {
-            if (!stretch.has(p.u)) continue;
-            ++count;
-            meet(p.before);
-            sign = p.after;
-        }
-        meet(stretch.after);
-        if (count > 0 && agree) return;
-        std::erase_if(points_, [&](const Point& p) { return stretch.has(p.u); });
-        if (is_pushed(stretch.from + 0.5 * (stretch.to - stretch.from))) hidden_.emplace_back(stretch.from, stretch.to);
-    }
+    void judge(const Stretch& stretch);
 
     /// Takes a zero found on a piece, to rounding.
-    void add(const Piece& piece, double x) {
-        for (const double end : {-1.0, 1.0}) {
-            const bool is_cut = end < 0.0 ? piece.cut_below : piece.cut_above;
-            if (is_cut && std::abs(x - end) <= 1e-9) return add_corner(piece.place(end), piece.half);
-        }
-        add_near(piece.place(x), piece.half);
-    }
+    void add(const Piece& piece, double x);
     /// Takes a zero near u, looked at in units of `half`, if there is one.
-    void add_near(double u, double half) {
-        Point point{u, half};
-        const auto zero = statics::PathZeros(pieces_).near(u, half);
-        if (!zero) return;
-        point.u = zero->place;
-        point.order = zero->order;
-        point.radius = zero->radius;
-        if (zero->order > 0) {
-            point.after = zero->lead < 0.0 ? -1 : 1;
-            point.before = zero->order % 2 == 0 ? point.after : -point.after;
-        }
-        if (zero->order == 1) point.slope = zero->lead / half;
-        // an end of the rail, within rounding
-        for (const double end : {low_, high_})
-            if (std::isfinite(end) && std::abs(point.u - end) <= 8.0 * epsilon * std::max(std::abs(end), half))
-                point.u = end;
-        if (round_ == 0.0 && (point.u < low_ || point.u > high_)) return;
-        // at a cusp r' vanishes, and Q with it
-        const auto speed = [&](double place) { return forces_.speed(place); };
-        const double aside = 0x1p-6 * half;
-        if (speed(point.u) <= 0.1 * std::min(speed(point.u - aside), speed(point.u + aside))) return;
-        point.stable = zero->is_stable();
-        point.pushed = is_pushed(point.u);
-        points_.push_back(point);
-    }
+    void add_near(double u, double half);
     /// A jump across zero between two pieces: where the formula changes, or where there is no series in between.
-    void add_jump(const Piece& before, const Piece& after) {
-        const double gap = after.begin() - before.end(), noise = std::max(before.noise(), after.noise());
-        if (!after.cut_below || gap > 1e-11 * std::max(std::abs(after.begin()), after.half)) return;
-        const double from = before.value(PathForces::along, 1.0), to = after.value(PathForces::along, -1.0);
-        if (std::abs(from) <= noise || std::abs(to) <= noise || (from > 0.0) == (to > 0.0)) return;
-        // at a pole it grows beyond all bounds
-        const double from_before = before.value(PathForces::along, -1.0),
-                     to_after = after.value(PathForces::along, 1.0);
-        if (gap > 0.0 && !adjoin(before.end(), after) &&
-            (std::abs(from) > 1.5 * std::abs(from_before) || std::abs(to) > 1.5 * std::abs(to_after)))
-            return;
-        const double u = before.end() + 0.5 * gap;
-        points_.push_back({u, after.half, from > 0.0, is_pushed(u)});
-    }
+    void add_jump(const Piece& before, const Piece& after);
     /// A zero where the formula of the force changes.
-    void add_corner(double u, double half) {
-        const double step = 1e-6 * half;
-        const double before = forces_.along_path(u - step), after = forces_.along_path(u + step);
-        Point point{u, half, before > 0.0 && after < 0.0, is_pushed(u)};
-        // no corner after all: the same slope on both sides
-        const double left = -before / step, right = after / step;
-        if (std::abs(left - right) <= 1e-4 * (std::abs(left) + std::abs(right))) {
-            const Piece& about = pieces_.about(u + step, half);
-            point.slope = about.output[along][1] / half;
-        }
-        points_.push_back(point);
-    }
-    bool is_pushed(double u) {
-        if (!forces_.one_sided()) return true;
-        const Piece& p = pieces_.about(u, 1.0);
-        return p.output[PathForces::push][0] >= -p.noise();
-    }
+    void add_corner(double u, double half);
+    bool is_pushed(double u);
 
     // --- intervals ---
 
-    void find_held() {
-        for (const Piece& p : path_) {
-            const double noise = p.noise();
-            std::vector<std::pair<double, int>> roots{{-1.0, -1}};
-            for (const int k : {PathForces::hold, PathForces::push}) {
-                if (k == PathForces::push && !forces_.one_sided()) continue;
-                for (const double x :
-                     statics::roots_about_middle(p.output[static_cast<std::size_t>(k)].data(), statics::order))
-                    roots.emplace_back(x, k);
-            }
-            roots.emplace_back(1.0, -1);
-            std::sort(roots.begin(), roots.end());
-            for (std::size_t j = 0; j + 1 < roots.size(); ++j) {
-                const double x = 0.5 * (roots[j].first + roots[j + 1].first);
-                if (p.value(PathForces::hold, x) < -hold_noise(p, x)) continue;
-                if (forces_.one_sided() && p.value(PathForces::push, x) < -noise) continue;
-                const auto [from, from_root] = roots[j];
-                const auto [to, to_root] = roots[j + 1];
-                const double begin = p.place(from), end = p.place(to);
-                const bool joins =
-                    !held_.empty() && std::abs(begin - ends_.back().first) <= 1e-14 * (std::abs(begin) + p.half);
-                if (!joins) {
-                    held_.emplace_back(from_root >= 0 ? polished(begin, p, from_root) : begin, end);
-                    ends_.emplace_back(end, to_root);
-                }
-                held_.back().second = to_root >= 0 ? polished(end, p, to_root) : end;
-                ends_.back() = {end, to_root};
-            }
-        }
-        finish(held_);
-    }
+    void find_held();
     /// A zero of an output near u, by Newton's method.
-    double polished(double u, const Piece& piece, int output) {
-        const auto k = static_cast<std::size_t>(output);
-        double last = 0.01, place = u;
-        for (int iteration = 0; iteration < 6; ++iteration) {
-            const Piece& p = pieces_.about(place, piece.half);
-            const double x = -p.output[k][0] / p.output[k][1];
-            if (!(std::abs(x) < last)) break;
-            u = place;
-            last = 0.5 * std::abs(x);
-            place += piece.half * x;
-            u = place;
-        }
-        return std::clamp(u, low_, high_);
-    }
+    double polished(double u, const Piece& piece, int output);
 
-    void extend(std::vector<Interval>& intervals, std::size_t i) {
-        const Piece& p = path_[i];
-        if (!intervals.empty() && i > 0 && adjoin(intervals.back().second, p))
-            intervals.back().second = p.end();
-        else
-            intervals.emplace_back(p.begin(), p.end());
-    }
+    void extend(std::vector<Interval>& intervals, std::size_t i);
     /// Intervals to the ends of the rail: those of a curve without end go on if the forces do, those of a closed curve
     /// across its seam.
-    void finish(std::vector<Interval>& intervals) {
-        if (intervals.empty() || path_.empty()) return;
-        const auto near = [&](double a, double b, double half) { return std::abs(a - b) <= 1e-12 * half; };
-        const Piece &first = path_.front(), &last = path_.back();
-        bool is_constant = true;
-        for (const Piece& p : path_) is_constant = is_constant && is_same_all_along(p);
-        Interval &lowest = intervals.front(), &highest = intervals.back();
-        const bool from_begin = near(lowest.first, first.begin(), first.half),
-                   to_end = near(highest.second, last.end(), last.half);
-        if (from_begin && (std::isfinite(low_) || first.polynomial || is_constant)) lowest.first = low_;
-        if (to_end && (std::isfinite(high_) || last.polynomial || is_constant)) highest.second = high_;
-        if (round_ > 0.0 && from_begin && to_end && intervals.size() > 1) {
-            lowest.first = highest.first - round_;
-            intervals.pop_back();
-        }
-    }
-    double in_window(double u) const {
-        if (round_ == 0.0) return u;
-        if (std::abs(u - high_) <= 8.0 * epsilon * high_) return low_;
-        return u >= high_ ? u - round_ : u < low_ - 8.0 * epsilon * round_ ? u + round_ : std::max(u, low_);
-    }
+    void finish(std::vector<Interval>& intervals);
+    double in_window(double u) const;
     /// The same place of a closed curve, in an interval if it lies there.
-    double shifted(const Interval& i, double u) const {
-        return round_ > 0.0 && u > i.second && u - round_ >= i.first ? u - round_ : u;
-    }
-    bool inside(const std::vector<Interval>& intervals, double u) const {
-        for (const Interval& i : intervals) {
-            const double x = shifted(i, u);
-            const double slack = std::isfinite(i.second - i.first) ? 1e-12 * (i.second - i.first) : 0.0;
-            if (x >= i.first - slack && x <= i.second + slack) return true;
-        }
-        return false;
-    }
+    double shifted(const Interval& i, double u) const;
+    bool inside(const std::vector<Interval>& intervals, double u) const;
 
     /// The equilibria of an interval as one: at the zero of Q nearest its middle if there is one.
-    Equilibrium resting(const Interval& i, bool stable) const {
-        const bool is_bounded = std::isfinite(i.first) && std::isfinite(i.second);
-        double middle = place_;
-        if (is_bounded)
-            middle = i.first + 0.5 * (i.second - i.first);
-        else if (!(place_ >= i.first && place_ <= i.second))
-            middle = std::isfinite(i.first) ? i.first : i.second;
-        double best = std::numeric_limits<double>::infinity(), at = middle;
-        for (const Point& p : points_) {
-            const double u = shifted(i, p.u);
-            if (u < i.first || u > i.second || !(std::abs(u - middle) < best)) continue;
-            best = std::abs(u - middle);
-            at = u;
-        }
-        return {{at}, stable, i};
-    }
+    Equilibrium resting(const Interval& i, bool stable) const;
 
     // enough for a rail that is everything but smooth; and each way on one without end
     static constexpr int most_pieces = 20000, most_stretches = 32;
@@ -515,4 +138,4 @@ private:
     std::vector<std::pair<double, int>> ends_;  // of held intervals, as the pieces have them
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -9,138 +9,51 @@
 // Invariant: one body in the scene; no force of it depends on time.
 #pragma once
 
-#include <numbers>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/points.hpp"
-#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/scene.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace statics {
 
 /// Throws InvalidInput unless what acts on a body is the same at all times; `user` is who asks.
-inline void require_timeless(const Scene& scene, int body, const std::string& user) {
-    const std::string& name = scene.bodies()[static_cast<std::size_t>(body)].name;
-    for (const Scene::AppliedLoad& load : scene.loads()) {
-        if (load.body != body) continue;
-        const auto check = [&](const auto* given, const char* kind) {
-            if (given == nullptr || given->is_constant()) return;
-            const std::string subject = user + ": " + kind + " \"" + given->name() + "\" on " + name;
-            if (given->callback())
-                throw InvalidInput(subject + " is called back (" + given->callback()->reason +
-                                   "), so that nobody knows what it depends on; write it so that it can be recorded");
-            if (given->function().depends_on(0))
-                throw InvalidInput(subject + " depends on time; leave it out, or replace t by the time that is meant");
-        };
-        check(std::get_if<Force>(&load.load), "force");
-        check(std::get_if<Torque>(&load.load), "torque");
-    }
-    const Rail* rail = scene.bodies()[static_cast<std::size_t>(body)].rail();
-    if (rail == nullptr) return;
-    if (rail->motion().present())
-        throw InvalidInput(user + ": the rail of " + name + " moves (motion); it must be at rest");
-    if (rail->friction() && !rail->drive().is_zero())
-        throw InvalidInput(user + ": the surface of the rail of " + name +
-                           " moves (drive), and friction carries the bead along; it must be at rest");
-}
+void require_timeless(const Scene& scene, int body, const std::string& user);
 
 /// A bead of a scene by itself, with the loads on it and the springs that hold it to the world. Throws InvalidInput if
 /// it is no bead, or if a spring joins it with another body.
-inline Scene alone(const Scene& scene, BodyHandle bead, const std::string& user) {
-    require(
-        bead.index >= 0 && bead.index < static_cast<int>(scene.bodies().size()), user, "body", bead.index,
-        "a handle comes from add() of the same scene, which has " + std::to_string(scene.bodies().size()) + " bodies");
-    const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
-    if (body.rail() == nullptr)
-        throw InvalidInput(user + ": " + body.name + " is free; this is about a bead on a rail");
-    Scene result(scene.gravity());
-    const BodyHandle one =
-        result.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
-    for (const Scene::AppliedLoad& load : scene.loads())
-        if (load.body == bead.index) result.apply(load.load, one);
-    for (const Scene::Connection& c : scene.connections()) {
-        const int a = body_of(c.a), b = body_of(c.b);
-        if ((a != bead.index && b != bead.index) || !is_present(c.coupling)) continue;
-        if (a >= 0 && b >= 0) {
-            const int other = a == bead.index ? b : a;
-            throw InvalidInput(user + ": a spring joins " + body.name + " with " +
-                               scene.bodies()[static_cast<std::size_t>(other)].name +
-                               "; the force on it does not depend on its own place alone");
-        }
-        result.connect(c.coupling, a >= 0 ? End(one) : c.a, b >= 0 ? End(one) : c.b);
-    }
-    return result;
-}
+Scene alone(const Scene& scene, BodyHandle bead, const std::string& user);
 
 /// Chooses the signs of a program's switches by the state x.
-inline void set_signs(const Program& program, std::vector<double>& parameters, std::span<const double> x) {
-    if (parameters.empty()) {
-        parameters.assign(static_cast<std::size_t>(program.parameters()), 0.0);
-        for (const Switch& s : program.switches())
-            if (!s.is_norm) parameters[static_cast<std::size_t>(s.parameter)] = 1.0;
-    }
-    if (program.switches().empty()) return;
-    Evaluator<double> values(program);
-    // the argument of a switch may contain others: no deeper than there are switches
-    for (std::size_t depth = 0; depth < program.switches().size(); ++depth) {
-        values.set_parameters(parameters);
-        values(0.0, x);
-        bool changed = false;
-        for (std::size_t k = 0; k < program.switches().size(); ++k) {
-            const Switch& s = program.switches()[k];
-            if (s.is_norm) continue;
-            double& sign = parameters[static_cast<std::size_t>(s.parameter)];
-            const double now = values.switch_value(static_cast<int>(k)) < 0.0 ? -1.0 : 1.0;
-            changed = changed || now != sign;
-            sign = now;
-        }
-        if (!changed) break;
-    }
-}
+void set_signs(const Program& program, std::vector<double>& parameters, std::span<const double> x);
 
 /// The sum of the sizes of the forces on a body at rest [N], and of their moments about the point its equations are
 /// about [N m]: what is rounding beside them is none.
 struct Effort {
     double force = 0.0, moment = 0.0;
 
-    void add(double size, const Vector3& point) {
-        force += size;
-        moment += size * point.norm();
-    }
+    void add(double size, const Vector3& point);
 };
-inline Effort effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states) {
-    const PointLaws::Body& b = laws.body(body);
-    const PointState<double>& p = states[static_cast<std::size_t>(body)];
-    const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
-    Effort sum;
-    sum.add(rounded(b.force).norm(), b.rigid ? b.rigid->center : zero);
-    // high powers far away, whose squares overflow
-    for (const auto& function : b.functions) sum.force += force_of<double>(function, 0.0, r, zero).stableNorm();
-    for (const RigidLoad& load : b.loads) {
-        if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
-            sum.moment += spring->stiffness * (std::abs(p.rigid->coordinate) + std::abs(spring->rest_angle));
-            continue;
-        }
-        Wrench<double> w;
-        add_load(w, *b.rigid, *p.rigid, load, 0.0, b.name);
-        sum.add(w.force.norm(), rounded(load.point));
-        if (std::holds_alternative<Torque>(load.load)) sum.moment += w.moment.norm();
-    }
-    for (const auto& c : laws.springs()) {
-        if (c.a.body != body && c.b.body != body) continue;
-        const double size =
-            c.spring.stiffness * (PointLaws::motion_of<double>(c.a, states).first.norm() +
-                                  PointLaws::motion_of<double>(c.b, states).first.norm() + c.spring.rest_length);
-        for (const PointLaws::SpringEnd* end : {&c.a, &c.b})
-            if (end->body == body) sum.add(size, end->is_on_rigid ? rounded(end->point_on_rigid) : zero);
-    }
-    return sum;
-}
+Effort effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states);
 
 }  // namespace statics
 
@@ -159,8 +72,7 @@ public:
         bool is_smooth = false;          // everywhere: it distinguishes nothing
     };
 
-    explicit PathForces(const Scene& scene)
-        : model_(std::make_shared<const PointsModel>(scene, planning::view_of(scene))), smooth_(formula(start())) {}
+    explicit PathForces(const Scene& scene);
 
     /// Of a bead.
     const Curve& curve() const { return *body().curve; }
@@ -171,21 +83,9 @@ public:
     bool is_on_hinge() const { return body().rigid && body().rigid->kind == RigidLaw::Kind::revolute; }
     Domain domain() const { return body().curve ? curve().domain() : Domain{}; }
     /// After which all is the same again; 0 if nothing is.
-    double period() const {
-        if (body().curve) return curve().period();
-        return is_on_hinge() && torsion().stiffness == 0.0 ? 2.0 * std::numbers::pi : 0.0;
-    }
+    double period() const;
     /// The torsion springs of a hinge together.
-    TorsionSpring torsion() const {
-        TorsionSpring sum;
-        for (const RigidLoad& load : body().loads)
-            if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load); spring && spring->stiffness > 0) {
-                const double k = sum.stiffness + spring->stiffness;
-                sum.rest_angle = sum.rest_angle + (spring->rest_angle - sum.rest_angle) * spring->stiffness / k;
-                sum.stiffness = k;
-            }
-        return sum;
-    }
+    TorsionSpring torsion() const;
     /// |r'|; 1 for a hinge and a slide.
     double speed(double u) const { return body().curve ? curve().first(u).norm() : 1.0; }
     /// Twice the kinetic energy over the squared rate of the coordinate.
@@ -196,55 +96,15 @@ public:
     const std::string& name() const { return body().name; }
 
     /// The formula that is right about u.
-    Formula formula(double u) const {
-        using S = Expression;
-        Recorder r;
-        r.follow(0.0, std::span<const double>(&u, 1), {});
-        const S q = r.input(0), zero(0.0);
-        const std::vector<PointState<S>> states{laws().moving<S>(body(), zero, &q, &zero, false)};
-        Formula result;
-        std::vector<S> outputs;
-        if (body().rigid) {
-            outputs.push_back(along_joint<S>(states));
-        } else {
-            const Resultant<S> f = laws().resultant<S>(0, zero, states, false, [](const S& w) { return w; });
-            const CurvePoint<S>& c = states[0].curve;
-            outputs.push_back(dot<S>(c.first, f.force));
-            const Vector3Of<S> across = cross<S>(c.first, f.force);
-            if (rough() || one_sided())
-                outputs.push_back(S(body().mu_static * body().mu_static) * dot<S>(across, across) -
-                                  outputs[0] * outputs[0]);
-            if (one_sided()) outputs.push_back(-dot<S>(body().binormal, across));
-        }
-        result.outputs = static_cast<int>(outputs.size());
-        for (const Branch& b : r.branches()) {
-            const S argument(&r, b.argument);
-            if (b.has_lower()) outputs.push_back(argument - S(b.lower()));
-            if (b.has_upper()) outputs.push_back(S(b.upper()) - argument);
-        }
-        result.guards = static_cast<int>(outputs.size()) - result.outputs;
-        result.program = Program(r, outputs, 1);
-        result.is_smooth = result.guards == 0 && result.program.switches().empty();
-        statics::set_signs(result.program, result.parameters, std::span<const double>(&u, 1));
-        return result;
-    }
+    Formula formula(double u) const;
     /// The formula at the bead's start.
     const Formula& first_formula() const { return smooth_; }
 
     /// Q at places, in doubles; an evaluation of its own, not to be shared by threads.
     class Values {
     public:
-        explicit Values(const PathForces& forces) : forces_(&forces) {
-            if (forces.smooth_.is_smooth) {
-                quick_.emplace(forces.smooth_.program);
-                quick_->set_parameters(forces.smooth_.parameters);
-            }
-        }
-        double operator()(double u) {
-            if (!quick_) return forces_->along_path(u);
-            (*quick_)(0.0, std::span<const double>(&u, 1));
-            return quick_->output(along);
-        }
+        explicit Values(const PathForces& forces);
+        double operator()(double u);
 
     private:
         const PathForces* forces_;
@@ -252,29 +112,11 @@ public:
     };
 
     /// Q, with every case distinction made at u.
-    double along_path(double u) const {
-        const std::vector<PointState<double>> states{at_rest(u)};
-        if (body().rigid) return along_joint<double>(states);
-        const auto f = laws().resultant<double>(0, 0.0, states, false, [](double w) { return w; });
-        return dot<double>(states[0].curve.first, f.force);
-    }
+    double along_path(double u) const;
     /// |r'| times the sum of the sizes of the forces, or that of their moments: Q of its rounding is none.
-    double effort(double u) const {
-        const std::vector<PointState<double>> states{at_rest(u)};
-        const statics::Effort sum = statics::effort(laws(), 0, states);
-        if (body().rigid) return is_on_hinge() ? sum.moment : sum.force;
-        return std::sqrt(states[0].curve.speed_squared) * sum.force;
-    }
+    double effort(double u) const;
     /// What is not finite at u, in words.
-    std::string not_finite(double u) const {
-        Mode mode;
-        mode.slip.assign(1, 1);
-        std::vector<double> x = model_->start();
-        for (double& value : x) value = 0.0;
-        x[0] = u;
-        const std::string what = model_->not_finite(mode, 0.0, x);
-        return what.empty() ? "a derivative of the forces" : what;
-    }
+    std::string not_finite(double u) const;
 
     const PointLaws& laws() const { return model_->laws(); }
     const PointLaws::Body& body() const { return laws().body(0); }
@@ -286,13 +128,10 @@ private:
         const Wrench<S> w = laws().wrench<S>(0, S(0.0), states);
         return is_on_hinge() ? w.moment[2] : dot<S>(states[0].rigid->axes.e3, w.force);
     }
-    PointState<double> at_rest(double u) const {
-        const double zero = 0.0;
-        return laws().moving<double>(body(), 0.0, &u, &zero, false);
-    }
+    PointState<double> at_rest(double u) const;
 
     std::shared_ptr<const PointsModel> model_;
     Formula smooth_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

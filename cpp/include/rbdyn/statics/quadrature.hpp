@@ -8,9 +8,10 @@
 #include <cmath>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
 #include "rbdyn/curve/arc_length.hpp"
 
-namespace rbdyn::statics {
+namespace rbdyn::inline RBDYN_FORM::statics {
 
 /// The integral of f from a to b. `floor`: the rounding of f itself, times the range. `noise`: relative rounding of f
 /// where that is more than usual; f may raise it.
@@ -60,4 +61,4 @@ double integral(F&& f, double a, double b, double floor = 0.0, const double& noi
     return sum + low;
 }
 
-}  // namespace rbdyn::statics
+}  // namespace rbdyn::inline RBDYN_FORM::statics

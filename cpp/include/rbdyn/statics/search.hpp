@@ -12,186 +12,33 @@
 #pragma once
 
 #include <optional>
-#include <utility>
+#include <vector>
 
+#include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
-#include "rbdyn/statics/null_direction.hpp"
 
-namespace rbdyn::statics {
+namespace rbdyn::inline RBDYN_FORM::statics {
 
 /// -(J^T M^-1 J + damping M)^-1 J^T M^-1 Q, damping in units of the largest eigenvalue.
-inline std::vector<double> newton_step(const Forces::State& s, double damping) {
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    const int n = s.jacobian.size();
-    // in units in which the metric is one
-    SquareMatrix scaled(n), normal(n);
-    std::vector<double> force(at(n)), step(at(n)), downhill(at(n));
-    double force_squared = 0.0;
-    for (int i = 0; i < n; ++i) {
-        force[at(i)] = s.force[at(i)] / std::sqrt(s.metric[at(i)]);
-        force_squared += force[at(i)] * force[at(i)];
-        for (int j = 0; j < n; ++j) scaled(i, j) = s.jacobian(i, j) / std::sqrt(s.metric[at(i)] * s.metric[at(j)]);
-    }
-    for (int i = 0; i < n; ++i)
-        for (int k = 0; k < n; ++k) {
-            downhill[at(i)] += scaled(k, i) * force[at(k)];
-            for (int j = 0; j < n; ++j) normal(i, j) += scaled(k, i) * scaled(k, j);
-        }
-    const SymmetricEigen e = symmetric_eigen(normal);
-    const double largest = e.values.back();
-    for (int k = 0; k < n; ++k) {
-        double along = 0.0;
-        for (int i = 0; i < n; ++i) along += e.vectors(i, k) * downhill[at(i)];
-        const double square = e.values[at(k)];
-        // a null direction: the force along it is rounding, too
-        if (!(square > 64.0 * epsilon * n * largest) &&
-            std::abs(along) <= 1e-14 * n * std::sqrt(largest * force_squared))
-            continue;
-        for (int i = 0; i < n; ++i)
-            step[at(i)] -= e.vectors(i, k) * along / (std::max(square, 0.0) + damping * largest);
-    }
-    for (int i = 0; i < n; ++i) step[at(i)] /= std::sqrt(s.metric[at(i)]);
-    return step;
-}
+std::vector<double> newton_step(const Forces::State& s, double damping);
 
 /// -dQ/dq at a place in units in which the metric is one: its symmetric part, and how far it is from that.
 struct Stiffness {
     SquareMatrix symmetric;
     double twist = 0.0, rounding = 0.0;
 
-    explicit Stiffness(const Forces::State& s) : symmetric(s.jacobian.size()) {
-        const int n = symmetric.size();
-        const auto scaled = [&](int i, int j) {
-            return -s.jacobian(i, j) /
-                   std::sqrt(s.metric[static_cast<std::size_t>(i)] * s.metric[static_cast<std::size_t>(j)]);
-        };
-        double largest = 0.0;
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) {
-                symmetric(i, j) = 0.5 * (scaled(i, j) + scaled(j, i));
-                twist = std::max(twist, std::abs(scaled(i, j) - scaled(j, i)));
-                largest = std::max(largest, std::abs(scaled(i, j)));
-            }
-        rounding = 64.0 * std::numeric_limits<double>::epsilon() * n * largest;
-    }
+    explicit Stiffness(const Forces::State& s);
 };
 
 /// Downhill from q, in place, as a slow and damped motion goes: steps (|K| + damping)^-1 Q with the absolute values of
 /// the eigenvalues of the stiffness K, taken if the forces do work on the way. Whether that came to an end.
-inline bool settle(Forces& forces, std::vector<double>& q) {
-    const int n = forces.freedoms();
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    // radians in which a step of this search may turn a body
-    constexpr double most_turn = 0.5;
-    Forces::State now = forces.at_rest(q);
-    double damping = 0.01, largest_work = 0.0;
-    for (int iteration = 0; iteration < 300; ++iteration) {
-        const SymmetricEigen e = symmetric_eigen(Stiffness(now).symmetric);
-        const double largest = std::max(std::abs(e.values.front()), std::abs(e.values.back()));
-        std::vector<double> step(at(n));
-        for (int k = 0; k < n; ++k) {
-            double along = 0.0;
-            for (int i = 0; i < n; ++i) along += e.vectors(i, k) * now.force[at(i)] / std::sqrt(now.metric[at(i)]);
-            if (along == 0.0) continue;
-            for (int i = 0; i < n; ++i)
-                step[at(i)] += e.vectors(i, k) * along / (std::abs(e.values[at(k)]) + damping * largest) /
-                               std::sqrt(now.metric[at(i)]);
-        }
-        const double turning = forces.largest_turn(step);
-        for (double& x : step) x *= std::min(1.0, most_turn / turning);
-        if (!std::all_of(step.begin(), step.end(), [](double x) { return std::isfinite(x); })) return false;
-        const std::vector<double> next = forces.moved(q, step);
-        const Forces::State there = forces.at_rest(next);
-        const std::vector<double> moved = forces.difference(next, q);
-        double work = 0.0;
-        for (int i = 0; i < n; ++i) work += 0.5 * (now.force[at(i)] + there.force[at(i)]) * moved[at(i)];
-        if (!there.is_finite() || !(work > 0.0)) {
-            // no step is too small to go down but at the bottom
-            if (damping > 1e12) return largest_work > 0.0;
-            damping *= 8.0;
-            continue;
-        }
-        q = next;
-        now = there;
-        damping *= 0.25;
-        largest_work = std::max(largest_work, work);
-        if (work <= 1e-12 * largest_work) return true;
-    }
-    return false;
-}
+bool settle(Forces& forces, std::vector<double>& q);
 
 /// The zero of the forces near q, in place; whether there is one.
-inline bool relax(Forces& forces, std::vector<double>& q) {
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    const int n = forces.freedoms();
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    const std::vector<double> start = q;
-    Forces::State now = forces.at_rest(q);
-    if (!now.is_finite())
-        throw InvalidInput("equilibria: where the search begins, " + forces.not_finite(q) +
-                           " is not finite; begin elsewhere (near)");
-    std::vector<double> most = now.effort;
-    const auto is_zero = [&](const Forces::State& s, double slack) {
-        for (int i = 0; i < n; ++i) {
-            double rounding = 16.0 * s.effort[at(i)];
-            for (int j = 0; j < n; ++j) rounding += 4.0 * std::abs(s.jacobian(i, j)) * s.size[at(j)];
-            if (std::abs(s.force[at(i)]) > slack * epsilon * rounding) return false;
-        }
-        return true;
-    };
-    // far away damping finds the way, near the zero Newton's steps are taken whole
-    double damping = 0.0;
-    bool found = false;
-    for (int iteration = 0; iteration < 300 && !found; ++iteration) {
-        if (is_zero(now, 64.0)) {
-            found = true;
-            break;
-        }
-        const std::vector<double> step = newton_step(now, damping);
-        std::vector<double> next;
-        Forces::State there;
-        bool is_better = false;
-        if (std::all_of(step.begin(), step.end(), [](double x) { return std::isfinite(x); })) {
-            next = forces.moved(q, step);
-            there = forces.at_rest(next);
-            is_better = there.is_finite() && there.misfit() < now.misfit();
-        }
-        if (!is_better) {
-            // no step is too small to help only where there is no way down
-            if (damping > 1e12) break;
-            damping = std::max(8.0 * damping, 1e-3);
-            continue;
-        }
-        const std::vector<double> away = forces.difference(next, start), moved = forces.difference(next, q);
-        double gone = 0.0, taken = 0.0;
-        bool faded = true;
-        for (int i = 0; i < n; ++i) {
-            gone = std::max(gone, now.metric[at(i)] * away[at(i)] * away[at(i)]);
-            taken = std::max(taken, now.metric[at(i)] * moved[at(i)] * moved[at(i)]);
-            most[at(i)] = std::max(most[at(i)], there.effort[at(i)]);
-            faded = faded && std::abs(there.force[at(i)]) <= 1e-13 * most[at(i)];
-        }
-        q = next;
-        now = there;
-        damping = damping > 1e-9 ? 0.125 * damping : 0.0;
-        // the forces die away to a zero of higher order, the steps with them
-        found = damping == 0.0 && taken < 1e-20 * gone && faded;
-    }
-    if (!found) return false;
-    for (int iteration = 0; iteration < 4; ++iteration) {
-        LinearSolution step = solve(now.jacobian, now.force);
-        for (double& x : step.x) x = -x;
-        if (!(step.pivots > n * epsilon)) step.x = newton_step(now, 0.0);
-        const std::vector<double> next = forces.moved(q, step.x);
-        const Forces::State there = forces.at_rest(next);
-        if (!there.is_finite() || !(there.misfit() < now.misfit())) break;
-        q = next;
-        now = there;
-    }
-    return now.pushed;
-}
+bool relax(Forces& forces, std::vector<double>& q);
 
 /// A turn of one body about an axis of the world through a point.
 struct FreeTurn {
@@ -200,43 +47,8 @@ struct FreeTurn {
 
 /// The axis about which a body that turns freely may be turned from a zero of the forces and leave them
 /// zero, if there is one and no more.
-inline std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<double>& q, const Forces::State& s,
-                                         const Stiffness& stiffness, int body) {
-    const int first = forces.first(body), moves = forces.displacements(body), n = moves + 3;
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    SquareMatrix own(n);
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) own(i, j) = stiffness.symmetric(first + i, first + j);
-    const SymmetricEigen e = symmetric_eigen(own);
-    int null = -1;
-    for (int k = 0; k < n; ++k) {
-        if (std::abs(e.values[at(k)]) > stiffness.rounding) continue;
-        if (null >= 0) return std::nullopt;
-        null = k;
-    }
-    if (null < 0) return std::nullopt;
-    const auto component = [&](int i) { return e.vectors(i, null) / std::sqrt(s.metric[at(first + i)]); };
-    const Vector3 turning = to_world<double>(forces.attitude(q, body),
-                                             Vector3(component(moves), component(moves + 1), component(moves + 2)));
-    if (turning.isZero(0.0)) return std::nullopt;
-    FreeTurn result{direction(turning)};
-    Vector3& axis = result.axis;
-    if (axis[greatest(sizes(axis))] < 0.0) axis = -axis;
-    for (double& x : axis)
-        if (std::abs(x) < std::numeric_limits<double>::epsilon()) x = 0.0;
-    if (moves > 0) {
-        const double* g = &q[at(forces.laws().body(body).first)];
-        const Vector3 velocity(component(0), component(1), component(2));
-        result.point = Vector3(g[0], g[1], g[2]) + turning.cross(velocity) / turning.squaredNorm();
-    }
-    // three turns that no symmetry but a full one has
-    for (const double angle : {1.0, 2.25, 4.0}) {
-        const Forces::State there = forces.at_rest(forces.turned(q, body, axis, result.point, angle));
-        for (std::size_t i = 0; i < there.force.size(); ++i)
-            if (!(std::abs(there.force[i]) <= 1e-11 * there.effort[i])) return std::nullopt;
-    }
-    return result;
-}
+std::optional<FreeTurn> free_turn(Forces& forces, const std::vector<double>& q, const Forces::State& s,
+                                  const Stiffness& stiffness, int body);
 
 /// What a scene does about a zero of its forces, and whether its stiffness says so of all freedoms but free turns.
 /// Of a family the member is taken that is reached from `start` by the least turn.
@@ -245,45 +57,6 @@ struct Judgement {
     std::vector<double> place;
     bool is_decided = false;
 };
-inline Judgement judged(Forces& forces, std::vector<double> q, const std::vector<double>& start) {
-    const Forces::State s = forces.at_rest(q);
-    const Stiffness stiffness(s);
-    Equilibrium e;
-    for (int i = 0; i < forces.bodies(); ++i) {
-        if (!forces.turns(i)) continue;
-        const auto free = free_turn(forces, q, s, stiffness, i);
-        if (!free) continue;
-        e.axes.push_back(free->axis);
-        // what of the way from the start is a turn about the axis is taken back
-        const Quaternion way = forces.attitude(q, i) * conjugate(forces.attitude(start, i));
-        const double half = std::atan2(free->axis.dot(Vector3(way.x, way.y, way.z)), way.w);
-        q = forces.turned(std::move(q), i, free->axis, free->point, -2.0 * half);
-    }
-    e.coordinates = forces.coordinates(q);
-    const SymmetricEigen modes = symmetric_eigen(stiffness.symmetric);
-    const std::vector<double>& squares = modes.values;
-    const auto undecided = static_cast<std::size_t>(
-        std::count_if(squares.begin(), squares.end(), [&](double x) { return std::abs(x) <= stiffness.rounding; }));
-    bool is_decided = undecided == e.axes.size() && undecided < squares.size();
-    e.stable = is_decided && squares.front() >= -stiffness.rounding;
-    // a direction that goes down is enough; else one in which nothing is said so far may be looked at further
-    if (squares.front() >= -stiffness.rounding && undecided > e.axes.size() && undecided < squares.size()) {
-        e.decided = false;
-        if (undecided == 1 && stiffness.twist <= stiffness.rounding) {
-            std::vector<bool> stiff;
-            for (const double square : squares) stiff.push_back(std::abs(square) > stiffness.rounding);
-            const auto null = std::find(stiff.begin(), stiff.end(), false) - stiff.begin();
-            const AlongNull along = along_null(forces, q, modes, static_cast<int>(null), stiff);
-            e.stable = along == AlongNull::stable;
-            e.decided = along != AlongNull::not_decided;
-            is_decided = e.decided && along != AlongNull::indifferent;
-        }
-    }
-    // without a potential the modes are not those of the symmetric part
-    if (stiffness.twist <= stiffness.rounding)
-        for (const double square : squares)
-            if (square > stiffness.rounding) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(square));
-    return {std::move(e), std::move(q), is_decided};
-}
+Judgement judged(Forces& forces, std::vector<double> q, const std::vector<double>& start);
 
-}  // namespace rbdyn::statics
+}  // namespace rbdyn::inline RBDYN_FORM::statics

@@ -9,14 +9,16 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
 #include "rbdyn/rotation/euler_turns.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 class EulerTrack {
 public:
@@ -80,4 +82,4 @@ private:
     std::map<int, Known> known_;
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

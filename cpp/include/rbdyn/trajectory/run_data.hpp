@@ -1,6 +1,7 @@
 // What a run is made of, and what it cost.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -8,11 +9,18 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/points.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/parts.hpp"
+#include "rbdyn/scene/scene.hpp"
 #include "rbdyn/trajectory/euler_track.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 /// The price of a run.
 struct Statistics {
@@ -25,13 +33,7 @@ struct Statistics {
     bool planned = true;  // anew, and not as an earlier run was
 };
 
-inline std::ostream& operator<<(std::ostream& out, const Statistics& s) {
-    return out << "seconds " << s.seconds << ", integration " << s.integration_seconds << ", steps " << s.steps
-               << ", rejected " << s.rejected << ", right-hand sides " << s.right_hand_sides << ", Jacobians "
-               << s.jacobians << ", guard evaluations " << s.guard_evaluations << ", events " << s.events
-               << ", Python calls " << s.python_calls << ", runs " << s.runs << ", " << s.size
-               << (s.planned ? "" : ", planned before");
-}
+std::ostream& operator<<(std::ostream& out, const Statistics& s);
 
 /// The events of a run, in order of time.
 class Events : public std::vector<Event> {
@@ -40,14 +42,7 @@ public:
     explicit Events(std::vector<Event> events) : std::vector<Event>(std::move(events)) {}
 
     /// Times of the events of a kind or name, of one body if given.
-    std::vector<double> times(const std::string& kind_or_name, std::optional<BodyHandle> subject = std::nullopt) const {
-        std::vector<double> result;
-        for (const Event& e : *this)
-            if ((name_of(e.kind) == kind_or_name || e.name == kind_or_name) &&
-                (!subject || e.subject == subject->index))
-                result.push_back(e.time);
-        return result;
-    }
+    std::vector<double> times(const std::string& kind_or_name, std::optional<BodyHandle> subject = std::nullopt) const;
 };
 
 /// What a trajectory is made of.
@@ -67,28 +62,18 @@ struct RunData {
 
 /// The run of the part that something of a scene is in, which keeps the whole, and its index there; of what is in no
 /// part those of the whole.
-inline std::pair<std::shared_ptr<const RunData>, int> part_of(const std::shared_ptr<const RunData>& run,
-                                                              std::vector<SceneParts::Place> SceneParts::*things,
-                                                              int index) {
-    if (run->parts.empty()) return {run, index};
-    const auto [part, place] = (*run->plan.apart.*things)[static_cast<std::size_t>(index)];
-    if (part < 0) return {run, index};
-    return {{run, &run->parts[static_cast<std::size_t>(part)]}, place};
-}
+std::pair<std::shared_ptr<const RunData>, int> part_of(const std::shared_ptr<const RunData>& run,
+                                                       std::vector<SceneParts::Place> SceneParts::*things, int index);
 
 /// The state of a run of one part at a time. Throws InvalidInput for a time it does not hold.
 struct Moment {
     const Mode& mode;
     std::vector<double> x;
 
-    Moment(const RunData& data, double t, Side side)
-        : mode(mode_at(data.record, t, side)), x(state_at(data.record, t, side)) {}
+    Moment(const RunData& data, double t, Side side);
 
 private:
-    static const Mode& mode_at(const Record& record, double t, Side side) {
-        const auto index = entry_at(record, t, side);
-        return index ? record.mode(*index) : record.modes.front();
-    }
+    static const Mode& mode_at(const Record& record, double t, Side side);
 };
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

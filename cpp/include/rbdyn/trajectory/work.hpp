@@ -9,34 +9,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/event/record.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 
 namespace working {
 
-[[noreturn]] inline void refuse_missing(double t0, double t1) {
-    throw InvalidInput("Trajectory: work from " + text(t0) + " to " + text(t1) +
-                       " s is asked for, and this run did not keep the motion between (keep=); use keep \"all\"");
-}
+[[noreturn]] void refuse_missing(double t0, double t1);
 
 /// Whether the pieces of a record hold all of a span of time.
-inline bool covers(const Record& record, double t0, double t1) {
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    const auto& entries = record.entries();
-    if (entries.empty()) return false;
-    const double slack = 8.0 * epsilon * std::max({std::abs(t0), std::abs(t1), std::abs(record.end.hi)});
-    double reached = t0;
-    for (std::size_t i = record.find(t0, Side::after); i < entries.size() && reached < t1 - slack; ++i) {
-        if (entries[i].start.hi > reached + slack) return false;
-        reached = std::max(reached, (entries[i].start + entries[i].length * entries[i].unit).hi);
-    }
-    return reached >= t1 - slack;
-}
+bool covers(const Record& record, double t0, double t1);
 
 /// The integral of f over a span of time, t0 < t1, of the motion of one part. Throws InvalidInput where the record does
 /// not hold it.
@@ -73,21 +65,7 @@ double integral(const Record& record, double t0, double t1, F&& f) {
 }
 
 /// The times strictly within a span at which the state of a run of one part jumps.
-inline std::vector<double> jumps(const RunData& run, double t0, double t1) {
-    std::vector<double> times;
-    const auto changes = [&](const Event& e) {
-        if (e.kind == EventKind::land || e.kind == EventKind::impact) return true;
-        if (e.kind != EventKind::watch) return false;
-        const auto& watches = run.scene.watches();
-        return std::any_of(watches.begin(), watches.end(), [&](const Scene::Watch& w) {
-            return w.name == e.name && w.options.action.kind == WatchAction::Kind::change;
-        });
-    };
-    for (const Event& e : run.record.events)
-        if (e.time > t0 && e.time < t1 && changes(e) && (times.empty() || times.back() != e.time))
-            times.push_back(e.time);
-    return times;
-}
+std::vector<double> jumps(const RunData& run, double t0, double t1);
 
 /// What value(t, side) gains over a span, t0 < t1, of a run of one part, but for what jumps of the state make of it.
 /// Throws InvalidInput where the record does not hold it.
@@ -112,4 +90,4 @@ double gain(const RunData& run, double t0, double t1, Value&& value) {
 
 }  // namespace working
 
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM

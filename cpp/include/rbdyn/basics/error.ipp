@@ -1,0 +1,37 @@
+// Definitions of rbdyn/basics/error.hpp.
+#pragma once
+
+#include "rbdyn/basics/error.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE std::string text(double value) {
+    if (std::isnan(value)) return "nan";
+    char digits[32];
+    double back = 0.0;
+    char* end = digits;
+    // 17 digits are enough for every double
+    for (int count = 6; count <= 17 && !(back == value && end != digits); ++count) {
+        end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, count).ptr;
+        std::from_chars(digits, end, back);
+    }
+    return std::string(digits, end);
+}
+
+RBDYN_INLINE void refuse(std::string_view object, std::string_view what, double value, std::string_view rule) {
+    std::string message(object);
+    message.append(": ").append(what).append(" is ").append(text(value)).append("; ").append(rule);
+    throw InvalidInput(message);
+}
+
+RBDYN_INLINE void require(bool condition, std::string_view object, std::string_view what, double value,
+                          std::string_view rule) {
+    if (!condition) refuse(object, what, value, rule);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,234 @@
+// Definitions of rbdyn/engine/taylor.hpp.
+#pragma once
+
+#include "rbdyn/engine/taylor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/term_sizes.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/piece.hpp"
+#include "rbdyn/series/polynomial.hpp"
+#include "rbdyn/series/step_length.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE TaylorEngine::TaylorEngine(double tolerance, int order, Program::Rounding rounding)
+    : log_tolerance_(std::log2(tolerance)), order_(order > 0 ? order : order_for(tolerance)), rounding_(rounding) {}
+
+RBDYN_INLINE std::string TaylorEngine::name() const { return "taylor"; }
+
+RBDYN_INLINE int TaylorEngine::order_for(double tolerance) {
+    return std::clamp(static_cast<int>(std::lround(8.0 - 0.58 * std::log(tolerance))), 12, max_order);
+}
+
+RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<const double> parameters, Instant t,
+                                      std::span<const double> x) {
+    if (equations_ != &equations) {
+        equations_ = &equations;
+        series_ = &evaluator_for(equations);
+        scales_.resize(x.size());
+        scales_.follow(equations.groups);
+    }
+    parameters_.assign(parameters.begin(), parameters.end());
+    t_ = t;
+    x_.assign(x.begin(), x.end());
+    low_.assign(x.size(), 0.0);
+    scales_.widen(x_);
+    is_ready_ = false;
+}
+
+RBDYN_INLINE void TaylorEngine::carry(std::span<const double> rest) { low_.assign(rest.begin(), rest.end()); }
+
+RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
+    if (!is_ready_) {
+        projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr;
+        set_parameters();
+        is_ready_ = true;
+    }
+    const int n = equations_->variables();
+    const double span = limit - t_;
+    if (!(unit_ > 0.0)) unit_ = power_of_two(span);
+    double length = 0.0;
+    for (int attempt = 0;; ++attempt) {
+        expand(n);
+        if (!series_->is_finite(0)) return StepStatus::not_finite;
+        const bool is_finite = series_->is_finite(order_ - 1);
+        length = is_finite ? step_length(span) * unevenness() : 0.0;
+        natural_ = length;
+        if (length * unit_ > span) length = span / unit_;
+        const bool capped = is_finite && length * unit_ >= span;
+        // a polynomial may be of any length, but its powers are numbers
+        if (is_finite && (capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) break;
+        // the unit of time was far from the step: measure again in a better one
+        ++work_.rejected;
+        const double factor = is_finite ? power_of_two(length) : 0x1p-24;
+        unit_ *= factor;
+        if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
+    }
+    // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
+    double h = length * unit_;
+    Instant end{limit, 0.0};
+    if (h < span) {
+        const double next = t_.hi + h;
+        h = next - t_.hi;
+        if (!(h > 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi)) || h <= 0.0)
+            return StepStatus::stalled;
+        end = t_ + h;
+    } else {
+        h = span;
+    }
+    piece_ = {t_, unit_, h / unit_, n, order_, series_->coefficients(0), series_->stride()};
+    ++work_.steps;
+    start_low_ = low_;
+    // go on from the end, the sum compensated
+    std::array<double, max_order + 1> power;
+    power[0] = 1.0;
+    for (int k = 1; k <= order_; ++k) power[at(k)] = power[at(k - 1)] * piece_.length;
+    for (int i = 0; i < n; ++i) {
+        const auto index = static_cast<std::size_t>(i);
+        const double increment = series::dot(piece_.variable(i) + 1, power.data() + 1, order_);
+        const Instant sum = exact_sum(x_[index], increment + low_[index]);
+        x_[index] = sum.hi;
+        low_[index] = sum.lo;
+    }
+    hold(h);
+    t_ = end;
+    scales_.widen(x_);
+    if (drop_start_flags(*equations_, parameters_)) set_parameters();
+    if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
+    return StepStatus::ok;
+}
+
+RBDYN_INLINE void TaylorEngine::rest(double tau, std::span<const double> x, std::span<double> low) const {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const double* c = piece_.variable(static_cast<int>(i));
+        const Instant sum = exact_sum(c[0], tau * series::value(c + 1, order_ - 1, tau));
+        low[i] = (sum.hi - x[i]) + (sum.lo + start_low_[i]);
+    }
+}
+
+RBDYN_INLINE const double* TaylorEngine::guard(int index) {
+    const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
+    ++work_.guard_evaluations;
+    return series_->output(g.output);
+}
+
+RBDYN_INLINE int TaylorEngine::guard_order() const { return order_; }
+
+RBDYN_INLINE void TaylorEngine::guard_sizes(int index, double* sizes) {
+    const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
+    const TermSizes::Sizes s = TermSizes(*series_, order_)(equations_->program.output(g.output));
+    std::copy_n(s.begin(), order_ + 1, sizes);
+}
+
+RBDYN_INLINE double TaylorEngine::natural_length() const { return natural_; }
+
+RBDYN_INLINE bool TaylorEngine::is_rough(int guard) const { return !rough_.empty() && rough_[at(guard)] != 0; }
+
+RBDYN_INLINE std::span<double> TaylorEngine::replace_state() {
+    std::fill(low_.begin(), low_.end(), 0.0);
+    return x_;
+}
+
+RBDYN_INLINE void TaylorEngine::hold(double time) {
+    if (projection_) projection_->apply(x_, low_, time);
+}
+
+RBDYN_INLINE void TaylorEngine::set_parameters() {
+    const bool is_made_up = projection_ && projection_->makes_up_for_rounding();
+    series_->set_parameters(parameters_, is_made_up ? Program::Rounding::nearest : rounding_);
+}
+
+RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
+    int exponent = 0;
+    const double mantissa = std::frexp(x, &exponent);
+    return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
+}
+
+RBDYN_INLINE SeriesEvaluator& TaylorEngine::evaluator_for(const Equations& equations) {
+    for (auto& [known, evaluator] : evaluators_)
+        if (known == &equations) return *evaluator;
+    evaluators_.emplace_back(&equations, std::make_unique<SeriesEvaluator>(equations.program, order_));
+    return *evaluators_.back().second;
+}
+
+RBDYN_INLINE void TaylorEngine::expand(int n) {
+    series_->begin(t_.hi, unit_);
+    for (int i = 0; i < n; ++i) series_->set_input(i, 0, x_[static_cast<std::size_t>(i)]);
+    for (int k = 0; k < order_; ++k) {
+        series_->advance(k);
+        series_->integrate(k);
+    }
+    work_.right_hand_sides += order_;
+    if (!equations_->guards.empty()) series_->advance(order_);
+}
+
+RBDYN_INLINE double TaylorEngine::step_length(double span) {
+    double log_length = std::numeric_limits<double>::infinity();
+    Sizes size;
+    for (const VariableGroup& group : equations_->groups) {
+        size.fill(0.0);
+        for (int i = group.first; i < group.first + group.count; ++i)
+            series::widen(size.data(), series_->coefficients(i), order_);
+        log_length = std::min(log_length, series::log_step(size.data(), order_, scales_.scale(group), log_tolerance_));
+    }
+    // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow.
+    // The rounding of a speed's series grows by the distance from its zero, which must not keep a step from passing
+    // there
+    const double log_tolerance = std::max(log_tolerance_ + guard_slack, rounding_counts);
+    // but for a guard that is singular here or so near that steps towards it would not end: a short one passes it
+    const double least =
+        std::max(std::min(log_length, series::rough_log2(span / unit_)) - most_halvings,
+                 series::rough_log2(64.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi) / unit_));
+    rough_.clear();
+    for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
+        const Guard& guard = equations_->guards[g];
+        if (guard.output < 0 || equations_->is_variable(guard)) continue;
+        const double* c = series_->output(guard.output);
+        if (is_polynomial(c, guard)) continue;
+        size.fill(0.0);
+        series::widen(size.data(), c, order_);
+        double check = 0.0;
+        for (int k = 0; k <= order_; ++k) check += 0.0 * size[at(k)];
+        const double log_guard = series::log_step(size.data(), order_, size[0], log_tolerance);
+        if (check != 0.0 || log_guard < least) {
+            rough_.resize(equations_->guards.size(), 0);
+            rough_[g] = 1;
+        }
+        // what is not finite where the step begins says nothing of its length
+        if (check == 0.0) log_length = std::min(log_length, log_guard < least ? least + 4.0 : log_guard);
+    }
+    return std::exp2(log_length);
+}
+
+RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) const {
+    if (c[order_] != 0.0 || c[order_ - 1] != 0.0 || c[order_ - 2] != 0.0 || c[order_ - 3] != 0.0) return false;
+    int k = order_ - 4;
+    while (k > order_ / 2 && c[k] == 0.0) --k;
+    if (k == order_ / 2) return false;
+    const TermSizes::Sizes sizes = TermSizes(*series_, order_)(equations_->program.output(guard.output));
+    return std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[at(k)];
+}
+
+RBDYN_INLINE double TaylorEngine::unevenness() const {
+    if (log_tolerance_ > rounding_counts) return 1.0;
+    constexpr double golden_section = 0.6180339887498949;
+    return 1.0 - 0x1p-4 * std::fmod(golden_section * static_cast<double>(work_.steps), 1.0);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

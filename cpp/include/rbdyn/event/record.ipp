@@ -1,0 +1,129 @@
+// Definitions of rbdyn/event/record.hpp.
+#pragma once
+
+#include "rbdyn/event/record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/event/event.hpp"
+#include "rbdyn/series/piece.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE Piece Record::piece(std::size_t index) const {
+    const Entry& e = entries_[index];
+    return {e.start, e.unit, e.length, variables, e.order, blocks_[e.block].data() + e.offset, e.order + 1};
+}
+
+RBDYN_INLINE void Record::append(const Piece& piece, double length, int mode, bool after_event) {
+    const auto row = static_cast<std::size_t>(piece.order + 1), count = static_cast<std::size_t>(variables) * row;
+    std::vector<double>& block = block_for(count);
+    const std::size_t offset = block.size();
+    for (int i = 0; i < variables; ++i) block.insert(block.end(), piece.variable(i), piece.variable(i) + row);
+    entries_.push_back({piece.start, piece.unit, length, piece.order, mode, blocks_.size() - 1, offset, after_event});
+}
+
+RBDYN_INLINE void Record::note(Event event) {
+    const auto is_together = [&](const Event& e) {
+        return event.instant - e.instant <= 8.0 * std::numeric_limits<double>::epsilon() * std::abs(event.time);
+    };
+    auto place = events.end();
+    if (place != events.begin() && is_together(*std::prev(place))) {
+        event.instant = std::prev(place)->instant;
+        event.time = event.instant.hi;
+    }
+    while (place != events.begin() && is_together(*std::prev(place)) && comes_before(event, *std::prev(place))) --place;
+    events.insert(place, std::move(event));
+}
+
+RBDYN_INLINE void Record::keep_last() {
+    if (entries_.size() < 2) return;
+    const Entry last = entries_.back();
+    const Piece piece = this->piece(entries_.size() - 1);
+    const std::vector<double> own(piece.coefficients, piece.coefficients + variables * piece.stride);
+    const Piece kept{piece.start, piece.unit, piece.length, variables, piece.order, own.data(), piece.stride};
+    clear();
+    append(kept, last.length, last.mode, last.after_event);
+}
+
+RBDYN_INLINE void Record::clear() {
+    entries_.clear();
+    if (blocks_.size() > 1) blocks_.erase(blocks_.begin(), blocks_.end() - 1);
+    if (!blocks_.empty()) blocks_.back().clear();
+}
+
+RBDYN_INLINE void Record::drop_last() {
+    blocks_[entries_.back().block].resize(entries_.back().offset);
+    blocks_.resize(entries_.back().block + 1);
+    entries_.pop_back();
+    if (windings.size() > entries_.size()) windings.resize(entries_.size());
+}
+
+RBDYN_INLINE std::size_t Record::find(double t, Side side) const {
+    const auto later = [&](double time, const Entry& e) {
+        return side == Side::after ? time < e.start.hi : time <= e.start.hi;
+    };
+    auto it = std::upper_bound(entries_.begin(), entries_.end(), t, later);
+    return it == entries_.begin() ? 0 : static_cast<std::size_t>(it - entries_.begin()) - 1;
+}
+
+RBDYN_INLINE double Record::tau(const Piece& piece, double t) {
+    if (t == piece.start.hi) return 0.0;
+    if (t == piece.at(piece.length).hi) return piece.length;
+    return std::clamp(piece.tau(t), 0.0, piece.length);
+}
+
+RBDYN_INLINE std::vector<double>& Record::block_for(std::size_t count) {
+    if (blocks_.empty() || blocks_.back().capacity() - blocks_.back().size() < count) {
+        const std::size_t next = blocks_.empty() ? first_block : 4 * blocks_.back().capacity();
+        blocks_.emplace_back().reserve(std::max(count, std::min(next, largest_block)));
+    }
+    return blocks_.back();
+}
+
+RBDYN_INLINE std::optional<std::size_t> entry_at(const Record& record, double t, Side side) {
+    // a time computed from the end may be its neighbour
+    const double near = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(record.end.hi);
+    if (!(t >= record.start - near && t <= record.end.hi + near))
+        throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(record.start) + " to " +
+                           text(record.end.hi) + " s");
+    if (record.modes.empty()) throw InvalidInput("Trajectory: this run broke off before its start and has no motion");
+    if (record.empty() || (record.closed && record.modes.size() == 1)) return std::nullopt;
+    // the state at the start is kept always
+    if (t <= record.start && t < record.piece(0).start.hi) return std::nullopt;
+    const std::size_t index = record.find(t, side);
+    const Piece piece = record.piece(index);
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(t);
+    if (const double gap = t - piece.start;
+        gap < -std::max(rounding, near) || gap > piece.duration() + std::max(rounding, near)) {
+        // a closed form has every time, and one way to move
+        if (record.closed) return std::nullopt;
+        throw InvalidInput("Trajectory: time is " + text(t) + "; this run kept other times only (keep=)");
+    }
+    return index;
+}
+
+RBDYN_INLINE std::vector<double> state_at(const Record& record, double t, Side side) {
+    const auto index = entry_at(record, t, side);
+    std::vector<double> x(static_cast<std::size_t>(record.variables));
+    if (record.closed) {
+        record.closed->state(exact_difference({t, 0.0}, {record.start, 0.0}), x);
+        return x;
+    }
+    if (!index) return record.first_state;
+    const Piece piece = record.piece(*index);
+    piece.state(Record::tau(piece, t), x);
+    return x;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

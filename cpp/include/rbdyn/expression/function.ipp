@@ -1,0 +1,254 @@
+// Definitions of rbdyn/expression/function.hpp.
+#pragma once
+
+#include "rbdyn/expression/function.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/derivative.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/parameter.hpp"
+#include "rbdyn/expression/recorder.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE void Function::give(GivenNumbers& numbers) const {
+    if (!recorder_) return;
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(parameters().size()); ++i)
+        numbers.add(recorder_->cells()[at(i)], cell(i));
+}
+
+RBDYN_INLINE void Function::settle() const {
+    Numbers* numbers = Numbers::active();
+    for (std::int32_t i = 0; numbers != nullptr && i < static_cast<std::int32_t>(parameters().size()); ++i)
+        (void)numbers->number(recorder_->cells()[at(i)], cell(i)).value();
+}
+
+RBDYN_INLINE Function Function::frozen() const {
+    Function result = *this;
+    if (!recorder_ || values_ || recorder_->cells().empty()) return result;
+    auto values = std::make_shared<std::vector<double>>();
+    for (const Parameter& p : recorder_->cells()) values->push_back(p.value());
+    result.values_ = std::move(values);
+    return result;
+}
+
+RBDYN_INLINE std::optional<std::vector<double>> Function::constants() const {
+    std::vector<double> result;
+    for (const std::int32_t out : outputs_)
+        if (const Node& node = recorder_->node(out); node.operation == Operation::constant)
+            result.push_back(node.value);
+    if (result.size() == outputs_.size()) return result;
+    if (recorder_->cells().empty()) return std::nullopt;
+    // as where equations are recorded: a number that happens to be one of the constants is none
+    GivenNumbers given;
+    give(given);
+    Numbers own(given);
+    const Numbers::Active active(Numbers::active() != nullptr ? Numbers::active() : &own);
+    Recorder scratch(Recorder::Purpose::function);
+    std::vector<Expression> x;
+    for (int i = 0; i < inputs_; ++i) x.push_back(scratch.input(i));
+    result.clear();
+    for (const Expression& y : (*this)(std::span<const Expression>(x))) {
+        if (!y.is_constant()) return std::nullopt;
+        result.push_back(y.constant().number.hi);
+    }
+    return result;
+}
+
+RBDYN_INLINE bool Function::depends_on(int input) const {
+    std::vector<bool> depends(static_cast<std::size_t>(recorder_->size()), false);
+    for (std::int32_t n = 0; n < recorder_->size(); ++n) {
+        const Node& node = recorder_->node(n);
+        bool d = node.operation == Operation::input && node.a == input;
+        for (std::int32_t operand : node.operands())
+            if (operand >= 0) d = d || depends[static_cast<std::size_t>(operand)];
+        depends[static_cast<std::size_t>(n)] = d;
+    }
+    for (std::int32_t out : outputs_)
+        if (depends[static_cast<std::size_t>(out)]) return true;
+    return false;
+}
+
+RBDYN_INLINE Function Function::derivative(int input) const {
+    const recording::WideFolding all_digits;
+    return record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
+}
+
+RBDYN_INLINE Function Function::distinctions() const {
+    Function result = *this;
+    result.outputs_.clear();
+    for (std::int32_t n = 0; n < size(); ++n)
+        if (node(n).operation == Operation::sign || node(n).operation == Operation::select)
+            result.outputs_.push_back(node(n).a);
+    return result;
+}
+
+RBDYN_INLINE bool Function::operator==(const Function& other) const {
+    if (recorder_ == other.recorder_) return true;
+    if (!recorder_ || !other.recorder_) return false;
+    if (inputs_ != other.inputs_ || outputs_ != other.outputs_ || size() != other.size() || names() != other.names() ||
+        parameters().size() != other.parameters().size())
+        return false;
+    for (std::int32_t n = 0; n < size(); ++n)
+        if (!(node(n) == other.node(n))) return false;
+    for (std::size_t i = 0; i < parameters().size(); ++i) {
+        const Parameter &a = parameters()[i], &b = other.parameters()[i];
+        if (!a.is(b) && (a.value() != b.value() || a.name() != b.name())) return false;
+    }
+    return true;
+}
+
+RBDYN_INLINE void Function::prepare() {
+    for (std::int32_t n = 0; n < recorder_->size(); ++n) {
+        const Operation o = recorder_->node(n).operation;
+        distinguishes_ = distinguishes_ || o == Operation::select || o == Operation::whole;
+    }
+}
+
+RBDYN_INLINE double Function::cell(std::int32_t index) const {
+    return values_ ? (*values_)[at(index)] : recorder_->cells()[at(index)].value();
+}
+
+RBDYN_INLINE std::optional<Expression> Function::weight_of(const Expression& x, const std::string& name) {
+    return x.is_constant() ? std::nullopt : x.recorder()->weight(x, name);
+}
+
+RBDYN_INLINE std::vector<Expression> Function::differentiated(const std::vector<Expression>& x, int input) const {
+    const auto size = static_cast<std::size_t>(recorder_->size());
+    std::vector<Expression> y(size), d(size);
+    Recorder* r = x[0].recorder();
+    for (std::int32_t n = 0; n < recorder_->size(); ++n) {
+        const Node& node = recorder_->node(n);
+        std::array<Expression, 3> operands, slopes;
+        for (std::size_t i = 0; i < 3; ++i)
+            if (const std::int32_t operand = node.operands()[i]; operand >= 0) {
+                operands[i] = y[at(operand)];
+                slopes[i] = d[at(operand)];
+            }
+        Expression &v = y[at(n)], &dv = d[at(n)];
+        dv = 0.0;
+        // the same operation in the new recording; cases and cells are kept as such
+        switch (node.operation) {
+            case Operation::cell:
+                v = values_ ? Expression(cell(node.a)) : r->cell(recorder_->cells()[at(node.a)]);
+                break;
+            case Operation::select:
+                v = applied<Expression>(n, x, y);
+                dv = select(
+                    operands[0], [&] { return slopes[1]; }, [&] { return slopes[2]; }, name(node.d));
+                break;
+            default: v = applied<Expression>(n, x, y); break;
+        }
+        if (node.operation == Operation::input)
+            dv = node.a == input ? 1.0 : 0.0;
+        else if (node.operation != Operation::select)
+            dv = recording::derivative(node, v, operands, slopes);
+    }
+    std::vector<Expression> result;
+    for (std::int32_t out : outputs_) result.push_back(d[at(out)]);
+    return result;
+}
+
+RBDYN_INLINE Function Function::from_data(int inputs, const std::vector<Node>& nodes,
+                                          const std::vector<std::int32_t>& outputs,
+                                          const std::vector<std::string>& names,
+                                          const std::vector<Parameter>& parameters) {
+    const auto check = [&](bool good, double number) {
+        require(good, "Function", "index in its data", number,
+                "a node uses earlier nodes, inputs, names and parameters");
+    };
+    auto recorder = std::make_shared<Recorder>(Recorder::Purpose::function);
+    for (const std::string& name : names) recorder->name_index(name);
+    for (const Parameter& p : parameters) recorder->cell(p);
+    // nodes of cells come first in the new recording, so that the others move
+    std::vector<std::int32_t> moved;
+    for (Node node : nodes) {
+        switch (node.operation) {
+            case Operation::constant:
+            case Operation::input: break;
+            case Operation::cell: check(node.a >= 0 && at(node.a) < parameters.size(), node.a); break;
+            case Operation::time:
+            case Operation::parameter:
+            case Operation::call: check(false, static_cast<double>(moved.size())); break;
+            case Operation::sign:
+            case Operation::select:
+            case Operation::whole: check(node.d >= 0 && at(node.d) < names.size(), node.d); break;
+            default: break;
+        }
+        if (node.operation == Operation::input) check(node.a >= 0 && node.a < inputs, node.a);
+        const auto used = node.operands();
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (used[i] < 0) continue;
+            check(at(used[i]) < moved.size(), used[i]);
+            (i == 0 ? node.a : i == 1 ? node.b : node.c) = moved[at(used[i])];
+        }
+        moved.push_back(recorder->record(node).node());
+    }
+    Function result;
+    result.inputs_ = inputs;
+    for (const std::int32_t out : outputs) {
+        check(out >= 0 && at(out) < moved.size(), out);
+        result.outputs_.push_back(moved[at(out)]);
+    }
+    result.recorder_ = std::move(recorder);
+    result.prepare();
+    return result;
+}
+
+RBDYN_INLINE std::string Function::text() const {
+    static const char* words[] = {"",     "input", "time",    "parameter", "",     "+",     "*",    "/",
+                                  "sqrt", "norm",  "sin",     "cos",       "sinh", "cosh",  "tanh", "exp",
+                                  "log",  "^",     "arctan2", "call",      "sign", "where", "floor"};
+    std::string out = std::to_string(inputs_) + " inputs, " + std::to_string(outputs()) + " results\n";
+    for (std::int32_t n = 0; n < size(); ++n) {
+        const Node& i = node(n);
+        out += "  n" + std::to_string(n) + " = ";
+        const auto operand = [](std::int32_t k) { return "n" + std::to_string(k); };
+        switch (i.operation) {
+            case Operation::constant: out += rbdyn::text(i.value); break;
+            case Operation::input: out += "input " + std::to_string(i.a); break;
+            case Operation::cell:
+                out += "parameter " + recorder_->cells()[at(i.a)].name() + " = " + rbdyn::text(cell(i.a));
+                break;
+            case Operation::add:
+            case Operation::multiply:
+            case Operation::divide:
+                out += operand(i.a) + " " + words[static_cast<int>(i.operation)] + " " + operand(i.b);
+                break;
+            case Operation::power: out += operand(i.a) + " ^ " + rbdyn::text(i.value); break;
+            case Operation::select:
+                out += operand(i.b) + " where " + operand(i.a) + " > 0, else " + operand(i.c);
+                break;
+            default:
+                out += words[static_cast<int>(i.operation)];
+                for (const std::int32_t k : i.operands())
+                    if (k >= 0) out += " " + operand(k);
+                break;
+        }
+        // the event where it changes
+        const bool switches =
+            i.operation == Operation::sign || i.operation == Operation::select || i.operation == Operation::whole;
+        if (switches && !name(i.d).empty()) out += "  (" + name(i.d) + ")";
+        out += '\n';
+    }
+    for (std::size_t k = 0; k < outputs_.size(); ++k)
+        out += "  result " + std::to_string(k) + " = n" + std::to_string(outputs_[k]) + '\n';
+    return out;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

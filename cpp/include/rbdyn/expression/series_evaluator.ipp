@@ -1,0 +1,303 @@
+// Definitions of rbdyn/expression/series_evaluator.hpp.
+#pragma once
+
+#include "rbdyn/expression/series_evaluator.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/product_sums.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_order)
+    : program_(&program),
+      top_(max_order),
+      stride_(2 * (max_order + 1)),
+      storage_(static_cast<std::size_t>(program.slots() * stride_), 0.0),
+      valuations_(static_cast<std::size_t>(program.states()), -1) {
+    resolve();
+}
+
+RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
+    program_->set_parameters(parameters, scalars_, rounding);
+    const auto weight = [&](const Schedule::Weighted& w) {
+        if (w.scalar < 0) return w.scalar == Schedule::one ? 1.0 : 0.0;
+        return scalars_[static_cast<std::size_t>(w.scalar)];
+    };
+    for (std::size_t i = 0; i < lane_series_.size(); ++i) {
+        const Schedule::Series& w = lane_weights_[i];
+        lane_series_[i].weight = series::Quad{weight(w[0]), weight(w[1]), weight(w[2]), weight(w[3])};
+    }
+}
+
+RBDYN_INLINE void SeriesEvaluator::begin(double t, double unit) {
+    unit_ = unit;
+    for (int& m : valuations_) m = -1;
+    if (program_->uses_time()) {
+        const series::View time = slot(program_->time_slot());
+        time.set(0, t);
+        if (top_ >= 1) time.set(1, unit);
+        for (int k = 2; k <= top_; ++k) time.set(k, 0.0);
+    }
+}
+
+RBDYN_INLINE void SeriesEvaluator::integrate(int k) {
+    const double factor = unit_ / (k + 1);
+    for (const auto& [input, rate] : motion_) input.set(k + 1, rate[k] * factor);
+}
+
+RBDYN_INLINE bool SeriesEvaluator::is_finite(int k) const {
+    double check = 0.0;
+    for (const Motion& m : motion_) check += 0.0 * m.rate[k];
+    return check == 0.0;
+}
+
+RBDYN_INLINE void SeriesEvaluator::advance(int k) {
+    for (const Stage& stage : stages_) {
+        if (stage.sum != stage.sum_end) lane_order_(stage.series, stage.series_end, stage.sum, stage.sum_end, k);
+        for (const Lane *lane = stage.lane, *end = stage.lane_end; lane != end; ++lane) lane->out.set(k, *lane->sum);
+        for (const Combination *c = stage.combination, *end = stage.combination_end; c != end; ++c) {
+            double sum = linear(c->linear, k);
+            for (const double *lane = c->lane, *last = c->lane_end; lane != last; ++lane) sum += *lane;
+            c->out.set(k, sum);
+        }
+        for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step) compute(*step, k);
+    }
+}
+
+RBDYN_INLINE const double* SeriesEvaluator::coefficients(int slot_index) const {
+    return storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
+}
+
+RBDYN_INLINE series::View SeriesEvaluator::slot(int index) {
+    double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
+    return {start, start + stride_ - 1};
+}
+
+RBDYN_INLINE double SeriesEvaluator::linear(const Linear& part, int k) const {
+    const double* w = scalars_.data();
+    double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
+    for (const ResolvedTerm* t = part.first; t != part.last; ++t) sum += w[t->weight] * t->series[k];
+    return sum;
+}
+
+RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
+    const series::View& out = i.out;
+    switch (i.code) {
+        case Code::combine: break;
+        case Code::divide: out.set(k, series::quotient(i.a, i.b, out, k)); break;
+        case Code::square_root: {
+            const double a_k = i.a[k];
+            out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root(a_k, out, k));
+            break;
+        }
+        case Code::norm: norm(i, out, k); break;
+        case Code::sine_cosine: {
+            const series::View &a = i.a, &cosine = i.out2;
+            if (k == 0) {
+                out.set(0, std::sin(a[0]));
+                cosine.set(0, std::cos(a[0]));
+                break;
+            }
+            double* slope = i.slope;
+            slope[k] = k * a[k];
+            const double s_k = series::integral_of_slope(slope, cosine, k);
+            cosine.set(k, -series::integral_of_slope(slope, out, k));
+            out.set(k, s_k);
+            break;
+        }
+        case Code::hyperbolic: {
+            const series::View &a = i.a, &cosine = i.out2;
+            double* slope = i.slope;
+            slope[k] = k * a[k];
+            if (k == 0) {
+                out.set(0, std::sinh(a[0]));
+                cosine.set(0, std::cosh(a[0]));
+                break;
+            }
+            const double s_k = series::integral_of_slope(slope, cosine, k);
+            cosine.set(k, series::integral_of_slope(slope, out, k));
+            out.set(k, s_k);
+            break;
+        }
+        case Code::tangent: {
+            // t' = (1 - t^2) a'
+            const series::View &a = i.a, &rest = i.out2;
+            double* slope = i.slope;
+            slope[k] = k * a[k];
+            if (k == 0) {
+                const double t = std::tanh(a[0]), c = std::cosh(a[0]);
+                out.set(0, t);
+                rest.set(0, 1.0 / (c * c));
+                break;
+            }
+            out.set(k, series::integral_of_slope(slope, rest, k));
+            rest.set(k, -series::square(out, k));
+            break;
+        }
+        case Code::angle: {
+            // (x^2 + y^2) p' = x y' - y x'
+            const series::View &y = i.a, &x = i.b, &square = i.c;
+            double* slope = i.slope;
+            if (k == 0) {
+                out.set(0, std::atan2(y[0], x[0]));
+                break;
+            }
+            double turn = 0.0;
+            for (int j = 1; j <= k; ++j) turn += j * (y[j] * x[k - j] - x[j] * y[k - j]);
+            const double sum = series::dot(slope + 1, square.from(k - 1), k - 1);
+            slope[k] = (turn - sum) / square[0];
+            out.set(k, slope[k] / k);
+            break;
+        }
+        case Code::call: call(*i.call, k); break;
+        case Code::exponential: {
+            const series::View& a = i.a;
+            double* slope = i.slope;
+            slope[k] = k * a[k];
+            out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope(slope, out, k));
+            break;
+        }
+        case Code::logarithm: {
+            // a l' = a'
+            const series::View& a = i.a;
+            double* slope = i.slope;
+            if (k == 0) {
+                out.set(0, std::log(a[0]));
+                break;
+            }
+            const double sum = series::dot(slope + 1, a.from(k - 1), k - 1);
+            out.set(k, (a[k] - sum / k) / a[0]);
+            slope[k] = k * out[k];
+            break;
+        }
+        case Code::power: {
+            // a p' = r a' p
+            const series::View& a = i.a;
+            double* slope = i.slope;
+            slope[k] = k * a[k];
+            if (k == 0) {
+                out.set(0, std::pow(a[0], i.value));
+                break;
+            }
+            const double weighted = series::dot(slope + 1, out.from(k - 1), k) / k;
+            const double plain = series::dot(a.forward + 1, out.from(k - 1), k);
+            out.set(k, ((i.value + 1.0) * weighted - plain) / a[0]);
+            break;
+        }
+    }
+}
+
+RBDYN_INLINE void SeriesEvaluator::call(const Program::Call& c, int k) {
+    std::vector<double> x, y(c.results.size(), std::numeric_limits<double>::quiet_NaN());
+    if (k == 0) {
+        for (const int argument : c.arguments) x.push_back(slot(argument)[0]);
+        (*c.function)(x.data(), y.data());
+    }
+    for (std::size_t i = 0; i < y.size(); ++i) slot(c.results[i]).set(k, y[i]);
+}
+
+RBDYN_INLINE void SeriesEvaluator::norm(const Step& i, const series::View& out, int k) {
+    int& m = *i.valuation;
+    const series::View part[3] = {i.a, i.b, i.c};
+    if (m < 0) {
+        const bool ignored = k == 0 && i.weight >= 0 && scalars_[static_cast<std::size_t>(i.weight)] != 0.0;
+        const double x = part[0][k], y = part[1][k], z = part[2][k];
+        if (ignored || (x == 0.0 && y == 0.0 && z == 0.0)) {
+            out.set(k, 0.0);
+        } else {
+            m = k;
+            out.set(k, std::sqrt(x * x + y * y + z * z));
+        }
+        return;
+    }
+    const int j = k - m;
+    double square = 0.0;
+    for (const series::View& v : part) square += series::dot(v.forward + m, v.from(k), j + 1);
+    const double inner = series::dot(out.forward + m + 1, out.from(k - 1), j - 1);
+    out.set(k, (square - inner) / (2.0 * out[m]));
+}
+
+RBDYN_INLINE void SeriesEvaluator::resolve() {
+    const Schedule schedule(*program_);
+    std::size_t terms = 0;
+    for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);
+    terms_.reserve(terms);
+    // what points into a list comes after the list is whole
+    const auto row = static_cast<std::size_t>(top_ + 1);
+    lanes_.resize(schedule.series.size() * row);
+    for (const Schedule::Series& s : schedule.series) {
+        series::LaneSeries lane{{}, {}, lanes_.data() + lane_series_.size() * row};
+        for (std::size_t l = 0; l < s.size(); ++l) lane.from[l] = coefficients(s[l].slot);
+        lane_series_.push_back(lane);
+        lane_weights_.push_back(s);
+    }
+    for (const auto& [x, y] : schedule.products)
+        lane_products_.push_back({lanes_.data() + x * row, lanes_.data() + y * row});
+    for (const auto& [first, last] : schedule.sums)
+        lane_sums_.push_back(
+            {lane_products_.data() + first, lane_products_.data() + last, series::Quad{}, series::Quad{}});
+    std::vector<std::array<std::size_t, 3>> ends{{0, 0, 0}};
+    for (const Schedule::Stage& stage : schedule.stages) {
+        for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
+            const Schedule::Combination& c = schedule.combinations[i];
+            const double* sum = reinterpret_cast<const double*>(&lane_sums_[c.sum].sum) + c.first_lane;
+            if (c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0)
+                lane_outputs_.push_back({slot(c.instruction->out), sum});
+            else
+                combinations_.push_back({slot(c.instruction->out), linear_part(*c.instruction), sum, sum + c.lanes});
+        }
+        for (std::size_t i = stage.others.first; i < stage.others.last; ++i) {
+            const Instruction& other = *schedule.others[i];
+            if (other.code == Code::combine)
+                combinations_.push_back({slot(other.out), linear_part(other), nullptr, nullptr});
+            else
+                steps_.push_back(step(other));
+        }
+        ends.push_back({lane_outputs_.size(), combinations_.size(), steps_.size()});
+    }
+    for (std::size_t i = 0; i < schedule.stages.size(); ++i) {
+        const auto& [series, sums, combinations, others] = schedule.stages[i];
+        const auto &from = ends[i], &to = ends[i + 1];
+        stages_.push_back({lane_series_.data() + series.first, lane_series_.data() + series.last,
+                           lane_sums_.data() + sums.first, lane_sums_.data() + sums.last,
+                           lane_outputs_.data() + from[0], lane_outputs_.data() + to[0], combinations_.data() + from[1],
+                           combinations_.data() + to[1], steps_.data() + from[2], steps_.data() + to[2]});
+    }
+    for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) motion_.push_back({slot(i), output(i)});
+}
+
+RBDYN_INLINE SeriesEvaluator::Linear SeriesEvaluator::linear_part(const Instruction& i) {
+    const ResolvedTerm* first = terms_.data() + terms_.size();
+    for (int j = 0; j < i.terms; ++j) {
+        const Term& t = program_->terms(i)[j];
+        terms_.push_back({slot(t.slot).forward, t.weight});
+    }
+    return {i.weight, first, terms_.data() + terms_.size()};
+}
+
+RBDYN_INLINE SeriesEvaluator::Step SeriesEvaluator::step(const Instruction& i) {
+    const auto view = [&](int index) { return index >= 0 ? slot(index) : series::View{nullptr, nullptr}; };
+    Step s{i.code,    i.weight, view(i.out), view(i.out2), view(i.a), view(i.b),
+           view(i.c), nullptr,  nullptr,     i.value,      nullptr};
+    if (i.code == Code::norm)
+        s.valuation = &valuations_[static_cast<std::size_t>(i.extra)];
+    else if (i.code == Code::call)
+        s.call = &program_->calls()[static_cast<std::size_t>(i.extra)];
+    else if (i.extra >= 0)
+        s.slope = slot(i.extra).forward;
+    return s;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

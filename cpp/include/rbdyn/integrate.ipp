@@ -1,0 +1,353 @@
+// Definitions of rbdyn/integrate.hpp.
+#pragma once
+
+#include "rbdyn/integrate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/engine/closed_form.hpp"
+#include "rbdyn/engine/cvode.hpp"
+#include "rbdyn/engine/dop853.hpp"
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/engine/refined_taylor.hpp"
+#include "rbdyn/engine/taylor.hpp"
+#include "rbdyn/event/driver.hpp"
+#include "rbdyn/event/event.hpp"
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/trajectory/accuracy.hpp"
+#include "rbdyn/trajectory/error_scales.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::simulating {
+
+RBDYN_INLINE std::vector<std::string> engines() {
+#ifdef RBDYN_WITH_SUNDIALS
+    return {"taylor", "dop853", "cvode-adams", "cvode-bdf"};
+#else
+    return {"taylor", "dop853"};
+#endif
+}
+
+RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner) {
+    if (name == "taylor" && manner.is_refined)
+        return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
+    if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
+    if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride, manner.rounding);
+#ifdef RBDYN_WITH_SUNDIALS
+    if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
+    if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
+#endif
+    std::string known;
+    for (const std::string& e : engines()) known += (known.empty() ? "" : ", ") + e;
+    throw InvalidInput("simulate: engine is \"" + name + "\"; this build has auto, " + known);
+}
+
+RBDYN_INLINE void validate(const SimulateOptions& o) {
+    require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
+    require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
+    if (!(o.until > o.start))
+        refuse("simulate", "until", o.until,
+               "a run ends after its start, which is " + text(o.start) +
+                   " s; motion backwards is motion with reversed velocities");
+    if (o.rtol) {
+        if (o.error != SimulateOptions{}.error)
+            refuse("simulate", "error", o.error,
+                   "it is given beside rtol " + text(*o.rtol) +
+                       "; error is global and estimated, rtol local and without an estimate: give one");
+        require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
+                "a local tolerance lies between 1e-16 and 0.1");
+    } else if (!(o.error >= least_error && o.error <= 0.1)) {
+        refuse("simulate", "error", o.error,
+               "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
+    }
+    require(o.max_steps > 0, "simulate", "max_steps", static_cast<double>(o.max_steps), "it is positive");
+    for (double t : o.keep.times)
+        require(t >= o.start && t <= o.until, "simulate", "a time of keep", t, "it lies between start and until");
+}
+
+RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
+                             const std::string& name, double tolerance, const Keep& keep, const Manner& manner,
+                             const std::shared_ptr<const ClosedForm>& form) {
+    const auto before = std::chrono::steady_clock::now();
+    const std::unique_ptr<Engine> engine =
+        form ? std::make_unique<ClosedFormEngine>(form, Instant{o.start, 0.0}, tolerance, manner.order)
+             : make_engine(name, tolerance, manner);
+    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
+    Timed result{driver.run(o.start, x, o.until)};
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    return result;
+}
+
+RBDYN_INLINE std::string culprit(const HybridModel& model, const Record& record) {
+    if (!record.not_finite.empty()) return record.not_finite;
+    if (record.modes.empty()) return {};
+    std::vector<double> x = record.first_state;
+    if (!record.empty()) record.last_state(x);
+    const double t = record.end.hi, span = t - record.start;
+    for (const double later : {0.0, 1e-12, 1e-9, 1e-6, 1e-3}) {
+        const double step = later * std::max(span, std::abs(t)) + (later > 0.0 && t == 0.0 ? later : 0.0);
+        if (std::string name = model.not_finite(record.modes.back(), t + step, x); !name.empty()) return name;
+    }
+    return model.grown(record.modes.front(), record.start, record.first_state, record.modes.back(), t, x);
+}
+
+RBDYN_INLINE std::string broken_off(const HybridModel& model, const Record& record) {
+    std::string message = "simulate: " + std::string(name_of(record.status)) + " at t = " + text(record.end.hi) + " s";
+    if (record.status == Status::not_finite)
+        if (const std::string name = culprit(model, record); !name.empty()) message += ": " + name;
+    return message + ". " + std::string(advice(record.status));
+}
+
+RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
+    Keep compared;
+    if (options.keep.what == Keep::What::all) return compared;
+    compared.what = Keep::What::times;
+    compared.times = options.keep.times;
+    // spread by the golden section, so that no period of the motion hides from them
+    for (int i = 0; i < compared_times; ++i) {
+        const double place = (i + std::fmod(0.6180339887498949 * i, 1.0)) / compared_times;
+        compared.times.push_back(options.start + (options.until - options.start) * place);
+    }
+    compared.times.push_back(options.until);
+    std::sort(compared.times.begin(), compared.times.end());
+    return compared;
+}
+
+RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
+                            const std::string& engine, const std::string& judge,
+                            const std::shared_ptr<const ClosedForm>& form) {
+    using Outcome = Solution::Outcome;
+    Solution result;
+    const auto take = [&](Timed&& timed) {
+        result.integration_seconds = timed.seconds;
+        result.record = std::move(timed.record);
+    };
+    const auto run_with = [&](const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {}) {
+        ++result.runs;
+        return integrate(model, x, options, name, tolerance, keep, manner);
+    };
+    /// Whether a run ended otherwise than by its end or an event; then the result is complete.
+    const auto is_cut_short = [&](Timed& timed) {
+        const Status status = timed.record.status;
+        if (status == Status::reached_end || status == Status::stopped_by_event) return false;
+        take(std::move(timed));
+        const Record& record = result.record;
+        result.certain_until = record.start;
+        if (record.thrown) {
+            result.outcome = Outcome::thrown;
+            result.thrown = record.thrown;
+        } else if (status == Status::not_finite || status == Status::inconsistent) {
+            result.outcome = Outcome::broken;
+            result.certain_until = record.end.hi;
+            result.message = broken_off(model, record);
+        }
+        return true;
+    };
+
+    if (options.rtol) {
+        Timed only = run_with(engine, *options.rtol, options.keep);
+        if (is_cut_short(only)) return result;
+        take(std::move(only));
+        result.certain_until = result.record.end.hi;
+        return result;
+    }
+
+    // the run at a tolerance a little below the error asked for, held against a better one
+    double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
+    Manner manner;
+    const bool is_judge = !form && engine == judge;
+    const bool keeps_all = options.keep.what == Keep::What::all;
+    const Keep compared = compared_pieces(options);
+    Timed run = run_with(engine, tolerance, compared);
+    std::vector<Event> grazes;
+    // a closed form is not wrong itself
+    AccuracyCheck check(model, options.error, compared.times, options.monitor, form ? 1.25 : 2.0);
+    for (;;) {
+        if (is_cut_short(run)) return result;
+        const bool at_floor = tolerance <= least_tolerance(engine);
+        const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
+                                      : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
+        using Rounding = Program::Rounding;
+        Manner finer_manner{.rounding = manner.rounding == Rounding::nearest ? Rounding::other : Rounding::nearest};
+        if (is_judge) {
+            finer_manner.order = at_floor ? other_order : 0;
+            finer_manner.stride = other_stride * manner.stride;
+            finer_manner.is_refined = manner.is_refined;
+        }
+        Timed better = form ? integrate(model, x, options, judge, 0.1 * least_tolerance("taylor"), compared, {}, form)
+                            : run_with(judge, finer, compared, finer_manner);
+        Comparison comparison;
+        try {
+            if (better.record.thrown) std::rethrow_exception(better.record.thrown);
+            const Status status = better.record.status;
+            comparison.stopped = status == Status::stopped_by_user || status == Status::step_limit;
+            if (comparison.stopped)
+                run.record.status = status;
+            else
+                comparison = check(run.record, better.record);
+        } catch (...) {
+            take(std::move(run));
+            result.record.status = Status::stopped_by_user;
+            result.outcome = Outcome::thrown;
+            result.thrown = std::current_exception();
+            result.certain_until = result.record.start;
+            return result;
+        }
+        if (comparison.stopped) {
+            if (run.record.status != Status::step_limit) run.record.status = Status::stopped_by_user;
+            take(std::move(run));
+            result.certain_until = result.record.start;
+            return result;
+        }
+        result.error = comparison.error;
+        result.certain_until = comparison.certain_until;
+        grazes = std::move(comparison.grazes);
+        if (comparison.same_events && comparison.error <= options.error) break;
+        // what is left is the rounding of doubles, and what the motion makes of it
+        if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
+            const Manner refined{.is_refined = true};
+            Timed longer = run_with(engine, least_tolerance(engine), compared, refined);
+            const Status status = longer.record.status;
+            if (status != Status::not_finite && status != Status::inconsistent) {
+                run = std::move(longer);
+                tolerance = least_tolerance(engine);
+                manner = refined;
+                continue;
+            }
+        }
+        if (at_floor) {
+            run.record.status = Status::accuracy_not_reached;
+            result.outcome = Outcome::inaccurate;
+            result.message =
+                "simulate: error " + text(options.error) + " was asked for and engine " + engine +
+                (comparison.same_events ? " reached " + text(comparison.error) + " in this motion"
+                                        : std::string(" cannot tell which events this motion has")) +
+                (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
+                "; it is certain up to t = " + text(comparison.certain_until) + " s. " +
+                std::string(advice(Status::accuracy_not_reached));
+            take(std::move(run));
+            return result;
+        }
+        if (is_judge) {
+            run = std::move(better);
+            tolerance = finer;
+            manner = finer_manner;
+        } else {
+            tolerance = std::max(tolerance * std::clamp(0.2 * options.error / comparison.error, 1e-4, 0.1),
+                                 least_tolerance(engine));
+            run = run_with(engine, tolerance, compared, manner);
+        }
+    }
+    if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);
+    if (is_cut_short(run)) return result;
+    std::erase_if(run.record.events, [&](const Event& e) {
+        return std::any_of(grazes.begin(), grazes.end(), [&](const Event& g) {
+            return e.time == g.time && e.kind == g.kind && e.subject == g.subject;
+        });
+    });
+    take(std::move(run));
+    return result;
+}
+
+RBDYN_INLINE double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form,
+                                  const SimulateOptions& options, double end) {
+    // enough to meet most of the extent of a motion, and what it was before it died away
+    const double span = end - options.start, pace = std::min(form.pace(), span);
+    std::vector<double> x(static_cast<std::size_t>(model.variables()));
+    std::vector<Observed> seen;
+    ErrorScales scales;
+    for (const double since : {0.0, span, 0.618 * span, 0.236 * span, pace, 0.3 * pace}) {
+        form.state({since, 0.0}, x);
+        model.observe(mode, options.start + since, x, seen);
+        scales.widen(seen);
+    }
+    scales.settle(options.error, span);
+    // of some four sums and products
+    return 4.0 * scales.rounding();
+}
+
+RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
+                                   const std::shared_ptr<const ClosedForm>& form) {
+    using Outcome = Solution::Outcome;
+    const auto before = std::chrono::steady_clock::now();
+    Solution result;
+    result.runs = 1;
+    // pieces say when events are, not where things are: they are kept if all of a run is, or while two are compared
+    const bool keeps_all = options.keep.what == Keep::What::all;
+    const Keep keep =
+        keeps_all || !options.rtol ? compared_pieces(options) : Keep{.what = Keep::What::end, .times = {}};
+    const auto run = [&](double tolerance, int order) {
+        return integrate(model, x, options, "", tolerance, keep, {.order = order}, form).record;
+    };
+    Comparison events{.error = 0.0, .certain_until = options.until};
+    std::vector<double> first = x;
+    const Mode mode = model.begin(options.start, first);
+    if (mode.equations->guards.empty()) {
+        Record& record = result.record;
+        record.start = options.start;
+        record.end = {options.until, 0.0};
+        record.variables = model.variables();
+        record.modes = {mode};
+        record.first_state = std::move(first);
+    } else {
+        result.record = run(least_tolerance("taylor"), 0);
+        if (!options.rtol) {
+            const Record better = run(0.1 * least_tolerance("taylor"), other_order);
+            ++result.runs;
+            if (!better.thrown && !result.record.thrown)
+                events = AccuracyCheck(model, options.error, keep.times, options.monitor)(result.record, better);
+            if (!keeps_all) result.record.keep_last();
+        }
+    }
+    Record& record = result.record;
+    record.closed = form;
+    result.integration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+    result.certain_until = record.end.hi;
+    if (record.thrown) {
+        result.outcome = Outcome::thrown;
+        result.thrown = record.thrown;
+        result.certain_until = record.start;
+        return result;
+    }
+    if (record.status == Status::not_finite || record.status == Status::inconsistent) {
+        result.outcome = Outcome::broken;
+        result.message = broken_off(model, record);
+        return result;
+    }
+    if (options.rtol) return result;
+    const double seen = rounding_seen(model, record.modes.front(), *form, options, record.end.hi);
+    const auto error_at = [&](double t) { return seen + form->error(t - options.start, options.error); };
+    result.error = std::max(events.error, error_at(record.end.hi));
+    if (*result.error <= options.error) return result;
+    // errors of a closed form grow with time
+    double good = options.start, bad = record.end.hi;
+    for (int i = 0; i < 60 && error_at(good) <= options.error; ++i) {
+        const double middle = 0.5 * (good + bad);
+        (error_at(middle) <= options.error ? good : bad) = middle;
+    }
+    if (error_at(record.end.hi) <= options.error) good = record.end.hi;
+    good = std::min(good, events.certain_until);
+    result.certain_until = good;
+    result.outcome = Outcome::inaccurate;
+    record.status = Status::accuracy_not_reached;
+    result.message = "simulate: error " + text(options.error) + " was asked for and the closed form reaches " +
+                     text(*result.error) + " with numbers in double precision; it is certain up to t = " + text(good) +
+                     " s. " + std::string(advice(Status::accuracy_not_reached));
+    return result;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::simulating

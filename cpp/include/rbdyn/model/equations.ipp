@@ -1,0 +1,44 @@
+// Definitions of rbdyn/model/equations.hpp.
+#pragma once
+
+#include "rbdyn/model/equations.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE double least_share(double wanted, double size) {
+    constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+    return std::min(1.0, std::max(wanted, rounding * std::max(size, 1.0) / wanted));
+}
+
+RBDYN_INLINE bool Projection::makes_up_for_rounding() const { return false; }
+
+RBDYN_INLINE const Switch* Equations::switch_of(const Guard& guard) const {
+    const int index = guard.output - program.outputs();
+    return index >= 0 ? &program.switches()[static_cast<std::size_t>(index)] : nullptr;
+}
+
+RBDYN_INLINE std::optional<std::uint64_t> Equations::surface_of(const Guard& guard) const {
+    if (guard.sliding >= 0 || guard.output < 0) return std::nullopt;
+    if (guard.branch >= 0) {
+        const Branch& b = branches[static_cast<std::size_t>(guard.branch)];
+        return b.is_select ? std::optional(b.surface) : std::nullopt;
+    }
+    const Switch* s = switch_of(guard);
+    return s != nullptr && !s->is_norm ? std::optional(s->surface) : std::nullopt;
+}
+
+RBDYN_INLINE bool Equations::is_variable(const Guard& guard) const {
+    return guard.output >= 0 && program.output(guard.output) < program.inputs();
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

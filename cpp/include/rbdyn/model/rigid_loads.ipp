@@ -1,0 +1,71 @@
+// Definitions of rbdyn/model/rigid_loads.hpp.
+#pragma once
+
+#include "rbdyn/model/rigid_loads.hpp"
+
+#include <utility>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE double effort_of_torque(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
+                                     const std::pair<Vector3, Vector3>& rates) {
+    const auto [moved, spun] = momentum_rates<double>(law, s, rates);
+    const Vector3 loads = w.moment - law.center.cross(s.to_frame(w.force)), force = w.force.cwiseAbs();
+    const Vector3 arm = law.center.cwiseAbs(),
+                  f = moved.cwiseAbs() + Vector3(s.axes.e1.cwiseAbs().dot(force), s.axes.e2.cwiseAbs().dot(force),
+                                                 s.axes.e3.cwiseAbs().dot(force));
+    Vector3 effort =
+        spun.cwiseAbs() + loads.cwiseAbs() +
+        Vector3(arm[1] * f[2] + arm[2] * f[1], arm[2] * f[0] + arm[0] * f[2], arm[0] * f[1] + arm[1] * f[0]);
+    if (law.kind == RigidLaw::Kind::revolute) effort[2] = 0.0;
+    return effort.norm();
+}
+
+RBDYN_INLINE RigidReport::RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
+                                      const double* q) {
+    double q_rate[8], v_rate[6];
+    law.rates<double>(s, q, w, q_rate, v_rate);
+    fill(law, s, w, v_rate);
+}
+
+RBDYN_INLINE RigidReport::RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
+                                      const double* v_rate, KnownRates) {
+    fill(law, s, w, v_rate);
+}
+
+RBDYN_INLINE void RigidReport::fill(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w,
+                                    const double* v_rate) {
+    const auto rates = law.accelerations<double>(s, v_rate);
+    const Vector3& turning = rates.first;
+    center_acceleration = RigidLaw::acceleration<double>(s, rates, law.center);
+    force = w.force;
+    attitude = law.attitude(s);
+    angular_velocity = law.to_body(s, s.omega);
+    angular_acceleration = law.to_body(s, turning);
+    const Vector3 o = law.origin_in_frame(s);
+    position = s.position(o);
+    velocity = s.velocity(o);
+    acceleration = RigidLaw::acceleration<double>(s, rates, o);
+    coordinate = s.coordinate;
+    rate = s.rate;
+    const Vector3 momentum = law.inertia * s.omega;
+    spin_momentum = s.to_world(momentum);
+    spin_energy = 0.5 * s.omega.dot(momentum);
+    spin_power = momentum.dot(turning);
+    moment = s.to_world(w.moment);
+    reaction = reaction_torque = Vector3::Zero();
+    if (law.kind == RigidLaw::Kind::free) return;
+    reaction = law.mass * center_acceleration - force;
+    force_effort = law.mass * center_acceleration.norm() + force.norm();
+    if (law.kind == RigidLaw::Kind::spherical) return;
+    reaction_torque = s.to_world(torque_of_joint<double>(law, s, w, rates));
+    torque_effort = effort_of_torque(law, s, w, rates);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

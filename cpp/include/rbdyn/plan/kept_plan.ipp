@@ -1,0 +1,98 @@
+// Definitions of rbdyn/plan/kept_plan.hpp.
+#pragma once
+
+#include "rbdyn/plan/kept_plan.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/body/particle.hpp"
+#include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/recorded_model.hpp"
+#include "rbdyn/plan/linear_motion.hpp"
+#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/parts.hpp"
+#include "rbdyn/scene/plan_slot.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/scene/watch.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::planning {
+
+RBDYN_INLINE GivenNumbers numbers_of(const Scene& scene) {
+    GivenNumbers numbers;
+    for (const Scene::Body& b : scene.bodies()) {
+        if (const Particle* particle = std::get_if<Particle>(&b.body)) particle->mass.give(numbers);
+        if (const Rail* rail = b.rail()) rail->give(numbers);
+    }
+    for (const Scene::AppliedLoad& load : scene.loads()) give(load.load, numbers);
+    for (const Scene::Connection& c : scene.connections())
+        std::visit([&](const auto& coupling) { coupling.give(numbers); }, c.coupling);
+    for (const Scene::Watch& w : scene.watches()) w.function.function().give(numbers);
+    return numbers;
+}
+
+RBDYN_INLINE void require_own_names(const Scene& scene, const Plan& plan) {
+    for (const Scene::Integral& i : scene.integrals())
+        if (std::count(plan.integrals.begin(), plan.integrals.end(), i.name) > 1)
+            throw InvalidInput(
+                "integral: \"" + i.name +
+                "\" is one that this scene has by itself, and drifts are found by name; give it another");
+}
+
+RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers) {
+    Plan plan = kept;
+    if (kept.model) {
+        plan.model = std::make_shared<const PointsModel>(*kept.model, scene, numbers);
+        // on which side of a case motion begins depends on them
+        if (plan.model->distinguishes()) plan.guards = guards_of(*plan.model);
+        if (!kept.closed) return plan;
+        plan.closed = closed_form(scene, *plan.model, true).form;
+        if (!plan.closed) return std::nullopt;
+        plan.reason = reason_of(*plan.closed);
+        return plan;
+    }
+    auto apart = std::make_shared<const SceneParts>(scene);
+    for (std::size_t i = 0; i < plan.parts.size(); ++i) {
+        auto part = renewed(kept.parts[i], apart->parts[i].scene, numbers);
+        if (!part) return std::nullopt;
+        plan.parts[i] = *std::move(part);
+    }
+    plan.guards.clear();
+    for (const Plan& part : plan.parts) plan.guards.insert(plan.guards.end(), part.guards.begin(), part.guards.end());
+    plan.apart = std::move(apart);
+    return plan;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::planning
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE PlannedScene planned(const Scene& scene) {
+    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is run");
+    const GivenNumbers given = planning::numbers_of(scene);
+    auto numbers = given.cells.empty() ? nullptr : std::make_unique<Numbers>(given);
+    const Numbers::Active active(numbers.get());
+    Scene now = scene.frozen();
+    if (const auto kept = scene.kept_plan().get()) {
+        if (!kept->decided) return {std::move(now), kept->plan, false};
+        if (kept->decided->holds(given.values))
+            if (auto plan = planning::renewed(kept->plan, now, given)) return {std::move(now), *std::move(plan), false};
+    }
+    Plan plan = planning::plan_of(now, false, given);
+    planning::require_own_names(now, plan);
+    scene.kept_plan().set(std::make_shared<const KeptPlan>(KeptPlan{plan, std::move(numbers)}));
+    return {std::move(now), std::move(plan)};
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,203 @@
+// Definitions of rbdyn/scene/effects.hpp.
+#pragma once
+
+#include "rbdyn/scene/effects.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/body/particle.hpp"
+#include "rbdyn/body/rigid_body.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/couplings.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/plan_slot.hpp"
+#include "rbdyn/scene/rigid_motion.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/scene/torque.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::acting {
+
+RBDYN_INLINE Load nothing_of(const Load& load) {
+    return std::visit(
+        [](const auto& l) -> Load {
+            using L = std::decay_t<decltype(l)>;
+            if constexpr (std::is_same_v<L, Torque>) return Torque(Vector3::Zero());
+            if constexpr (std::is_same_v<L, Force> || std::is_same_v<L, Potential>) return Force(Vector3::Zero());
+            if constexpr (std::is_default_constructible_v<L>) return L{};
+        },
+        load);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::acting
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
+    std::vector<std::string_view> found;
+    const auto note = [&](bool is_there, std::string_view name) {
+        if (is_there) found.push_back(name);
+    };
+    const auto note_spring = [&](const auto& s) {
+        note(!s.stiffness.is_zero(), "spring");
+        note(!s.damping.is_zero(), "damper");
+    };
+    note(!scene.gravity().isZero(0.0), "gravity");
+    for (const Scene::Body& b : scene.bodies()) {
+        note(acting::turns(b), "rotation");
+        if (b.rail() == nullptr) continue;
+        note(b.rail()->motion().present(), "moving rail");
+        const auto friction = b.rail()->friction();
+        if (!friction) continue;
+        note(!b.rail()->drive().is_zero(), "drive");
+        note(friction->dynamic() > 0.0, "dynamic friction");
+        note(friction->mu_static > 0.0, "static friction");
+    }
+    for (const Scene::AppliedLoad& l : scene.loads())
+        if (const auto* torsion = std::get_if<TorsionSpring>(&l.load))
+            note_spring(*torsion);
+        else
+            note(is_present(l.load), std::holds_alternative<Drag>(l.load)     ? "drag"
+                                     : std::holds_alternative<Torque>(l.load) ? "user torque"
+                                                                              : "user force");
+    for (const Scene::Connection& c : scene.connections()) note_spring(std::get<Spring>(c.coupling));
+    std::vector<std::string> result;
+    for (const std::string_view name : acting::names)
+        if (std::find(found.begin(), found.end(), name) != found.end()) result.emplace_back(name);
+    return result;
+}
+
+RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
+    const std::vector<std::string> present = effects_of(*this);
+    std::vector<std::string> gone;
+    Scene result = *this;
+    result.plan_.forget();
+    for (const Removable& part : parts) {
+        if (const LoadHandle* load = std::get_if<LoadHandle>(&part)) {
+            require(load->index >= 0 && load->index < static_cast<int>(loads_.size()), "without", "load", load->index,
+                    "a handle comes from apply() of the same scene, which has " + std::to_string(loads_.size()));
+            Load& taken = result.loads_[static_cast<std::size_t>(load->index)].load;
+            taken = acting::nothing_of(taken);
+        } else if (const CouplingHandle* coupling = std::get_if<CouplingHandle>(&part)) {
+            require(
+                coupling->index >= 0 && coupling->index < static_cast<int>(connections_.size()), "without", "coupling",
+                coupling->index,
+                "a handle comes from connect() of the same scene, which has " + std::to_string(connections_.size()));
+            result.connections_[static_cast<std::size_t>(coupling->index)].coupling = Spring{};
+        } else {
+            const std::string& name = std::get<std::string>(part);
+            const auto among = [&](const auto& list) {
+                return std::find(list.begin(), list.end(), name) != list.end();
+            };
+            if (!among(acting::names))
+                throw InvalidInput("without: \"" + name + "\" is no effect; the effects are " +
+                                   acting::listed(acting::names) + "; this scene has " + acting::listed(present));
+            const bool is_to_come =
+                name == "gravitation" || name == "central force" || name == "contact" || name == "impact";
+            if (!among(present))
+                throw InvalidInput("without: this scene has no " + name +
+                                   (is_to_come ? ", and in this version none can" : "") + "; it has " +
+                                   acting::listed(present));
+            gone.push_back(name);
+        }
+    }
+    const auto is_gone = [&](std::string_view name) { return std::find(gone.begin(), gone.end(), name) != gone.end(); };
+    if (is_gone("gravity")) result.gravity_ = Vector3::Zero();
+    const auto take_spring = [&](auto& s) {
+        if (is_gone("spring")) s.stiffness = 0.0;
+        if (is_gone("damper")) s.damping = 0.0;
+    };
+    for (Connection& c : result.connections_) take_spring(std::get<Spring>(c.coupling));
+    for (AppliedLoad& l : result.loads_)
+        if (auto* torsion = std::get_if<TorsionSpring>(&l.load))
+            take_spring(*torsion);
+        else if (is_gone(std::holds_alternative<Drag>(l.load)     ? "drag"
+                         : std::holds_alternative<Torque>(l.load) ? "user torque"
+                                                                  : "user force"))
+            l.load = acting::nothing_of(l.load);
+    if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))
+        for (Body& b : result.bodies_)
+            if (b.rail() != nullptr) b.joint = without(*b.rail(), b.name, gone);
+    if (is_gone("rotation")) result.hold_attitudes();
+    return result;
+}
+
+RBDYN_INLINE Rail Scene::without(const Rail& rail, const std::string& name, const std::vector<std::string>& gone) {
+    const auto is_gone = [&](std::string_view effect) {
+        return std::find(gone.begin(), gone.end(), effect) != gone.end();
+    };
+    std::optional<Coulomb> friction = rail.friction();
+    if (friction) {
+        const Given dynamic =
+            is_gone("dynamic friction") ? Given(0.0) : friction->mu_dynamic.value_or(friction->mu_static);
+        if (is_gone("static friction") && dynamic > 0.0)
+            require(friction->mu_static > dynamic, name, "mu_static", friction->mu_static,
+                    "beside dynamic friction there is as much static friction, and here there is no more; take "
+                    "\"dynamic friction\" away too");
+        friction = Coulomb{is_gone("static friction") ? dynamic : friction->mu_static, dynamic};
+    }
+    return Rail(rail.curve(), friction,
+                {.drive = is_gone("drive") ? TimeFunction() : rail.drive(),
+                 .motion = is_gone("moving rail") ? RigidMotion() : rail.motion(),
+                 .side = rail.side(),
+                 .ends = rail.ends(),
+                 .up = rail.up()});
+}
+
+/// Free bodies become particles at their centres of mass.
+RBDYN_INLINE void Scene::hold_attitudes() {
+    std::vector<bool> held;
+    std::vector<Quaternion> attitudes;
+    for (Body& b : bodies_) {
+        held.push_back(acting::turns(b));
+        attitudes.push_back(b.attitude.quaternion());
+        if (!held.back()) continue;
+        if (!std::holds_alternative<Free>(b.joint))
+            throw InvalidInput("without: rotation is all the motion that its joint leaves " + b.name +
+                               "; only a free body moves without it");
+        const Vector3 com = b.rigid()->com();
+        b.position += to_world<double>(attitudes.back(), com);
+        b.velocity += to_world<double>(attitudes.back(), Vector3(rounded(b.angular_velocity).cross(com)));
+        b.body = Particle{b.mass()};
+        b.attitude = {};
+        b.angular_velocity = {};
+    }
+    for (AppliedLoad& l : loads_) {
+        const auto body = static_cast<std::size_t>(l.body);
+        if (!held[body]) continue;
+        l.at.reset();
+        if (std::holds_alternative<Torque>(l.load)) l.load = Force(Vector3::Zero());
+        const Force* force = std::get_if<Force>(&l.load);
+        if (force == nullptr || force->frame() == Frame::world) continue;
+        if (!force->is_constant())
+            throw InvalidInput("without: a force that varies in the axes of " + bodies_[body].name +
+                               " is not known without its rotation; give it in world axes, or take it away too");
+        l.load = Force(to_world<double>(attitudes[body], force->constant()));
+    }
+    for (Connection& c : connections_) {
+        for (End* end : {&c.a, &c.b})
+            if (const int body = body_of(*end); body >= 0 && held[static_cast<std::size_t>(body)])
+                *end = BodyHandle{body};
+        if (c.a == c.b) c.coupling = Spring{};
+    }
+    for (const Watch& w : watches_) require_observables(w.function, "without rotation, watch " + w.name);
+    for (const Integral& i : integrals_) require_observables(i.function, "without rotation, integral " + i.name);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,138 @@
+// Definitions of rbdyn/scene/joints.hpp.
+#pragma once
+
+#include "rbdyn/scene/joints.hpp"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/one_side.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/scene/rigid_motion.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::joints {
+
+RBDYN_INLINE void require_finite(const std::string& object, const std::string& what, const Vector3& v) {
+    for (int i = 0; i < 3; ++i)
+        require(std::isfinite(v[i]), object, "component " + std::to_string(i) + " of " + what, v[i],
+                "it is finite; give it in SI units");
+}
+
+RBDYN_INLINE void require_direction(const std::string& object, const Vector3& axis) {
+    require_finite(object, "axis", axis);
+    require(axis.norm() > 0.0, object, "length of axis", axis.norm(), "an axis has a direction; its length is free");
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::joints
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool Coulomb::operator==(const Coulomb& other) const {
+    return mu_static == other.mu_static && mu_dynamic.value_or(mu_static) == other.mu_dynamic.value_or(other.mu_static);
+}
+
+RBDYN_INLINE Coulomb Coulomb::frozen() const {
+    Coulomb result{mu_static.frozen(), mu_dynamic};
+    if (mu_dynamic) result.mu_dynamic = mu_dynamic->frozen();
+    result.validate();
+    return result;
+}
+
+RBDYN_INLINE void Coulomb::give(GivenNumbers& numbers) const {
+    mu_static.give(numbers);
+    if (mu_dynamic) mu_dynamic->give(numbers);
+}
+
+RBDYN_INLINE void Coulomb::validate() const {
+    require(std::isfinite(mu_static) && mu_static >= 0.0, "Coulomb", "mu_static", mu_static,
+            "a friction coefficient is zero or positive and finite");
+    require(std::isfinite(dynamic()) && dynamic() >= 0.0, "Coulomb", "mu_dynamic", dynamic(),
+            "a friction coefficient is zero or positive and finite");
+    require(dynamic() <= mu_static, "Coulomb", "mu_dynamic", dynamic(),
+            "the dynamic coefficient is at most the static one, which is " + text(mu_static.now()) +
+                "; exchange them, or make them equal");
+}
+
+RBDYN_INLINE Rail::Rail(Curve curve, std::optional<Coulomb> friction, RailOptions options)
+    : curve_(std::move(curve)), friction_(friction), options_(std::move(options)) {
+    if (friction_) friction_->validate();
+    if (options_.drive.is_constant())
+        require(std::isfinite(options_.drive.constant()), "Rail", "drive", options_.drive.constant(),
+                "the speed of a rail's surface is finite; give it in m/s");
+    if (options_.side != RailSide::both && options_.motion.present())
+        throw InvalidInput(
+            "Rail: side is given, and motion too; where a bead lands on a rail that moves is not known here: use "
+            "side \"both\", or a rail at rest");
+    if (!options_.up) return;
+    joints::require_finite("Rail", "up", *options_.up);
+    require(options_.up->norm() > 0.0, "Rail", "length of up", options_.up->norm(),
+            "up is a direction; its length is free");
+    if (options_.side == RailSide::both)
+        throw InvalidInput(
+            "Rail: up is given, and side is \"both\"; up says which side of a rail is \"+\": give side \"+\", or "
+            "\"-\" for the other");
+}
+
+RBDYN_INLINE std::optional<Vector3> Rail::pushes(double u, const std::string& name) const {
+    if (options_.side == RailSide::both) return std::nullopt;
+    const Vector3 normal = curves::one_side(curve_, u, options_.up, name).normal();
+    return options_.side == RailSide::plus ? normal : Vector3(-normal);
+}
+
+RBDYN_INLINE bool Rail::may_release() const {
+    const Domain d = curve_.domain();
+    const bool ends = !curve_.closed() && (std::isfinite(d.begin) || std::isfinite(d.end));
+    return options_.side != RailSide::both || (options_.ends == RailEnds::release && ends);
+}
+
+RBDYN_INLINE Rail Rail::frozen() const {
+    Rail result = *this;
+    if (friction_) result.friction_ = friction_->frozen();
+    result.options_.drive = options_.drive.frozen();
+    result.options_.motion = options_.motion.frozen();
+    return result;
+}
+
+RBDYN_INLINE void Rail::give(GivenNumbers& numbers) const {
+    if (friction_) friction_->give(numbers);
+    options_.drive.function().give(numbers);
+    options_.motion.function().give(numbers);
+}
+
+RBDYN_INLINE bool Rail::operator==(const Rail& other) const {
+    return curve_ == other.curve_ && friction() == other.friction() && drive() == other.drive() &&
+           motion() == other.motion() && side() == other.side() && ends() == other.ends() && up() == other.up();
+}
+
+RBDYN_INLINE void Spherical::validate() const {
+    joints::require_finite("Spherical", "at", at);
+    joints::require_finite("Spherical", "point", point);
+}
+
+RBDYN_INLINE void Revolute::validate() const {
+    joints::require_direction("Revolute", axis);
+    joints::require_finite("Revolute", "at", at);
+    joints::require_finite("Revolute", "point", point);
+}
+
+RBDYN_INLINE void Prismatic::validate() const {
+    joints::require_direction("Prismatic", axis);
+    joints::require_finite("Prismatic", "at", at);
+    joints::require_finite("Prismatic", "point", point);
+}
+
+RBDYN_INLINE double arc_length_origin(const Curve& curve) {
+    return std::isfinite(curve.domain().begin) ? curve.domain().begin : 0.0;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

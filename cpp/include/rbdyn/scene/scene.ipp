@@ -1,0 +1,320 @@
+// Definitions of rbdyn/scene/scene.hpp.
+#pragma once
+
+#include "rbdyn/scene/scene.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/body/particle.hpp"
+#include "rbdyn/body/principal_axes.hpp"
+#include "rbdyn/body/rigid_body.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/scene/couplings.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/plan_slot.hpp"
+#include "rbdyn/scene/torque.hpp"
+#include "rbdyn/scene/watch.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool Scene::Watch::operator==(const Watch& other) const {
+    return name == other.name && function == other.function && options.direction == other.options.direction &&
+           options.action.kind == other.options.action.kind && !options.action.change && !other.options.action.change;
+}
+
+RBDYN_INLINE void Scene::set_gravity(const Vector3& g) {
+    for (int i = 0; i < 3; ++i)
+        require(std::isfinite(g[i]), "Scene", "component " + std::to_string(i) + " of gravity", g[i],
+                "the field is finite; give it in m/s^2");
+    gravity_ = g;
+    plan_.forget();
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Free&, const FreeStart& start, std::string name) {
+    particle.validate();
+    name = named(std::move(name), "particle");
+    for (int i = 0; i < 3; ++i) {
+        require(std::isfinite(start.position[i]), name, "component " + std::to_string(i) + " of position",
+                start.position[i], "a position is finite; give it in m");
+        require(std::isfinite(start.velocity[i]), name, "component " + std::to_string(i) + " of velocity",
+                start.velocity[i], "a velocity is finite; give it in m/s");
+    }
+    return add({.body = particle, .position = start.position, .velocity = start.velocity, .name = std::move(name)});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const FreeStart& start, std::string name) {
+    return add(particle, Free{}, start, std::move(name));
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Rail& rail, const RailStart& start,
+                                   std::string name) {
+    particle.validate();
+    name = named(std::move(name), "bead");
+    const Curve& curve = rail.curve();
+    if (start.parameter && start.arc_length)
+        throw InvalidInput(name + ": both parameter " + text(*start.parameter) + " and arc_length " +
+                           text(*start.arc_length) + " are given; one of them says where it starts");
+    DoubleDouble u = start.parameter.value_or(0.0);
+    if (start.arc_length) {
+        require(std::isfinite(*start.arc_length), name, "arc_length", *start.arc_length, "it is finite, in m");
+        u = curve.exact_parameter_at(arc_length_origin(curve), *start.arc_length);
+    }
+    require(std::isfinite(u.hi), name, "parameter", u.hi, "a start is a finite parameter of the curve");
+    const Domain domain = curve.domain();
+    require(u.hi >= domain.begin && u.hi <= domain.end, name, "parameter", u.hi,
+            "a start lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
+    require(std::isfinite(start.speed), name, "speed", start.speed, "a speed is finite; give it in m/s");
+    curve.require_regular(u.hi);
+    return add({.body = particle,
+                .joint = rail,
+                .parameter = u.hi,
+                .speed = start.speed,
+                .parameter_rest = u.lo,
+                .name = std::move(name)});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free&, const BodyStart& start, std::string name) {
+    name = named(std::move(name), "body");
+    joints::require_finite(name, "position", start.position);
+    joints::require_finite(name, "velocity", start.velocity);
+    require_turnable(body, body.com(), name);
+    return add({.body = body,
+                .position = start.position,
+                .velocity = start.velocity,
+                .attitude = start.attitude,
+                .angular_velocity = joints::angular_velocity(start, start.attitude, name),
+                .name = std::move(name)});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const BodyStart& start, std::string name) {
+    return add(body, Free{}, start, std::move(name));
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Spherical& joint, const SphericalStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    require_turnable(body, joint.point, name);
+    return add({.body = body,
+                .joint = joint,
+                .attitude = start.attitude,
+                .angular_velocity = joints::angular_velocity(start, start.attitude, name),
+                .name = std::move(name)});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
+    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    const Vector3 e = direction(joint.axis);
+    const Matrix3 about = body.inertia(joint.point);
+    const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
+    require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
+            "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
+    return add({.body = body, .joint = joint, .parameter = start.angle, .speed = start.rate, .name = std::move(name)});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    require(std::isfinite(start.displacement), name, "displacement", start.displacement,
+            "a displacement is finite; give it in m");
+    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
+    return add(
+        {.body = body, .joint = joint, .parameter = start.displacement, .speed = start.rate, .name = std::move(name)});
+}
+
+RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude,
+                                       const Vector3Of<DoubleDouble>& angular_velocity) {
+    require_body(body, "start_turning");
+    bodies_[static_cast<std::size_t>(body.index)].attitude = attitude;
+    bodies_[static_cast<std::size_t>(body.index)].angular_velocity = angular_velocity;
+    plan_.forget();
+}
+
+RBDYN_INLINE void Scene::start_beyond(BodyHandle body, double rest) {
+    require_body(body, "start_beyond");
+    bodies_[static_cast<std::size_t>(body.index)].parameter_rest = rest;
+    plan_.forget();
+}
+
+RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<Vector3> at) {
+    require_body(body, "apply");
+    require_fitting(load, bodies_[static_cast<std::size_t>(body.index)], at);
+    if (const Drag* drag = std::get_if<Drag>(&load)) drag->validate();
+    if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
+    if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) spring->validate();
+    loads_.push_back({std::move(load), body.index, at});
+    plan_.forget();
+    return {static_cast<int>(loads_.size()) - 1};
+}
+
+RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
+    for (const End* end : {&a, &b}) {
+        if (body_of(*end) >= 0 || !std::holds_alternative<Vector3>(*end))
+            require_body(BodyHandle{body_of(*end)}, "connect");
+        if (const BodyPoint* point = std::get_if<BodyPoint>(end)) {
+            joints::require_finite("connect", "a point of a body", point->point);
+            const Body& body = bodies_[static_cast<std::size_t>(point->body)];
+            if (body.rigid() == nullptr)
+                throw InvalidInput("connect: a point of " + body.name +
+                                   " is given, which is a particle and has no other; give its handle");
+        }
+        if (const Vector3* point = std::get_if<Vector3>(end))
+            for (int i = 0; i < 3; ++i)
+                require(std::isfinite((*point)[i]), "connect", "component " + std::to_string(i) + " of a point",
+                        (*point)[i], "a point of the world is finite, in m");
+    }
+    if (std::holds_alternative<Vector3>(a) && std::holds_alternative<Vector3>(b))
+        throw InvalidInput("connect: both ends are points of the world; at least one is a body");
+    if (a == b) throw InvalidInput("connect: both ends are the same body; a coupling joins two points");
+    std::visit([](const auto& c) { c.validate(); }, coupling);
+    connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
+    plan_.forget();
+    return {static_cast<int>(connections_.size()) - 1};
+}
+
+RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, WatchOptions options) {
+    if (name.empty()) throw InvalidInput("watch: name is empty; events are found by the name of their watch");
+    if (has(watches_, name)) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
+    if (has(bodies_, name))
+        throw InvalidInput("watch: there is a body named \"" + name +
+                           "\", and events are found by either name; names differ");
+    require_observables(function, "watch " + name);
+    watches_.push_back({std::move(name), std::move(function), std::move(options)});
+    plan_.forget();
+    return {static_cast<int>(watches_.size()) - 1};
+}
+
+RBDYN_INLINE void Scene::integral(std::string name, WatchFunction function) {
+    if (name.empty()) throw InvalidInput("integral: name is empty; its drift is found by its name");
+    if (has(integrals_, name))
+        throw InvalidInput("integral: there is one named \"" + name + "\" already; names differ");
+    require_observables(function, "integral " + name);
+    integrals_.push_back({std::move(name), std::move(function)});
+    plan_.forget();
+}
+
+RBDYN_INLINE Scene Scene::frozen() const {
+    Scene result = *this;
+    result.plan_.forget();
+    for (Body& b : result.bodies_) {
+        if (const Particle* particle = std::get_if<Particle>(&b.body)) b.body = particle->frozen();
+        if (const Rail* rail = b.rail()) b.joint = rail->frozen();
+    }
+    for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
+    for (Connection& c : result.connections_)
+        c.coupling = std::visit([](const auto& coupling) -> Coupling { return coupling.frozen(); }, c.coupling);
+    for (Watch& w : result.watches_) w.function = w.function.frozen();
+    for (Integral& i : result.integrals_) i.function = i.function.frozen();
+    return result;
+}
+
+RBDYN_INLINE void Scene::require_observable(const Observable& o, const std::string& user) const {
+    if (o.quantity == Quantity::time) return;
+    const bool of_coupling = is_of_coupling(o.quantity);
+    const auto count = static_cast<int>(of_coupling ? connections_.size() : bodies_.size());
+    require(o.subject >= 0 && o.subject < count, user, "handle", o.subject,
+            "it asks for what this scene has, by handles that add() or connect() returned");
+    if (of_coupling) return;
+    const Body& b = bodies_[static_cast<std::size_t>(o.subject)];
+    const auto refuse = [&](const std::string& why) { throw InvalidInput(user + ": " + b.name + why); };
+    const bool is_free = std::holds_alternative<Free>(b.joint);
+    switch (o.quantity) {
+        case Quantity::parameter:
+        case Quantity::speed:
+        case Quantity::tangential_force:
+            if (b.rigid() != nullptr) refuse(" is a rigid body, and only a particle on a rail has what is asked");
+            [[fallthrough]];
+        case Quantity::reaction:
+            if (!is_free) return;
+            if (b.rigid() != nullptr) refuse(" is free, and only a joint exerts a reaction");
+            refuse(" is free, and only a body on a rail has a parameter, a speed along it and a reaction");
+            return;
+        case Quantity::position:
+        case Quantity::velocity:
+        case Quantity::acceleration:
+        case Quantity::force:
+        case Quantity::kinetic_energy: return;
+        default: break;
+    }
+    if (b.rigid() == nullptr) refuse(" is a particle, and what is asked is of rigid bodies");
+    const bool has_angle = std::holds_alternative<Revolute>(b.joint),
+               has_displacement = std::holds_alternative<Prismatic>(b.joint);
+    if (o.quantity == Quantity::reaction_torque && is_free) refuse(" is free, and only a joint exerts a reaction");
+    if (o.quantity == Quantity::angle && !has_angle) refuse(" has no angle; a body on a Revolute joint has");
+    if (o.quantity == Quantity::displacement && !has_displacement)
+        refuse(" has no displacement; a body on a Prismatic joint has");
+    if (o.quantity == Quantity::rate && !has_angle && !has_displacement)
+        refuse(" has no rate; a body on a Revolute or Prismatic joint has");
+}
+
+RBDYN_INLINE BodyHandle Scene::add(Body body) {
+    bodies_.push_back(std::move(body));
+    plan_.forget();
+    return {static_cast<int>(bodies_.size()) - 1};
+}
+
+RBDYN_INLINE void Scene::require_turnable(const RigidBody& body, const Vector3& point, const std::string& name) {
+    const Vector3 moments = body.principal(point).moments;
+    const double lowest = moments[least(moments)], highest = moments[greatest(moments)];
+    require(lowest > least_moment * highest, name, "least principal moment of inertia", lowest,
+            "a rod-like body has no inertia against spin about its own line, which this joint leaves free: hold it "
+            "by Revolute, Prismatic or off its line, or give it a thickness");
+}
+
+RBDYN_INLINE void Scene::require_fitting(const Load& load, const Body& body, const std::optional<Vector3>& at) {
+    if (at) joints::require_finite("apply", "at", *at);
+    const bool is_turning = std::holds_alternative<Torque>(load);
+    if (body.rigid() == nullptr) {
+        if (at) throw InvalidInput("apply: at is given, and " + body.name + " is a particle, which has one point");
+        const Force* force = std::get_if<Force>(&load);
+        if (is_turning || (force != nullptr && force->frame() == Frame::body))
+            throw InvalidInput("apply: " + body.name + " is a particle, which has no axes and turns with nothing; " +
+                               (is_turning ? "a Torque acts on a RigidBody" : "give the force in world axes"));
+    }
+    if (is_turning && at)
+        throw InvalidInput("apply: at is given for a Torque, which is the same about every point; leave it out");
+    if (std::holds_alternative<TorsionSpring>(load) && (!std::holds_alternative<Revolute>(body.joint) || at))
+        throw InvalidInput("apply: a TorsionSpring acts about the axis of a Revolute joint, " +
+                           std::string(at ? "at no point" : "which " + body.name + " is not on"));
+}
+
+RBDYN_INLINE void Scene::require_observables(const WatchFunction& function, const std::string& user) const {
+    for (const Observable& o : function.arguments()) require_observable(o, user);
+}
+
+RBDYN_INLINE void Scene::require_body(BodyHandle body, const std::string& verb) const {
+    require(body.index >= 0 && body.index < static_cast<int>(bodies_.size()), verb, "body", body.index,
+            "a handle comes from add() of the same scene, which has " + std::to_string(bodies_.size()) + " bodies");
+}
+
+RBDYN_INLINE std::string Scene::named(std::string name, const std::string& kind) const {
+    const auto taken = [&] { return has(bodies_, name) || has(watches_, name); };
+    if (!name.empty()) {
+        if (taken()) throw InvalidInput("add: there is a body or a watch named \"" + name + "\" already; names differ");
+        return name;
+    }
+    std::size_t number = bodies_.size();
+    do name = kind + " " + std::to_string(++number);
+    while (taken());
+    return name;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

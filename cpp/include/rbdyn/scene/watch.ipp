@@ -1,0 +1,111 @@
+// Definitions of rbdyn/scene/watch.hpp.
+#pragma once
+
+#include "rbdyn/scene/watch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/recording.hpp"
+#include "rbdyn/rotation/euler_angles.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE Expression Now::value(const Observable& what) const {
+    auto found = std::find(asked_.begin(), asked_.end(), what);
+    const auto index = static_cast<int>(found - asked_.begin());
+    if (found == asked_.end()) asked_.push_back(what);
+    return recording::active()->input(index);
+}
+
+RBDYN_INLINE Vector3Of<Expression> Now::vector(Quantity quantity, int subject) const {
+    return {value({quantity, subject, 0}), value({quantity, subject, 1}), value({quantity, subject, 2})};
+}
+
+RBDYN_INLINE Vector3Of<Expression> Now::Body::center_of_mass_velocity() const {
+    return now_.vector(Quantity::center_of_mass_velocity, index_);
+}
+
+RBDYN_INLINE Vector3Of<Expression> Now::Body::center_of_mass_acceleration() const {
+    return now_.vector(Quantity::center_of_mass_acceleration, index_);
+}
+
+RBDYN_INLINE QuaternionOf<Expression> Now::Body::quaternion() const {
+    const auto q = [&](int i) { return now_.value({Quantity::quaternion, index_, i}); };
+    return {q(0), q(1), q(2), q(3)};
+}
+
+RBDYN_INLINE std::array<Expression, 9> Now::Body::rotation_matrix() const {
+    std::array<Expression, 9> r;
+    for (std::size_t i = 0; i < 9; ++i) r[i] = now_.value({Quantity::rotation_matrix, index_, static_cast<int>(i)});
+    return r;
+}
+
+RBDYN_INLINE EulerAnglesOf<Expression> Now::Body::euler_angles() const {
+    const Vector3Of<Expression> a = now_.vector(Quantity::euler_angles, index_);
+    return {a[0], a[1], a[2]};
+}
+
+RBDYN_INLINE Vector3Of<Expression> Now::Body::angular_acceleration() const {
+    return now_.vector(Quantity::angular_acceleration, index_);
+}
+
+RBDYN_INLINE Vector3Of<Expression> Now::Body::angular_velocity_world() const {
+    return now_.vector(Quantity::angular_velocity_world, index_);
+}
+
+RBDYN_INLINE WatchFunction::WatchFunction(Function function, std::vector<Observable> arguments)
+    : function_(std::move(function)), arguments_(std::move(arguments)) {}
+
+RBDYN_INLINE WatchFunction WatchFunction::called_back(std::function<double(const Observe&)> callback,
+                                                      std::string reason, bool is_python) {
+    WatchFunction result;
+    result.callback_ = std::move(callback);
+    auto counter = std::make_shared<Callback>();
+    counter->reason = std::move(reason);
+    counter->is_python = is_python;
+    result.counter_ = std::move(counter);
+    return result;
+}
+
+RBDYN_INLINE bool WatchFunction::asks_for(Quantity quantity) const {
+    return std::any_of(arguments_.begin(), arguments_.end(),
+                       [&](const Observable& o) { return o.quantity == quantity; });
+}
+
+RBDYN_INLINE WatchFunction WatchFunction::frozen() const {
+    WatchFunction result = *this;
+    result.function_ = function_.frozen();
+    return result;
+}
+
+RBDYN_INLINE double WatchFunction::operator()(const Observe& observe) const {
+    if (callback_) {
+        counter_->calls.fetch_add(1, std::memory_order_relaxed);
+        return callback_(observe);
+    }
+    std::vector<double> x;
+    for (const Observable& o : arguments_) x.push_back(observe(o));
+    return function_(std::span<const double>(x))[0];
+}
+
+RBDYN_INLINE bool WatchFunction::operator==(const WatchFunction& other) const {
+    return !callback_ && !other.callback_ && arguments_ == other.arguments_ && function_ == other.function_;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,225 @@
+// Definitions of rbdyn/solve.hpp.
+#pragma once
+
+#include "rbdyn/solve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/sort_few.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/event.hpp"
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/integrate.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/points.hpp"
+#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/simulated.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/parts.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/scene/watch.hpp"
+#include "rbdyn/trajectory/run_data.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::simulating {
+
+RBDYN_INLINE std::string engine_for(const Plan& plan, const std::string& wanted) {
+    const std::string engine = wanted == "auto" ? plan.engine : wanted;
+    if (engine == "closed form") {
+        if (plan.closed) return engine;
+        std::string why;
+        for (const Plan::Omission& o : plan.omissions)
+            if (o.what == "closed form") why = o.why;
+        throw InvalidInput("simulate: engine is \"closed form\", and this scene has none: " + why +
+                           "; use \"auto\" or \"" + plan.integrator + "\"");
+    }
+    (void)make_engine(engine, 1e-6);
+    if (engine == "taylor" && plan.calls_back)
+        throw InvalidInput(
+            "simulate: engine is \"taylor\", and a function of this scene is called back, which has no "
+            "Taylor series; use \"auto\" or \"dop853\", or write it so that it can be recorded");
+    return engine;
+}
+
+RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution) {
+    Solved result{solution.outcome, std::move(solution.message), solution.thrown, {}};
+    RunData& data = result.data;
+    data.scene = std::move(scene);
+    data.plan = std::move(plan);
+    data.model = data.plan.model;
+    data.engine = std::move(engine);
+    Statistics& s = data.statistics;
+    const Work& w = solution.record.work;
+    s.integration_seconds = solution.integration_seconds;
+    s.steps = w.steps;
+    s.rejected = w.rejected;
+    s.right_hand_sides = w.right_hand_sides;
+    s.jacobians = w.jacobians;
+    s.guard_evaluations = w.guard_evaluations;
+    s.events = static_cast<std::int64_t>(solution.record.events.size());
+    s.runs = solution.runs;
+    if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
+    data.error = solution.error;
+    data.certain_until = solution.certain_until;
+    data.record = std::move(solution.record);
+    for (Event& e : data.record.events)
+        if (e.name.empty() && e.subject >= 0) e.name = data.scene.bodies()[static_cast<std::size_t>(e.subject)].name;
+    data.events = Events(data.record.events);
+    return result;
+}
+
+RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options) {
+    std::string engine = engine_for(plan, options.engine);
+    const PointsModel& model = *plan.model;
+    const std::vector<double> x = model.start(options.start);
+    Solution solution = engine == "closed form" ? solve_closed(model, x, options, plan.closed)
+                                                : solve(model, x, options, engine, plan.integrator, plan.closed);
+    return solved(std::move(scene), std::move(plan), std::move(engine), std::move(solution));
+}
+
+RBDYN_INLINE Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine, double start) {
+    Solution solution;
+    Record& record = solution.record;
+    record.start = start;
+    record.end = {start, 0.0};
+    record.status = Status::stopped_by_user;
+    record.variables = plan.model->variables();
+    record.modes = {plan.model->undecided()};
+    record.first_state = plan.model->start(start);
+    solution.certain_until = start;
+    return solved(scene, plan, engine, std::move(solution));
+}
+
+RBDYN_INLINE bool may_stop(const Scene& scene) {
+    const auto stops = [](const Scene::Watch& w) { return w.options.action.kind == WatchAction::Kind::stop; };
+    const auto has_end = [](const Scene::Body& b) {
+        const Rail* rail = b.rail();
+        if (rail == nullptr || rail->ends() != RailEnds::stop || rail->curve().closed()) return false;
+        const Domain domain = rail->curve().domain();
+        return std::isfinite(domain.begin) || std::isfinite(domain.end);
+    };
+    return std::any_of(scene.watches().begin(), scene.watches().end(), stops) ||
+           std::any_of(scene.bodies().begin(), scene.bodies().end(), has_end);
+}
+
+RBDYN_INLINE std::vector<Event> events_of(const std::vector<Solved>& parts, const SceneParts& apart, double end) {
+    std::vector<Event> all;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        for (Event e : parts[i].data.record.events) {
+            if (e.time > end) break;
+            if (e.subject >= 0) e.subject = apart.parts[i].bodies[static_cast<std::size_t>(e.subject)];
+            all.push_back(std::move(e));
+        }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Event& a, const Event& b) { return a.instant - b.instant < 0.0; });
+    const auto together = [](const Event& a, const Event& b) {
+        return b.instant - a.instant <= 8.0 * std::numeric_limits<double>::epsilon() * std::abs(b.time);
+    };
+    for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
+        for (last = first + 1; last < all.size() && together(all[last - 1], all[last]);) ++last;
+        sort_few(std::span(all).subspan(first, last - first), comes_before);
+    }
+    return all;
+}
+
+RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options) {
+    using Outcome = Solution::Outcome;
+    const SceneParts& apart = *plan.apart;
+    const std::size_t count = plan.parts.size();
+    std::vector<std::string> engines, named;
+    for (const Plan& part : plan.parts) {
+        engines.push_back(engine_for(part, options.engine));
+        if (std::find(named.begin(), named.end(), engines.back()) == named.end()) named.push_back(engines.back());
+    }
+    std::vector<Solved> parts(count);
+    std::vector<double> untils(count);
+    Instant end{options.until, 0.0};
+    std::size_t shortest = count;  // the part that ends the others
+    bool goes_on = true;
+    int runs = 0;
+    SimulateOptions own = options;
+    const auto ends_by_event = [&](const Solved& part) {
+        const Status status = part.data.record.status;
+        return status == Status::stopped_by_event || status == Status::accuracy_not_reached;
+    };
+    const auto solve_part = [&](std::size_t i) {
+        own.until = untils[i] = end.hi;
+        const Scene& alone = apart.parts[i].scene;
+        parts[i] = goes_on && own.until > own.start ? solve_together(alone, plan.parts[i], own)
+                                                    : not_begun(alone, plan.parts[i], engines[i], own.start);
+        const Record& record = parts[i].data.record;
+        runs += parts[i].data.statistics.runs;
+        goes_on = goes_on && record.status != Status::stopped_by_user;
+        if (record.end.hi < end.hi) {
+            end = record.end;
+            shortest = i;
+        }
+    };
+    // first what may end the others, then what takes no time and is there if the rest is interrupted
+    const auto turn = [&](std::size_t i) {
+        return may_stop(apart.parts[i].scene) ? 0 : engines[i] == "closed form" ? 1 : 2;
+    };
+    for (const int now : {0, 1, 2})
+        for (std::size_t i = 0; i < count; ++i)
+            if (turn(i) == now) solve_part(i);
+    for (std::size_t i = 0; i < count && shortest < count && goes_on && ends_by_event(parts[shortest]);) {
+        const bool is_longer = i != shortest && untils[i] > end.hi;
+        if (is_longer) solve_part(i);
+        // its event may lie a little earlier in this run: then the others end there
+        i = is_longer && shortest == i ? 0 : i + 1;
+    }
+
+    const auto worse = [](const Solved& a, const Solved& b) {
+        return std::tie(a.outcome, a.data.record.status) < std::tie(b.outcome, b.data.record.status);
+    };
+    Solved& worst = *std::max_element(parts.begin(), parts.end(), worse);
+    Solved result{worst.outcome, std::move(worst.message), worst.thrown, {}};
+    if (result.outcome == Outcome::inaccurate)
+        result.message += " This is said of " + planning::names_of(worst.data.scene) + ".";
+    RunData& data = result.data;
+    data.record.start = options.start;
+    data.record.end = end;
+    data.record.status = worst.data.record.status;
+    data.record.events = events_of(parts, apart, end.hi);
+    data.events = Events(data.record.events);
+    data.engine = planning::first_of(named, named.size(), ", ");
+    data.certain_until = end.hi;
+    if (!options.rtol) data.error = 0.0;
+    Statistics& s = data.statistics;
+    s.runs = runs;
+    s.events = static_cast<std::int64_t>(data.events.size());
+    for (Solved& part : parts) {
+        const Statistics& w = part.data.statistics;
+        s.integration_seconds += w.integration_seconds;
+        s.steps += w.steps;
+        s.rejected += w.rejected;
+        s.right_hand_sides += w.right_hand_sides;
+        s.jacobians += w.jacobians;
+        s.guard_evaluations += w.guard_evaluations;
+        s.size += w.size;
+        data.certain_until = std::min(data.certain_until, part.data.certain_until);
+        if (data.error && part.data.error)
+            data.error = std::max(*data.error, *part.data.error);
+        else
+            data.error.reset();
+        data.parts.push_back(std::move(part.data));
+    }
+    data.scene = std::move(scene);
+    data.plan = std::move(plan);
+    return result;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::simulating

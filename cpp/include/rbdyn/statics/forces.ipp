@@ -1,0 +1,287 @@
+// Definitions of rbdyn/statics/forces.hpp.
+#pragma once
+
+#include "rbdyn/statics/forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/point_state.hpp"
+#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/plan/plan.hpp"
+#include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/statics/path_forces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::statics {
+
+RBDYN_INLINE Forces::Forces(const Scene& scene) : model_(scene, planning::view_of(scene)) {
+    for (const PointLaws::Body& b : laws().bodies()) {
+        first_.push_back(freedoms_);
+        freedoms_ += freedoms_of(b);
+    }
+}
+
+RBDYN_INLINE int Forces::displacements(int body) const {
+    const PointLaws::Body& b = laws().body(body);
+    return turns(b) ? freedoms_of(b) - 3 : freedoms_of(b);
+}
+
+RBDYN_INLINE int Forces::coordinates_of(const Scene::Body& b) {
+    if (b.rigid() == nullptr) return b.rail() != nullptr ? 1 : 3;
+    return std::holds_alternative<Free>(b.joint) ? 7 : std::holds_alternative<Spherical>(b.joint) ? 4 : 1;
+}
+
+RBDYN_INLINE std::vector<double> Forces::start() const {
+    std::vector<double> q = laws().start();
+    q.resize(at(laws().positions()));
+    return q;
+}
+
+RBDYN_INLINE std::vector<double> Forces::place(const std::vector<double>& coordinates) const {
+    std::vector<double> q = start();
+    const double* c = coordinates.data();
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        double* own = &q[at(b.first)];
+        if (!turns(b)) {
+            std::copy_n(c, freedoms_of(b), own);
+            c += freedoms_of(b);
+            continue;
+        }
+        const bool is_free = displacements(i) > 0;
+        const double* p = is_free ? c + 3 : c;
+        const Quaternion attitude = Attitude(Quaternion{p[0], p[1], p[2], p[3]}).quaternion();
+        if (is_free) {
+            const Vector3 g = Vector3(c[0], c[1], c[2]) + to_world<double>(attitude, b.rigid->origin);
+            own = std::copy_n(g.data(), 3, own);
+        }
+        write(own, attitude * b.rigid->frame_attitude);
+        c = p + 4;
+    }
+    return q;
+}
+
+RBDYN_INLINE std::vector<double> Forces::coordinates(const std::vector<double>& q) const {
+    std::vector<double> c;
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        const double* own = &q[at(b.first)];
+        if (!turns(b)) {
+            // not -0
+            for (int k = 0; k < freedoms_of(b); ++k) c.push_back(own[k] + 0.0);
+            continue;
+        }
+        Quaternion p = attitude(q, i) * conjugate(b.rigid->frame_attitude);
+        if (p.w < 0.0) p = {-p.w, -p.x, -p.y, -p.z};
+        if (displacements(i) > 0) {
+            const Vector3 o = Vector3(own[0], own[1], own[2]) - to_world<double>(p, b.rigid->origin);
+            for (int k = 0; k < 3; ++k) c.push_back(o[k] + 0.0);
+        }
+        // below the last digit of one a component is rounding
+        for (const double x : {p.w, p.x, p.y, p.z})
+            c.push_back(std::abs(x) < 0.5 * std::numeric_limits<double>::epsilon() ? 0.0 : x);
+    }
+    return c;
+}
+
+RBDYN_INLINE Quaternion Forces::attitude(const std::vector<double>& q, int body) const {
+    const double* p = &q[at(laws().body(body).first + displacements(body))];
+    return {p[0], p[1], p[2], p[3]};
+}
+
+RBDYN_INLINE std::vector<double> Forces::turned(std::vector<double> q, int body, const Vector3& axis,
+                                                const Vector3& point, double angle) const {
+    const Quaternion by = turn(axis, angle);
+    double* own = &q[at(laws().body(body).first)];
+    write(own + displacements(body), normalized(by * attitude(q, body)));
+    if (displacements(body) > 0) {
+        const Vector3 g = point + to_world<double>(by, Vector3(Vector3(own[0], own[1], own[2]) - point));
+        std::copy_n(g.data(), 3, own);
+    }
+    return q;
+}
+
+RBDYN_INLINE std::vector<double> Forces::moved(std::vector<double> q, const std::vector<double>& step) const {
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        double* own = &q[at(b.first)];
+        const double* d = &step[at(first(i))];
+        for (int k = 0; k < displacements(i); ++k) own[k] += d[k];
+        if (b.curve) *own = std::clamp(*own, b.curve->domain().begin, b.curve->domain().end);
+        if (!turns(b)) continue;
+        const Vector3 by{d[displacements(i)], d[displacements(i) + 1], d[displacements(i) + 2]};
+        const double angle = by.norm();
+        if (angle > 0.0) write(own + displacements(i), normalized(attitude(q, i) * turn(Vector3(by / angle), angle)));
+    }
+    return q;
+}
+
+RBDYN_INLINE double Forces::largest_turn(const std::vector<double>& step) const {
+    double most = 0.0;
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        const double* d = &step[at(first(i))];
+        if (turns(b))
+            most = std::max(most, std::hypot(d[freedoms_of(b) - 3], d[freedoms_of(b) - 2], d[freedoms_of(b) - 1]));
+        if (b.rigid && b.rigid->kind == RigidLaw::Kind::revolute) most = std::max(most, std::abs(*d));
+    }
+    return most;
+}
+
+RBDYN_INLINE std::vector<double> Forces::difference(const std::vector<double>& to,
+                                                    const std::vector<double>& from) const {
+    std::vector<double> d;
+    for (int i = 0; i < bodies(); ++i) {
+        const std::size_t own = at(laws().body(i).first);
+        for (std::size_t k = 0; k < at(displacements(i)); ++k) d.push_back(to[own + k] - from[own + k]);
+        if (!turns(i)) continue;
+        const Quaternion p = conjugate(attitude(from, i)) * attitude(to, i);
+        for (const double x : {p.x, p.y, p.z}) d.push_back(2.0 * x);
+    }
+    return d;
+}
+
+RBDYN_INLINE bool Forces::State::is_finite() const {
+    const auto all_finite = [](const std::vector<double>& v) {
+        return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+    };
+    return all_finite(force) && all_finite(jacobian.entries());
+}
+
+RBDYN_INLINE double Forces::State::misfit() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < force.size(); ++i) sum += force[i] * force[i] / metric[i];
+    return sum;
+}
+
+RBDYN_INLINE Forces::State Forces::at_rest(const std::vector<double>& q) {
+    choose(q);
+    State s;
+    s.jacobian = SquareMatrix(freedoms_);
+    values_->differentiate(0.0, q);
+    for (int i = 0; i < freedoms_; ++i) s.force.push_back(values_->output(i));
+    std::vector<PointState<double>> states;
+    const double zero[6] = {};
+    for (const PointLaws::Body& b : laws().bodies())
+        states.push_back(laws().moving<double>(b, 0.0, &q[at(b.first)], zero, false));
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        add_columns(i, q, s.jacobian);
+        const Effort size = effort(laws(), i, states);
+        const bool is_hinge = b.rigid && b.rigid->kind == RigidLaw::Kind::revolute;
+        const double speed_squared = b.curve ? states[at(i)].curve.speed_squared : 1.0;
+        for (int k = 0; k < displacements(i); ++k) {
+            s.metric.push_back(is_hinge ? b.rigid->moments[2] : b.mass * speed_squared);
+            s.effort.push_back(is_hinge ? size.moment : std::sqrt(speed_squared) * size.force);
+            s.size.push_back(std::abs(q[at(b.first + k)]));
+        }
+        for (int k = 0; k < 3 && turns(b); ++k) {
+            s.metric.push_back(b.rigid->moments[k]);
+            s.effort.push_back(size.moment);
+            s.size.push_back(1.0);
+        }
+        if (b.side == RailSide::both) continue;
+        const auto f = laws().resultant<double>(i, 0.0, states, false, [](double w) { return w; });
+        s.pushed = s.pushed && -b.binormal.dot(states[at(i)].curve.first.cross(f.force)) >=
+                                   -16.0 * std::numeric_limits<double>::epsilon() * s.effort.back();
+    }
+    return s;
+}
+
+RBDYN_INLINE std::string Forces::not_finite(const std::vector<double>& q) const {
+    Mode mode;
+    mode.slip.assign(at(bodies()), 1);
+    std::vector<double> x = model_.start();
+    std::fill(std::copy(q.begin(), q.end(), x.begin()), x.end(), 0.0);
+    const std::string what = model_.not_finite(mode, 0.0, x);
+    return what.empty() ? "a derivative of the forces" : what;
+}
+
+RBDYN_INLINE void Forces::write(double* to, const Quaternion& p) {
+    for (const double x : {p.w, p.x, p.y, p.z}) *to++ = x;
+}
+
+RBDYN_INLINE void Forces::add_columns(int body, const std::vector<double>& q, SquareMatrix& jacobian) const {
+    const int own = laws().body(body).first, moves = displacements(body);
+    for (int i = 0; i < freedoms_; ++i) {
+        for (int k = 0; k < moves; ++k) jacobian(i, first(body) + k) = values_->derivative(i, own + k);
+        if (!turns(body)) continue;
+        const Quaternion p = attitude(q, body);
+        const double by[3][4] = {{-p.x, p.w, p.z, -p.y}, {-p.y, -p.z, p.w, p.x}, {-p.z, p.y, -p.x, p.w}};
+        for (int k = 0; k < 3; ++k) {
+            double sum = 0.0;
+            for (int j = 0; j < 4; ++j) sum += 0.5 * by[k][j] * values_->derivative(i, own + moves + j);
+            jacobian(i, first(body) + moves + k) = sum;
+        }
+    }
+}
+
+RBDYN_INLINE void Forces::choose(const std::vector<double>& q) {
+    if (!values_ || distinguishes_) record(q);
+    set_signs(program_, parameters_, q);
+    values_->set_parameters(parameters_);
+}
+
+RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
+    using S = Expression;
+    Recorder r;
+    r.follow(0.0, q, {});
+    const std::vector<S> zero(6, S(0.0));
+    std::vector<PointState<S>> states;
+    for (const PointLaws::Body& b : laws().bodies()) {
+        std::vector<S> own;
+        for (int k = 0; k < b.positions(); ++k) own.push_back(r.input(b.first + k));
+        states.push_back(laws().moving<S>(b, S(0.0), own.data(), zero.data(), false));
+    }
+    std::vector<S> outputs;
+    const auto add = [&](const Vector3Of<S>& v) {
+        for (int k = 0; k < 3; ++k) outputs.push_back(v[k]);
+    };
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        if (b.rigid) {
+            const Wrench<S> w = laws().wrench<S>(i, S(0.0), states);
+            if (displacements(i) == 3) add(w.force);
+            if (turns(b))
+                add(w.moment);
+            else
+                outputs.push_back(b.rigid->kind == RigidLaw::Kind::revolute
+                                      ? w.moment[2]
+                                      : dot<S>(states[at(i)].rigid->axes.e3, w.force));
+            continue;
+        }
+        const auto f = laws().resultant<S>(i, S(0.0), states, false, [](const S& w) { return w; });
+        if (b.curve)
+            outputs.push_back(dot<S>(states[at(i)].curve.first, f.force));
+        else
+            add(f.force);
+    }
+    program_ = Program(r, outputs, laws().positions());
+    distinguishes_ = !r.branches().empty();
+    parameters_.clear();
+    values_ = std::make_unique<JacobianEvaluator>(program_);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::statics

@@ -1,0 +1,201 @@
+// Definitions of rbdyn/statics/path_pieces.hpp.
+#pragma once
+
+#include "rbdyn/statics/path_pieces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/series_sizes.hpp"
+#include "rbdyn/series/roots.hpp"
+#include "rbdyn/series/step_length.hpp"
+#include "rbdyn/statics/path_forces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::statics {
+
+RBDYN_INLINE std::vector<double> roots_about_middle(const double* c, int degree) {
+    series::RootFinder finder;
+    std::vector<double> right, left, all;
+    std::array<double, order + 2> mirrored{};
+    for (int k = 0; k <= degree; ++k) mirrored[static_cast<std::size_t>(k)] = k % 2 == 0 ? c[k] : -c[k];
+    finder.find(mirrored.data(), degree, left);
+    finder.find(c, degree, right);
+    for (std::size_t k = left.size(); k-- > 0;) all.push_back(-left[k]);
+    if (c[0] == 0.0) all.push_back(0.0);
+    all.insert(all.end(), right.begin(), right.end());
+    return all;
+}
+
+RBDYN_INLINE double PathPiece::bound() const {
+    double sum = 0.0;
+    for (const double c : output[PathForces::along]) sum += std::abs(c);
+    return sum;
+}
+
+RBDYN_INLINE bool PathPiece::may_vanish(double x) const {
+    return std::abs(value(PathForces::along, x)) <=
+           std::max(noise(), 64.0 * std::numeric_limits<double>::epsilon() * bound());
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::statics
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE const statics::PathPiece& PathPieces::about(double u, double half) {
+    expand(u, half);
+    return piece_;
+}
+
+RBDYN_INLINE std::array<double, statics::order + 1> PathPieces::sizes() {
+    (*sizes_)(*series_);
+    std::array<double, statics::order + 1> result;
+    std::copy_n(sizes_->output(PathForces::along), statics::order + 1, result.begin());
+    return result;
+}
+
+RBDYN_INLINE double PathPieces::natural(double u) {
+    double unit = 1.0;
+    if (u != 0.0) unit = power_of_two(std::abs(u));
+    // measured in units near it
+    for (int attempt = 0; attempt < 40; ++attempt) {
+        expand(u, unit);
+        if (!is_finite_) {
+            unit *= 0x1p-24;
+            continue;
+        }
+        double scale = std::isfinite(stretch_) ? stretch_ : ratio_;
+        if (!(scale > 0.0) || !std::isfinite(scale)) return unit;
+        if (scale > 1.0 / 64.0 && scale < 64.0) return unit * power_of_two(scale);
+        unit *= power_of_two(std::clamp(scale, 0x1p-24, 0x1p24));
+    }
+    return unit;
+}
+
+RBDYN_INLINE double PathPieces::power_of_two(double x) {
+    int exponent = 0;
+    std::frexp(x, &exponent);
+    return std::ldexp(1.0, exponent - 1);
+}
+
+RBDYN_INLINE void PathPieces::resolve() {
+    series_ = std::make_unique<SeriesEvaluator>(formula_.program, statics::order);
+    series_->set_parameters(formula_.parameters);
+    values_ = std::make_unique<Evaluator<double>>(formula_.program);
+    values_->set_parameters(formula_.parameters);
+    sizes_ = std::make_unique<SeriesSizes>(formula_.program, statics::order);
+    sizes_->set_parameters(formula_.parameters);
+}
+
+RBDYN_INLINE void PathPieces::choose(double u) {
+    if (formula_.is_smooth) return;
+    if (formula_.guards > 0) {
+        (*values_)(0.0, std::span<const double>(&u, 1));
+        bool is_right = true;
+        for (int k = 0; k < formula_.guards; ++k) is_right = is_right && values_->output(formula_.outputs + k) > 0.0;
+        if (!is_right) {
+            formula_ = forces_.formula(u);
+            resolve();
+        }
+    }
+    statics::set_signs(formula_.program, formula_.parameters, std::span<const double>(&u, 1));
+    series_->set_parameters(formula_.parameters);
+    values_->set_parameters(formula_.parameters);
+    sizes_->set_parameters(formula_.parameters);
+}
+
+RBDYN_INLINE bool PathPieces::ends(int output) {
+    const double* c = series_->output(output);
+    int last = statics::order;
+    while (last > 0 && c[last] == 0.0) --last;
+    if (last > statics::order - 4) return false;
+    (*sizes_)(*series_);
+    return std::abs(c[last]) > 64.0 * last * std::numeric_limits<double>::epsilon() * sizes_->output(output)[last];
+}
+
+RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
+    choose(middle);
+    series_->begin(0.0, 1.0);
+    series_->set_input(0, 0, middle);
+    series_->set_input(0, 1, half);
+    for (int k = 2; k <= statics::order; ++k) series_->set_input(0, k, 0.0);
+    for (int k = 0; k <= statics::order; ++k) series_->advance(k);
+    piece_ = {};
+    piece_.middle = middle;
+    piece_.half = half;
+    is_finite_ = true;
+    const int outputs = formula_.outputs, all = outputs + guards();
+    for (int j = 0; j < all; ++j)
+        for (int k = 0; k <= statics::order; ++k) is_finite_ = is_finite_ && std::isfinite(series_->output(j)[k]);
+    for (int j = 0; j < outputs; ++j)
+        std::copy_n(series_->output(j), statics::order + 1, piece_.output[static_cast<std::size_t>(j)].begin());
+    piece_.effort = forces_.effort(middle);
+    is_finite_ = is_finite_ && std::isfinite(piece_.effort);
+    stretch_ = std::numeric_limits<double>::infinity();
+    ratio_ = std::numeric_limits<double>::infinity();
+    holds_ = false;
+    if (!is_finite_) return false;
+    for (int j = 0; j < all; ++j) {
+        const double* c = series_->output(j);
+        std::array<double, statics::order + 1> size;
+        for (int k = 0; k <= statics::order; ++k) size[static_cast<std::size_t>(k)] = std::abs(c[k]);
+        const double e = piece_.effort;
+        const double scale = j >= outputs ? size[0] : j == PathForces::hold ? e * e : e;
+        double length = std::exp2(series::log_step(size.data(), statics::order, std::max(scale, size[0]), -53.0));
+        if (std::isfinite(length) && j < outputs && ends(j)) length = std::numeric_limits<double>::infinity();
+        stretch_ = std::min(stretch_, length);
+        // of a polynomial: where its first two terms are equal, those that are not rounding
+        const double largest = *std::max_element(size.begin(), size.end());
+        const double least = 64.0 * std::numeric_limits<double>::epsilon() * std::max(scale, largest);
+        int first = -1;
+        for (int k = 0; k <= statics::order; ++k) {
+            const double c_k = size[static_cast<std::size_t>(k)];
+            if (!(c_k > least)) continue;
+            if (first >= 0)
+                ratio_ = std::min(ratio_, std::pow(size[static_cast<std::size_t>(first)] / c_k, 1.0 / (k - first)));
+            else
+                first = k;
+        }
+    }
+    piece_.polynomial = std::isinf(stretch_);
+    piece_.endless = piece_.polynomial && guards() == 0;
+    holds_ = stretch_ >= 1.0;
+    // what the middle does not know of shows at the ends
+    for (const double x : {-1.0, 1.0}) {
+        if (!holds_) break;
+        const double u = middle + half * x;
+        const double e = forces_.effort(u);
+        piece_.effort = std::max(piece_.effort, e);
+        (*values_)(0.0, std::span<const double>(&u, 1));
+        if (!std::isfinite(e)) continue;  // a formula that ends here
+        holds_ =
+            std::abs(values_->output(PathForces::along) - piece_.value(PathForces::along, x)) <= 1e-11 * piece_.effort;
+    }
+    return holds_;
+}
+
+RBDYN_INLINE double PathPieces::first_change(double way) const {
+    double first = 1.0;
+    const double resolved =
+        64.0 * std::numeric_limits<double>::epsilon() * std::max(1.0, std::abs(piece_.middle) / piece_.half);
+    for (int j = formula_.outputs; j < formula_.outputs + guards(); ++j) {
+        const double* c = series_->output(j);
+        for (const double x : statics::roots_about_middle(c, statics::order))
+            if (way * x > -1.0 + resolved && way * x < first - resolved) first = way * x;
+        // the middle itself, within rounding
+        double size = 0.0;
+        for (int k = 1; k <= statics::order; ++k) size += std::abs(c[k]);
+        if (std::abs(c[0]) <= resolved * size && resolved < first) first = 0.0;
+    }
+    return first;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

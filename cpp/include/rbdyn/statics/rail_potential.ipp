@@ -1,0 +1,357 @@
+// Definitions of rbdyn/statics/rail_potential.hpp.
+#pragma once
+
+#include "rbdyn/statics/rail_potential.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/body/particle.hpp"
+#include "rbdyn/curve/axes.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/expression/given.hpp"
+#include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/plan/integrals.hpp"
+#include "rbdyn/scene/couplings.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/series/polynomial.hpp"
+#include "rbdyn/statics/path_forces.hpp"
+#include "rbdyn/statics/path_pieces.hpp"
+#include "rbdyn/statics/path_zero.hpp"
+#include "rbdyn/statics/quadrature.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE RailWork::RailWork(const Scene& scene, BodyHandle bead) {
+    const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
+    Scene functions;
+    const BodyHandle one =
+        functions.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
+    for (const Scene::AppliedLoad& load : scene.loads())
+        if (load.body == bead.index && planning::has_potential_along_rail(scene, load)) functions.apply(load.load, one);
+    if (functions.loads().empty()) return;
+    forces_.emplace(functions);
+    origin_ = arc_length_origin(forces_->curve());
+}
+
+RBDYN_INLINE double RailWork::operator()(double u) const {
+    if (!forces_) return 0.0;
+    PathForces::Values q(*forces_);
+    const double floor = 2.0 * std::numeric_limits<double>::epsilon() * std::abs(u - origin_) *
+                         std::max(forces_->effort(u), forces_->effort(origin_));
+    return statics::integral([&](double place) { return q(place); }, origin_, u, floor);
+}
+
+RBDYN_INLINE RailPotential::RailPotential(const Scene& scene, BodyHandle bead)
+    : forces_(checked(scene.frozen(), bead)), work_(scene.frozen(), bead) {
+    origin_ = arc_length_origin(curve());
+}
+
+RBDYN_INLINE const Curve& RailPotential::curve() const { return forces_.curve(); }
+
+RBDYN_INLINE const std::string& RailPotential::name() const { return forces_.name(); }
+
+RBDYN_INLINE double RailPotential::mass() const { return forces_.mass(); }
+
+RBDYN_INLINE double RailPotential::value(double u) const { return closed_form(u).first + work_(on_rail(u)); }
+
+RBDYN_INLINE double RailPotential::work_of_forces(double u) const { return work_(on_rail(u)); }
+
+RBDYN_INLINE double RailPotential::tangential_force(double u) const {
+    curve().require_regular(on_rail(u));
+    return forces_.along_path(u) / curves::norm(curve().first(u));
+}
+
+RBDYN_INLINE double RailPotential::energy(double u, double speed) const {
+    return 0.5 * mass() * speed * speed - value(u);
+}
+
+RBDYN_INLINE double RailPotential::speed(double u, double energy) const {
+    return std::sqrt(2.0 * kinetic(energy, u) / mass());
+}
+
+RBDYN_INLINE TurningPoints RailPotential::turning_points(double energy, double start) const {
+    const double k = kinetic(energy, start);
+    return {turn(energy, start, k, -1.0), turn(energy, start, k, 1.0)};
+}
+
+RBDYN_INLINE double RailPotential::period(double energy, double start) const {
+    const TurningPoints t = turning_points(energy, start);
+    if (t.below && t.above) {
+        if (*t.below < *t.above) return 2.0 * duration(*t.below, *t.above, 0.0, 0.0);
+        PathPieces pieces(forces_);
+        const statics::PathPiece& p = pieces.about(start, pieces.natural(start));
+        const double slope = p.output[PathForces::along][1] / p.half;
+        return slope < 0.0 ? 2.0 * std::numbers::pi * std::sqrt(-mass() * curve().first(start).squaredNorm() / slope)
+                           : std::numeric_limits<double>::infinity();
+    }
+    if (!t.above && curve().period() > 0.0) {
+        const double k = kinetic(energy, start), end = start + curve().period();
+        return duration(start, end, k, k + gained(start, end));
+    }
+    throw InvalidInput(user() + ": the motion with energy " + text(energy) + " J that passes parameter " + text(start) +
+                       " does not turn round " +
+                       (t.above   ? "below"
+                        : t.below ? "above"
+                                  : "either way") +
+                       ", so it has no period");
+}
+
+RBDYN_INLINE double RailPotential::time(double energy, double u0, double u1) const {
+    if (u1 < u0) return -time(energy, u1, u0);
+    if (u0 == on_rail(u1)) return 0.0;
+    const double k0 = kinetic(energy, u0), k1 = kinetic(energy, u1), way = u1 - u0;
+    const std::optional<double> turn_above = turn(energy, u0, k0, 1.0);
+    const double slack = 1e-12 * way;
+    // not past an equilibrium that it only comes near
+    if (turn_above && *turn_above < u1 - slack &&
+        std::abs(forces_.along_path(*turn_above)) <= 16.0 * epsilon * forces_.effort(*turn_above))
+        return std::numeric_limits<double>::infinity();
+    if (turn_above && *turn_above < u1 - slack)
+        throw InvalidInput(user() + ": the motion with energy " + text(energy) + " J turns round at parameter " +
+                           text(*turn_above) + ", before it comes from " + text(u0) + " to " + text(u1));
+    return duration(u0, u1, k0, k1);
+}
+
+RBDYN_INLINE Scene RailPotential::checked(const Scene& scene, BodyHandle bead) {
+    const std::string user = "rail potential";
+    const Scene one = statics::alone(scene, bead, user);
+    const std::string& name = one.bodies()[0].name;
+    statics::require_timeless(one, 0, user);
+    const auto refuse = [&](const std::string& what) {
+        throw InvalidInput(user + ": " + what + " " + name +
+                           "; the tangential force must depend on the place alone: leave it out");
+    };
+    if (one.bodies()[0].rail()->friction()) refuse("friction acts on");
+    for (const Scene::AppliedLoad& load : one.loads()) {
+        if (const Drag* drag = std::get_if<Drag>(&load.load); drag != nullptr && drag->present())
+            refuse("drag acts on");
+        if (const Force* force = std::get_if<Force>(&load.load);
+            force != nullptr && !force->is_constant() && force->depends_on_velocity())
+            refuse("force \"" + force->name() + "\", which depends on velocity, acts on");
+    }
+    for (const Scene::Connection& c : one.connections())
+        if (std::get<Spring>(c.coupling).damping != 0.0) refuse("a damper acts on");
+    return one;
+}
+
+RBDYN_INLINE std::string RailPotential::user() const { return "rail potential of " + name(); }
+
+RBDYN_INLINE double RailPotential::on_rail(double u) const {
+    const Domain d = curve().domain();
+    require(std::isfinite(u), user(), "parameter", u, "it is finite");
+    require(u >= d.begin && u <= d.end, user(), "parameter", u,
+            "it lies in the domain of the curve, " + text(d.begin) + " to " + text(d.end));
+    return u;
+}
+
+RBDYN_INLINE std::pair<double, double> RailPotential::closed_form(double u) const {
+    const PointLaws& laws = forces_.laws();
+    const PointLaws::Body& b = forces_.body();
+    const Vector3 r = laws.curve_point(b, on_rail(u)).position, r0 = laws.curve_point(b, origin_).position;
+    const Vector3 force = rounded(b.force);
+    double sum = 0.0, size = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        sum += force[i] * (r[i] - r0[i]);
+        size += std::abs(force[i]) * (std::abs(r[i]) + std::abs(r0[i]));
+    }
+    for (const auto& function : b.functions)
+        if (const Potential* potential = std::get_if<Potential>(&function)) {
+            const double here = potential->value<double>(laws.in_world<double>(r)),
+                         there = potential->value<double>(laws.in_world<double>(r0));
+            sum += here - there;
+            size += std::abs(here) + std::abs(there);
+        }
+    for (const auto& c : laws.springs()) {
+        const Vector3 point = rounded(c.a.body >= 0 ? c.b.point : c.a.point);
+        const double l = (r - point).norm(), l0 = (r0 - point).norm(), k = c.spring.stiffness;
+        // l^2 - l0^2 by the places, which may be near each other
+        const double squares = (r - r0).dot(r + r0 - 2.0 * point);
+        sum -= 0.5 * k * squares;
+        if (l + l0 > 0.0) sum += k * c.spring.rest_length * squares / (l + l0);
+        size += k * (l + l0) * (l + l0 + c.spring.rest_length);
+    }
+    return {sum, size};
+}
+
+RBDYN_INLINE double RailPotential::kinetic(double energy, double u) const {
+    require(std::isfinite(energy), user(), "energy", energy, "it is finite, in J");
+    const auto [k, rounding] = balance(energy, u);
+    require(k >= -rounding, user(), "kinetic energy at parameter " + text(u), k,
+            "it is not negative: a motion of energy " + text(energy) + " J does not come there");
+    return std::max(k, 0.0);
+}
+
+RBDYN_INLINE std::pair<double, double> RailPotential::balance(double energy, double u) const {
+    const auto [closed, size] = closed_form(u);
+    const double potential = closed + work_(u);
+    return {energy + potential, 16.0 * epsilon * (std::abs(energy) + size + std::abs(potential))};
+}
+
+RBDYN_INLINE double RailPotential::gained(double a, double b) const {
+    PathForces::Values q(forces_);
+    return gained(q, a, b - a, forces_.effort(a));
+}
+
+RBDYN_INLINE double RailPotential::gained(PathForces::Values& q, double a, double way, double effort) {
+    return statics::integral([&](double d) { return q(a + d); }, 0.0, way, epsilon * std::abs(way) * effort);
+}
+
+RBDYN_INLINE bool RailPotential::pushes_on(const statics::PathPiece& p, double way) {
+    if (!p.endless) return false;
+    std::array<double, statics::order + 1> q = p.output[PathForces::along];
+    series::shift(q.data(), statics::order, way);
+    double size = 0.0, sign = way;
+    for (const double c : q) size += std::abs(c);
+    for (const double c : q) {
+        if (sign * c < -64.0 * epsilon * size) return false;
+        sign *= way;
+    }
+    return true;
+}
+
+RBDYN_INLINE std::optional<double> RailPotential::turn(double energy, double start, double k, double way) const {
+    const double q0 = way * forces_.along_path(start);
+    const double noise = 16.0 * epsilon * forces_.effort(start);
+    if (k == 0.0 && q0 <= noise) return start;
+    const Domain d = curve().domain();
+    const double end = way > 0.0 ? d.end : d.begin;
+    const double round = curve().period();
+    PathPieces pieces(forces_), further(forces_);
+    std::optional<double> found, nearest;
+    bool grown = false;
+    double now = k, size = k, turn_over = round;
+    const auto visit = [&](const statics::PathPiece& p) {
+        // the kinetic energy about the middle, from what it is at the near end
+        std::array<double, statics::order + 2> c{};
+        double near = 0.0, far = 0.0, power = way;
+        for (int i = 0; i <= statics::order; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            c[at + 1] = p.half * p.output[PathForces::along][at] / (i + 1);
+            near += c[at + 1] * (i % 2 == 0 ? -way : 1.0);
+            far += c[at + 1] * power;
+            power *= way;
+        }
+        c[0] = now - near;
+        for (const double term : c) size = std::max(size, std::abs(term));
+        std::vector<double> roots = statics::roots_about_middle(c.data(), statics::order + 1);
+        if (way < 0.0) std::reverse(roots.begin(), roots.end());
+        // where it is least, between slowing down and speeding up: within rounding of zero on a separatrix
+        std::vector<double> least = statics::roots_about_middle(p.output[PathForces::along].data(), statics::order);
+        if (way < 0.0) std::reverse(least.begin(), least.end());
+        for (const double x : least) {
+            const double aside = 1e-6, u = p.place(x);
+            if (way * (u - start) <= 0.0 || way * p.value(PathForces::along, x + way * aside) <= 0.0) continue;
+            const auto [rest, rounding] = balance(energy, u);
+            if (rest > rounding) continue;
+            if (rest >= -rounding) {
+                statics::PathZeros zeros(further);
+                const auto zero = zeros.near(u, p.half);
+                nearest = zero ? zero->place : u;
+            }
+            break;
+        }
+        for (const double x : roots) {
+            if (way * p.value(PathForces::along, x) >= 0.0) continue;
+            if (nearest && way * (p.place(x) - *nearest) > -0x1p-20 * p.half) break;
+            found = polished(start, k, p.place(x), p.half);
+            return false;
+        }
+        if (nearest) {
+            found = nearest;
+            return false;
+        }
+        now = c[0] + far;
+        // at the very end of the piece, within rounding
+        if (now <= 64.0 * epsilon * size && way * p.value(PathForces::along, way) < 0.0) {
+            found = polished(start, k, p.place(way), p.half);
+            return false;
+        }
+        // never
+        if (now > 0.0 && pushes_on(p, way)) return false;
+        grown = way * p.value(PathForces::along, way) > 0.0 && now > 0x1p200 * k;
+        // round a closed curve without loss, it goes on for ever
+        const double gone = way * ((way > 0.0 ? p.end() : p.begin()) - start);
+        if (round > 0.0 && gone >= turn_over) {
+            if (gained(start, start + way * round) >= -64.0 * epsilon * size) return false;
+            turn_over = std::numeric_limits<double>::infinity();
+        }
+        return true;
+    };
+    try {
+        pieces.march(start, end, most_stretches, visit);
+    } catch (const InvalidInput&) {
+        // where forces overflow that have pushed it on for long it does not turn
+        if (!grown) throw;
+    }
+    return found;
+}
+
+RBDYN_INLINE double RailPotential::polished(double start, double k, double u, double half) const {
+    PathForces::Values q(forces_);
+    const Domain d = curve().domain();
+    const double effort = forces_.effort(start);
+    double best = std::numeric_limits<double>::infinity(), place = u;
+    for (int iteration = 0; iteration < 6; ++iteration) {
+        const double now = k + gained(q, start, place - start, effort);
+        if (!(std::abs(now) < best)) break;
+        best = std::abs(now);
+        u = place;
+        const double step = now / q(u);
+        if (!(std::abs(step) <= 0.5 * half)) break;
+        place = std::clamp(u - step, d.begin, d.end);
+        if (place == u) break;
+    }
+    return u;
+}
+
+RBDYN_INLINE double RailPotential::duration(double a, double b, double at_a, double at_b) const {
+    const double first = 0.5 * (b - a);
+    return half_duration(a, first, at_a) + half_duration(b, -(b - (a + first)), at_b);
+}
+
+RBDYN_INLINE double RailPotential::half_duration(double u, double way, double k) const {
+    PathForces::Values q(forces_);
+    const double sign = way > 0.0 ? 1.0 : -1.0, reach = std::sqrt(std::abs(way));
+    const double force = std::abs(q(u)), effort = forces_.effort(u);
+    double noise = 0.0;
+    const PointLaws& laws = forces_.laws();
+    const auto rate = [&](double x) {
+        const double gone = x * x;
+        const double r = std::sqrt(laws.curve_point(forces_.body(), u + sign * gone).speed_squared);
+        if (x == 0.0) return k > 0.0 ? 0.0 : 2.0 * r / std::sqrt(2.0 * force / mass());
+        const double kinetic = k + gained(q, u, sign * gone, effort);
+        noise = std::max(noise, 4.0 * epsilon * (k + effort * gone) / std::abs(kinetic));
+        return 2.0 * x * r / std::sqrt(2.0 * kinetic / mass());
+    };
+    if (k == 0.0 && force <= 16.0 * epsilon * effort) return std::numeric_limits<double>::infinity();
+    const double t = statics::integral(rate, 0.0, reach, 0.0, noise);
+    if (std::isnan(t))
+        throw Error(user() + ": the kinetic energy vanishes within rounding on the way from parameter " + text(u) +
+                    " to " + text(u + way) + ": the energy is that of a separatrix");
+    return t;
+}
+
+RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const RailPotential& u) {
+    return out << "potential of " << u.name() << " along its " << u.curve().name();
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,183 @@
+// Definitions of rbdyn/trajectory/accuracy.hpp.
+#pragma once
+
+#include "rbdyn/trajectory/accuracy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/sort_few.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/event/event.hpp"
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/series/piece.hpp"
+#include "rbdyn/trajectory/error_scales.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE AccuracyCheck::AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times,
+                                          std::function<bool(double)> proceed, double widening)
+    : model_(model), wanted_(wanted), widening_(widening), times_(std::move(times)), proceed_(std::move(proceed)) {}
+
+RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Record& better) {
+    Comparison result;
+    result.certain_until = run.end.hi;
+    differences_.clear();
+    samples_ = 0;
+    scales_.clear();
+    const double start = run.start;
+    const double span = std::max(run.end.hi - start, std::numeric_limits<double>::min());
+
+    // times of events
+    double uncertain = std::numeric_limits<double>::infinity();
+    const std::vector<Event> ours = in_order(run), theirs = in_order(better);
+    std::size_t i = 0, j = 0;
+    for (; i < ours.size() && j < theirs.size(); ++i, ++j) {
+        // a graze that one of them sees as a hold of no length changes nothing
+        while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) skip_graze(ours, i, result);
+        while (differ(ours, i, theirs, j) && is_graze(theirs, j, start)) j += 2;
+        if (differ(ours, i, theirs, j)) break;
+        const Event &a = ours[i], &b = theirs[j];
+        const double error = std::abs(a.instant - b.instant) /
+                             std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
+        differences_.push_back({a.time, error, -1});
+    }
+    while (is_graze(ours, i, start)) skip_graze(ours, i, result);
+    while (is_graze(theirs, j, start)) j += 2;
+    const double odd =
+        std::min(i < ours.size() ? ours[i].time : uncertain, j < theirs.size() ? theirs[j].time : uncertain);
+    // what rounding decided both may have decided alike
+    for (const Record* r : {&run, &better})
+        if (r->doubt && r->doubt->hi < run.end.hi) {
+            result.same_events = false;
+            result.by_rounding = true;
+            uncertain = std::min(uncertain, r->doubt->hi);
+        }
+    // one event more or less within the error of the end is no difference
+    if (odd < run.end.hi - wanted_ * span) {
+        result.same_events = false;
+        uncertain = std::min(uncertain, odd);
+    }
+    // beyond the end of the better run nothing is known
+    if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
+    compare_motion(run, better, uncertain);
+    scales_.settle(wanted_, span);
+    for (const Difference& d : differences_) {
+        const double error =
+            widening_ * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));
+        result.error = std::max(result.error, error);
+        if (error > wanted_) uncertain = std::min(uncertain, d.time);
+    }
+    // rounding: what two runs share is not seen by comparing them
+    const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
+    const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
+    result.error += widening_ * (floor + scales_.rounding());
+    if (uncertain < run.end.hi - wanted_ * span && better.end.hi < run.end.hi) result.same_events = false;
+    if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
+    result.certain_until = std::min(result.certain_until, uncertain);
+    result.stopped = stopped_;
+    return result;
+}
+
+RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record& better, double until) {
+    x_.resize(static_cast<std::size_t>(run.variables));
+    y_.resize(x_.size());
+    std::size_t j = 0;  // piece of the better run
+    if (!times_.empty()) {
+        for (double t : times_)
+            if (t < until && t <= run.end.hi) compare_at({t, 0.0}, run, run.find(t, Side::before), better, j);
+        return;
+    }
+    const std::size_t pieces = run.entries().size();
+    const int parts = pieces * 2 < least_times ? static_cast<int>(least_times / std::max<std::size_t>(pieces, 1)) : 2;
+    for (std::size_t i = 0; i < pieces; ++i)
+        for (int part = 1; part <= parts; ++part) {
+            const double fraction = static_cast<double>(part) / parts;
+            const Instant at = run.piece(i).at(fraction * run.entries()[i].length);
+            if (at.hi >= until) return;
+            compare_at(at, run, i, better, j);
+            if (proceed_ && (i & 255) == 255 && fraction == 1.0 && !proceed_(at.hi)) {
+                stopped_ = true;
+                return;
+            }
+        }
+}
+
+RBDYN_INLINE void AccuracyCheck::compare_at(Instant at, const Record& run, std::size_t i, const Record& better,
+                                            std::size_t& j) {
+    while (j + 1 < better.entries().size() && at - better.entries()[j + 1].start > 0.0) ++j;
+    if (!same_mode(run.mode(i), better.mode(j))) return;
+    const Piece piece = run.piece(i), fine = better.piece(j);
+    const double here = (at - piece.start) / piece.unit, there = (at - fine.start) / fine.unit;
+    if (there > fine.length * (1.0 + 1e-9) || here > piece.length * (1.0 + 1e-9)) return;
+    piece.state(std::clamp(here, 0.0, piece.length), x_);
+    fine.state(std::clamp(there, 0.0, fine.length), y_);
+    const Mode &mode = run.mode(i), &fine_mode = better.mode(j);
+    model_.observe(mode, at.hi, x_, seen_);
+    model_.observe(fine_mode, at.hi, y_, fine_);
+    scales_.widen(fine_);
+    note(at.hi, 1.0);
+    // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
+    if (++samples_ > 64 && samples_ % 8 != 0) return;
+    x_ = y_;
+    for (double& x : x_) x = std::nextafter(x, 2.0 * x);
+    model_.observe(fine_mode, at.hi, x_, seen_);
+    note(at.hi, 0.5);
+}
+
+RBDYN_INLINE void AccuracyCheck::note(double time, double weight) {
+    for (std::size_t k = 0; k < fine_.size(); ++k)
+        differences_.push_back({time, weight * (seen_[k].value - fine_[k].value).norm(), static_cast<int>(k)});
+}
+
+RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r) const {
+    std::vector<Event> events = r.events;
+    for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
+        for (last = first + 1; last < events.size(); ++last)
+            if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - r.start)) break;
+        sort_few(std::span(events).subspan(first, last - first), comes_before);
+    }
+    return events;
+}
+
+RBDYN_INLINE bool AccuracyCheck::differ(const std::vector<Event>& a, std::size_t i, const std::vector<Event>& b,
+                                        std::size_t j) {
+    if (i >= a.size() || j >= b.size()) return true;
+    return a[i].kind != b[j].kind || a[i].subject != b[j].subject || a[i].name != b[j].name;
+}
+
+RBDYN_INLINE bool AccuracyCheck::is_graze(const std::vector<Event>& events, std::size_t i, double start) const {
+    if (i + 1 >= events.size() || model_.holds_what_touches(events[i].subject)) return false;
+    const Event &a = events[i], &b = events[i + 1];
+    return a.kind == EventKind::stick && b.kind == EventKind::slip && a.subject == b.subject &&
+           b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
+}
+
+RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {
+    result.grazes.push_back(ours[i++]);
+    result.grazes.push_back(ours[i++]);
+}
+
+RBDYN_INLINE bool AccuracyCheck::same_mode(const Mode& a, const Mode& b) {
+    if (a.slip != b.slip || a.equations != b.equations || a.jumps != b.jumps) return false;
+    // sides of corners are parameters of the same equations
+    const auto is_same = [&](const Switch& s) {
+        const auto sign = static_cast<std::size_t>(s.parameter);
+        return s.is_norm || a.parameters[sign] == b.parameters[sign];
+    };
+    return a.equations == nullptr || std::ranges::all_of(a.equations->program.switches(), is_same);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
