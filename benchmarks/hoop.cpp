@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <rbdyn/event/record.hpp>
+#include <rbdyn/integrate.hpp>
 #include <rbdyn/rbdyn.hpp>
 #include <string>
 #include <vector>

@@ -21,10 +21,10 @@
 #include <type_traits>
 #include <vector>
 
-namespace rbdyn {
+namespace rbdyn::inline RBDYN_FORM {
 class Attitude;
 class Curve;
-}  // namespace rbdyn
+}  // namespace rbdyn::inline RBDYN_FORM
 
 namespace binding {
 

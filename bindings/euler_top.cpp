@@ -1,7 +1,7 @@
 // The heavy body in Euler angles, and the run of its state; simulate() of it is in verbs.cpp.
 #include <algorithm>
 #include <rbdyn/model/euler_top.hpp>
-#include <rbdyn/simulate.hpp>
+#include <rbdyn/own_motion.hpp>
 #include <rbdyn/trajectory/run_bytes.hpp>
 
 #include "run.hpp"

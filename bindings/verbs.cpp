@@ -58,7 +58,7 @@ public:
             raised_.emplace(e);
         }
     }
-    rbdyn::Driver::Monitor monitor() {
+    rbdyn::Monitor monitor() {
         return [this](double t) { return goes_on(t); };
     }
 
@@ -158,7 +158,7 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
     Watch watch(progress, start, until);
     const rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps, watch);
 
-    using Outcome = rbdyn::simulating::Solution::Outcome;
+    using Outcome = rbdyn::simulating::Outcome;
     std::optional<rbdyn::Attempt> result;
     {
         std::optional<py::gil_scoped_release> free;

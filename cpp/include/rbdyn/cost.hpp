@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
-#include "rbdyn/event/driver.hpp"
+#include "rbdyn/event/keep.hpp"
 #include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -36,7 +36,7 @@ struct CostOptions {
                                   1e-12};   // every engine is tightened until it reaches each, or its floor
     std::vector<std::string> engines = {};  // empty: all that can do the scene
     double budget = 10.0;                   // s to spend, about
-    Driver::Monitor monitor = {};
+    Monitor monitor = {};
 };
 
 /// Prices a scene. Throws what simulate() throws.

@@ -24,6 +24,7 @@
 #include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/plan/linear_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/solve.hpp"

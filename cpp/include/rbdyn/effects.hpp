@@ -10,20 +10,13 @@
 
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <ostream>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
-#include "rbdyn/basics/vector.hpp"
-#include "rbdyn/integrate.hpp"
-#include "rbdyn/model/equations.hpp"
-#include "rbdyn/rotation/attitude.hpp"
-#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/options.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/trajectory/trajectory.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -48,36 +41,6 @@ struct EffectTable {
     /// The row of an effect; throws InvalidInput if there is none.
     const EffectRow& operator[](const std::string& effect) const;
 };
-
-namespace comparing {
-
-/// What is compared of a body at a time.
-struct Kinematics {
-    Vector3 place, velocity, turning = Vector3::Zero();
-    Quaternion attitude = {};
-
-    Kinematics(const Trajectory& run, int body, const Attitude& held, double t);
-};
-
-/// The scales of a body's motion in one or more runs.
-struct KinematicScales {
-    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    double size = 0.0, speed = 0.0, turning = 0.0;
-
-    void take(const Trajectory& run, int body, double end);
-};
-
-/// The angle between two attitudes.
-double angle_between(const Quaternion& p, const Quaternion& q);
-
-/// The largest difference of the states of two runs at a time, in the scales of their motions until then. `whole`: the
-/// scene of which they are runs, with all of it or less.
-double difference(const Trajectory& a, const Trajectory& b, const Scene& whole, double time);
-
-/// How many events of each kind, subject and name there are until a time.
-std::map<std::tuple<EventKind, int, std::string>, int> counted(const Trajectory& run, double until);
-
-}  // namespace comparing
 
 /// Runs a scene as it is and without each of its effects, each as simulate(scene, options) would. Throws what that
 /// throws for the scene as it is; what goes wrong without an effect is noted in its row.

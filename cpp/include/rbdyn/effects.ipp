@@ -53,6 +53,22 @@ RBDYN_INLINE const EffectRow& EffectTable::operator[](const std::string& effect)
 
 namespace rbdyn::inline RBDYN_FORM::comparing {
 
+/// What is compared of a body at a time.
+struct Kinematics {
+    Vector3 place, velocity, turning = Vector3::Zero();
+    Quaternion attitude = {};
+
+    Kinematics(const Trajectory& run, int body, const Attitude& held, double t);
+};
+
+/// The scales of a body's motion in one or more runs.
+struct KinematicScales {
+    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    double size = 0.0, speed = 0.0, turning = 0.0;
+
+    void take(const Trajectory& run, int body, double end);
+};
+
 RBDYN_INLINE Kinematics::Kinematics(const Trajectory& run, int body, const Attitude& held, double t)
     : attitude(held.quaternion()) {
     const BodyMotion motion = run[BodyHandle{body}];

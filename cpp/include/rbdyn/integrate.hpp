@@ -4,44 +4,24 @@
 // difference is more than asked for, the better run takes the place of the first and an even better one is made.
 #pragma once
 
-#include <algorithm>
-#include <chrono>
 #include <exception>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
-#include "rbdyn/engine/closed_form.hpp"
-#include "rbdyn/engine/dop853.hpp"
-#include "rbdyn/engine/refined_taylor.hpp"
-#include "rbdyn/event/driver.hpp"
-#include "rbdyn/trajectory/accuracy.hpp"
-#ifdef RBDYN_WITH_SUNDIALS
-#include "rbdyn/engine/cvode.hpp"
-#endif
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/keep.hpp"
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/options.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
-/// What a run is asked to be.
-struct SimulateOptions {
-    double until = 0.0;                         // s
-    double start = 0.0;                         // s
-    double error = 1e-9;                        // global, relative to the motion's own scales
-    std::optional<double> rtol = std::nullopt;  // local tolerance only, no estimate: the cheap way
-    std::string engine = "auto";                // "closed form", "taylor", "dop853", "cvode-adams", "cvode-bdf"
-    Keep keep = {};
-    std::int64_t max_steps = 100'000'000;
-    Driver::Monitor monitor = {};  // called now and then with the time reached; false stops the run
-};
-
 namespace simulating {
-
-/// Below this double precision cannot promise anything (about 20 units in the last place).
-inline constexpr double least_error = 4e-15;
 
 /// Where a run that is not kept whole is compared with its better: enough to meet every phase of its motion.
 inline constexpr int compared_times = 2000;
@@ -69,8 +49,6 @@ inline constexpr int other_order = 19;
 /// step of both. No power of two, whose steps round alike.
 inline constexpr double other_stride = 0.7;
 
-void validate(const SimulateOptions& o);
-
 struct Timed {
     Record record;
     double seconds = 0.0;
@@ -83,12 +61,7 @@ Timed integrate(const HybridModel& model, const std::vector<double>& x, const Si
 
 /// A motion as accurate as asked for, or what there is of it and why there is no more.
 struct Solution {
-    enum class Outcome {
-        good,
-        inaccurate,  // the error asked for was not reached
-        broken,      // the motion could not be continued
-        thrown       // a function of the user's threw
-    };
+    using Outcome = simulating::Outcome;
     Outcome outcome = Outcome::good;
     std::string message;        // of a failure
     std::exception_ptr thrown;  // what a function of the user's threw

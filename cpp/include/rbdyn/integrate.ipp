@@ -18,7 +18,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/closed_form.hpp"
-#include "rbdyn/engine/cvode.hpp"
+#include "rbdyn/engine/cvode_factory.hpp"
 #include "rbdyn/engine/dop853.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/refined_taylor.hpp"
@@ -35,11 +35,9 @@
 namespace rbdyn::inline RBDYN_FORM::simulating {
 
 RBDYN_INLINE std::vector<std::string> engines() {
-#ifdef RBDYN_WITH_SUNDIALS
-    return {"taylor", "dop853", "cvode-adams", "cvode-bdf"};
-#else
-    return {"taylor", "dop853"};
-#endif
+    std::vector<std::string> names = {"taylor", "dop853"};
+    for (std::string& name : cvode::names()) names.push_back(std::move(name));
+    return names;
 }
 
 RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner) {
@@ -47,36 +45,10 @@ RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double
         return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride, manner.rounding);
-#ifdef RBDYN_WITH_SUNDIALS
-    if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
-    if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
-#endif
+    if (std::unique_ptr<Engine> engine = cvode::make(name, tolerance)) return engine;
     std::string known;
     for (const std::string& e : engines()) known += (known.empty() ? "" : ", ") + e;
     throw InvalidInput("simulate: engine is \"" + name + "\"; this build has auto, " + known);
-}
-
-RBDYN_INLINE void validate(const SimulateOptions& o) {
-    require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
-    require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
-    if (!(o.until > o.start))
-        refuse("simulate", "until", o.until,
-               "a run ends after its start, which is " + text(o.start) +
-                   " s; motion backwards is motion with reversed velocities");
-    if (o.rtol) {
-        if (o.error != SimulateOptions{}.error)
-            refuse("simulate", "error", o.error,
-                   "it is given beside rtol " + text(*o.rtol) +
-                       "; error is global and estimated, rtol local and without an estimate: give one");
-        require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
-                "a local tolerance lies between 1e-16 and 0.1");
-    } else if (!(o.error >= least_error && o.error <= 0.1)) {
-        refuse("simulate", "error", o.error,
-               "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
-    }
-    require(o.max_steps > 0, "simulate", "max_steps", static_cast<double>(o.max_steps), "it is positive");
-    for (double t : o.keep.times)
-        require(t >= o.start && t <= o.until, "simulate", "a time of keep", t, "it lies between start and until");
 }
 
 RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,

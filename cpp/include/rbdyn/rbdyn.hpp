@@ -1,4 +1,7 @@
 // Everything of rbdyn in one include.
+//
+// What is declared here is defined in the library that a program links (rbdyn::rbdyn, rbdyn::core); with
+// rbdyn::header_only it is defined at the end of this header, and nothing of rbdyn's own is linked.
 #pragma once
 
 #include "rbdyn/basics/form.hpp"
@@ -7,11 +10,18 @@
 #include "rbdyn/cost.hpp"
 #include "rbdyn/effects.hpp"
 #include "rbdyn/model/euler_top.hpp"
+#include "rbdyn/own_motion.hpp"
+#include "rbdyn/plan/plan.hpp"
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/statics/equilibria.hpp"
+#include "rbdyn/statics/rail_potential.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 inline constexpr const char* version = "0.1.0";
 
 }  // namespace rbdyn::inline RBDYN_FORM
+
+#ifdef RBDYN_HEADER_ONLY
+#include "rbdyn/implementation.hpp"
+#endif

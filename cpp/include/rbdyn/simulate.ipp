@@ -3,6 +3,7 @@
 
 #include "rbdyn/simulate.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <ostream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +43,23 @@ RBDYN_INLINE IntegrationError::IntegrationError(const std::string& message, Traj
 
 namespace rbdyn::inline RBDYN_FORM::simulating {
 
+/// See check_sizes().
+RBDYN_INLINE void check_size(const Solved& solved, double start) {
+    const RunData& run = solved.data;
+    if (start != 0.0 || solved.outcome != Outcome::good || run.record.status == Status::stopped_by_user ||
+        !run.plan.callbacks.empty())
+        return;
+    std::ostringstream sizes;
+    const Size planned = make_plan(run.scene).size();
+    sizes << "simulate: " << run.statistics.size << "; the plan says " << planned;
+    if (run.statistics.size != planned) throw std::logic_error(sizes.str());
+}
+
+inline std::atomic<bool> sizes_are_checked = false;
+
+RBDYN_INLINE void check_sizes(bool wanted) { sizes_are_checked = wanted; }
+
+/// What attempt() does.
 RBDYN_INLINE Attempt attempted(const Scene& scene, const SimulateOptions& options) {
     const auto began = std::chrono::steady_clock::now();
     validate(options);
@@ -52,9 +71,7 @@ RBDYN_INLINE Attempt attempted(const Scene& scene, const SimulateOptions& option
     s.planned = is_new;
     s.python_calls = result.data.plan.python_calls() - calls;
     s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-#ifdef RBDYN_CHECK_SIZES
-    check_size(result, options.start);
-#endif
+    if (sizes_are_checked) check_size(result, options.start);
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }
 
@@ -67,7 +84,7 @@ RBDYN_INLINE Attempt attempt(const Scene& scene, const SimulateOptions& options)
 }
 
 RBDYN_INLINE Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
-    using Outcome = simulating::Solution::Outcome;
+    using simulating::Outcome;
     Attempt result = attempt(scene, options);
     switch (result.outcome) {
         case Outcome::inaccurate: throw AccuracyError(result.message, std::move(result.run));
@@ -77,46 +94,5 @@ RBDYN_INLINE Trajectory simulate(const Scene& scene, const SimulateOptions& opti
     }
     return std::move(result.run);
 }
-
-RBDYN_INLINE StateRun::StateRun(simulating::Solution solution, std::string engine)
-    : solution_(std::make_shared<const simulating::Solution>(std::move(solution))), engine_(std::move(engine)) {}
-
-RBDYN_INLINE Status StateRun::status() const { return solution_->record.status; }
-
-RBDYN_INLINE double StateRun::start() const { return solution_->record.start; }
-
-RBDYN_INLINE double StateRun::end() const { return solution_->record.end.hi; }
-
-RBDYN_INLINE double StateRun::certain_until() const { return solution_->certain_until; }
-
-RBDYN_INLINE const std::string& StateRun::engine() const { return engine_; }
-
-RBDYN_INLINE std::optional<double> StateRun::error() const { return solution_->error; }
-
-RBDYN_INLINE const std::vector<Event>& StateRun::events() const { return solution_->record.events; }
-
-RBDYN_INLINE const Work& StateRun::work() const { return solution_->record.work; }
-
-RBDYN_INLINE int StateRun::variables() const { return static_cast<int>(solution_->record.first_state.size()); }
-
-RBDYN_INLINE const simulating::Solution& StateRun::solution() const { return *solution_; }
-
-RBDYN_INLINE std::vector<double> StateRun::state(double t, Side side) const {
-    return state_at(solution_->record, t, side);
-}
-
-RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const StateRun& run) {
-    out << "Run: " << name_of(run.status()) << " at t = " << text(run.end()) << " s";
-    if (run.status() == Status::stopped_by_event) out << ", " << run.events().back().name;
-    out << ". " << advice(run.status()) << "\n  engine " << run.engine() << ", " << run.work().steps << " steps, "
-        << run.events().size() << " events, ";
-    if (!run.error()) return out << "no estimate of the global error (rtol)\n";
-    std::ostringstream error;
-    error << std::setprecision(2) << *run.error();
-    return out << "estimated global error " << error.str() << '\n';
-}
-
-RBDYN_INLINE ModelError::ModelError(const std::string& message, StateRun partial)
-    : Error(message), run(std::move(partial)) {}
 
 }  // namespace rbdyn::inline RBDYN_FORM

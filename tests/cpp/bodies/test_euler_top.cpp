@@ -1,5 +1,6 @@
 // The chapter's own formulation in Euler angles, against quaternions.
 #include "rbdyn/model/euler_top.hpp"
+#include "rbdyn/own_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "random.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/body/momentum.hpp"
 #include "refusal.hpp"
 

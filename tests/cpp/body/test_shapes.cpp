@@ -6,6 +6,7 @@
 #include <string>
 
 #include "random.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/body/momentum.hpp"
 #include "rbdyn/body/shapes.hpp"
 #include "rbdyn/body/solid.hpp"

@@ -4,6 +4,11 @@
 #include <functional>
 #include <thread>
 
+#include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/closed_form/linear_flow.hpp"
+#include "rbdyn/closed_form/linear_system.hpp"
+#include "rbdyn/closed_form/symmetric_modes.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_linear_motion {

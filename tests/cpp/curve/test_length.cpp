@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/curve/curve.hpp"
 
 namespace rbdyn::test::test_length {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "by_hand.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/points.hpp"
 
 namespace rbdyn::proof {
 

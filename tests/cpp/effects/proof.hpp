@@ -15,6 +15,10 @@
 #include <vector>
 
 #include "kinds.hpp"
+#include "rbdyn/engine/taylor.hpp"
+#include "rbdyn/event/driver.hpp"
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/model/own_model.hpp"
 
 namespace rbdyn::proof {
 

@@ -9,6 +9,7 @@
 
 #include "proof.hpp"
 #include "rbdyn/effects.hpp"
+#include "rbdyn/scene/effects.hpp"
 #include "refusal.hpp"
 #include "support.hpp"
 

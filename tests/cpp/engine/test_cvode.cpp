@@ -1,6 +1,8 @@
 #ifdef RBDYN_WITH_SUNDIALS
 
 #include "rbdyn/engine/cvode.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/series/polynomial.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,6 @@
 #include "rbdyn/engine/dop853.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/series/polynomial.hpp"
 
 #include <gtest/gtest.h>
 

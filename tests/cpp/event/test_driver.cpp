@@ -1,11 +1,11 @@
 // One driver runs every hybrid model, a user's own included: balls, watched functions and fields written by hand.
+#include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/event/driver.hpp"
+#include "rbdyn/expression/elementary.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
-
-#include "rbdyn/engine/taylor.hpp"
 
 namespace rbdyn::test_driver {
 namespace {
@@ -59,7 +59,7 @@ private:
 };
 
 Record run(const HybridModel& model, std::vector<double> x, double until, double start = 0.0,
-           std::int64_t max_steps = 1'000'000, Keep keep = {}, Driver::Monitor monitor = {}) {
+           std::int64_t max_steps = 1'000'000, Keep keep = {}, Monitor monitor = {}) {
     TaylorEngine engine(1e-16);
     Driver driver(model, engine, max_steps, std::move(keep), std::move(monitor));
     return driver.run(start, std::move(x), until);

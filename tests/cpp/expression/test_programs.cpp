@@ -5,6 +5,11 @@
 #include <cmath>
 #include <functional>
 
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/model/points.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
 
 namespace rbdyn::test_programs {

@@ -2,6 +2,7 @@
 // is the function everywhere.
 #include <gtest/gtest.h>
 
+#include "rbdyn/integrate.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_corners {

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "rbdyn/integrate.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_every_engine {

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "rbdyn/integrate.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_friction {
@@ -180,8 +181,7 @@ TEST(Belt, has_all_holds_of_a_tiny_gap_or_says_from_where_on_rounding_decides_of
             for (const std::string engine : {"taylor", "dop853"}) {
                 const Belt belt(0.5 + gap, 0.5, 1.0);
                 const Attempt result = attempt(belt.bead.scene, {.until = 30.0, .error = error, .engine = engine});
-                const auto certain =
-                    result.outcome == simulating::Solution::Outcome::good ? 30.0 : result.run.certain_until();
+                const auto certain = result.outcome == simulating::Outcome::good ? 30.0 : result.run.certain_until();
                 std::size_t k = 0;
                 for (double t = 0.5 + gap; t < certain - 2.0 * belt.stick;
                      t += k % 2 == 0 ? belt.slip : belt.stick, ++k) {
@@ -189,7 +189,7 @@ TEST(Belt, has_all_holds_of_a_tiny_gap_or_says_from_where_on_rounding_decides_of
                     EXPECT_EQ(result.run.events()[k].kind, k % 2 == 0 ? EventKind::slip : EventKind::stick);
                     EXPECT_NEAR(result.run.events()[k].time, t, error * t) << gap << ' ' << error << engine;
                 }
-                const bool is_good = result.outcome == simulating::Solution::Outcome::good;
+                const bool is_good = result.outcome == simulating::Outcome::good;
                 EXPECT_TRUE(!is_good || result.run.events().size() == k) << gap << ' ' << error;
                 EXPECT_TRUE(is_good || gap < 0x1p-18 || error < 1e-10) << gap << ' ' << error;
             }

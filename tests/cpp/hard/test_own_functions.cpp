@@ -6,13 +6,16 @@
 #include <numbers>
 #include <random>
 
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/integrate.hpp"
+#include "rbdyn/own_motion.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_own_functions {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-using Outcome = simulating::Solution::Outcome;
+using Outcome = simulating::Outcome;
 const BodyHandle first{0};
 const double nan = std::numeric_limits<double>::quiet_NaN();
 

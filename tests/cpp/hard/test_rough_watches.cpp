@@ -4,6 +4,7 @@
 #include <functional>
 #include <numbers>
 
+#include "rbdyn/integrate.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_rough_watches {
@@ -85,9 +86,9 @@ TEST(RoughWatches, find_roots_and_no_poles_and_say_where_they_end) {
                     const Attempt run =
                         attempt(path.scene, {.until = path.time(0.75), .error = 1e-8, .engine = engine});
                     if (std::isnan(c.end)) {
-                        EXPECT_EQ(run.outcome, simulating::Solution::Outcome::good) << what << ": " << run.message;
+                        EXPECT_EQ(run.outcome, simulating::Outcome::good) << what << ": " << run.message;
                     } else {
-                        EXPECT_EQ(run.outcome, simulating::Solution::Outcome::broken) << what;
+                        EXPECT_EQ(run.outcome, simulating::Outcome::broken) << what;
                         EXPECT_NE(run.message.find("watched function \"w\""), std::string::npos)
                             << what << ": " << run.message;
                         // where doubles of the place tell it, to the error asked for
@@ -106,7 +107,7 @@ TEST(RoughWatches, that_stop_being_numbers_while_nothing_moves_say_so_too) {
     scene.watch("w", WatchFunction::called_back(
                          [](const Observe& now) { return now({Quantity::time}) > 0.5 ? nan : 1.0; }, "for the test"));
     const Attempt run = attempt(scene, {.until = 2.0});
-    EXPECT_EQ(run.outcome, simulating::Solution::Outcome::broken);
+    EXPECT_EQ(run.outcome, simulating::Outcome::broken);
     EXPECT_NEAR(run.run.end(), 0.5, 1e-15);
     EXPECT_NE(run.message.find("watched function \"w\""), std::string::npos) << run.message;
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <numbers>
 
+#include "rbdyn/integrate.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_rounded_zeros {

@@ -3,6 +3,8 @@
 
 #include <numbers>
 
+#include "rbdyn/integrate.hpp"
+#include "rbdyn/own_motion.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_sliding {

@@ -35,9 +35,9 @@ Found examined(std::uint64_t number) {
     Scene scene;
     const BodyHandle b = bead.add_to(scene);
     const Attempt attempted = attempt(scene, {.until = bead.until, .error = found.asked});
-    if (attempted.outcome != simulating::Solution::Outcome::good) {
+    if (attempted.outcome != simulating::Outcome::good) {
         found.outcome = Found::Outcome::refused;
-        found.what = attempted.outcome == simulating::Solution::Outcome::inaccurate ? "inaccurate" : "broken";
+        found.what = attempted.outcome == simulating::Outcome::inaccurate ? "inaccurate" : "broken";
         found.bead += ". " + attempted.message;
         return found;
     }

@@ -68,7 +68,7 @@ TEST(Chains, of_which_the_first_mass_is_kicked_are_as_accurate_as_asked_for) {
             }
             const Attempt made = attempt(scene, {.until = until, .error = error});
             const std::string what = std::to_string(static_cast<int>(kind)) + " at " + text(error);
-            ASSERT_EQ(made.outcome, simulating::Solution::Outcome::good) << what << ": " << made.message;
+            ASSERT_EQ(made.outcome, simulating::Outcome::good) << what << ": " << made.message;
             const double told = *made.run.error();
             EXPECT_LE(told, error) << what;
             double whole = 0.0;

@@ -326,7 +326,7 @@ TEST(Parts, of_which_one_misses_the_error_make_one_run_that_says_so) {
     const BodyHandle hard = scene.add(body, {.angular_velocity = Vector3(1e-9, 1.0, 1e-9)}, "hard");
     const SimulateOptions options{.until = 60.0, .error = 4e-15, .engine = "dop853"};
     const Attempt result = attempt(scene, options);
-    ASSERT_EQ(result.outcome, simulating::Solution::Outcome::inaccurate);
+    ASSERT_EQ(result.outcome, simulating::Outcome::inaccurate);
     EXPECT_NE(result.message.find("hard"), std::string::npos) << result.message;
     EXPECT_EQ(result.message.find("easy"), std::string::npos) << result.message;
     EXPECT_EQ(result.run.status(), Status::accuracy_not_reached);
@@ -354,7 +354,7 @@ TEST(Parts, end_where_the_motion_of_one_breaks_off) {
                     b);
         if (is_first) steady();
         const Attempt result = attempt(scene, {.until = 10.0});
-        EXPECT_EQ(result.outcome, simulating::Solution::Outcome::broken);
+        EXPECT_EQ(result.outcome, simulating::Outcome::broken);
         EXPECT_EQ(result.run.status(), Status::not_finite);
         EXPECT_LT(result.run.end(), 3.0);
         EXPECT_EQ(result.run.t().back(), result.run.end());

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "rbdyn/integrate.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_reference {

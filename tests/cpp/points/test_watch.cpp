@@ -399,7 +399,7 @@ TEST(Changes, that_break_a_rule_say_so_and_keep_the_run_until_then) {
                     {.action = {WatchAction::Kind::change,
                                 [=, c = change](const Observe&) { return std::vector<StateChange>{c}; }}});
         const Attempt result = attempt(scene, {.until = 2.0, .error = 1e-10});
-        ASSERT_EQ(result.outcome, simulating::Solution::Outcome::thrown) << says;
+        ASSERT_EQ(result.outcome, simulating::Outcome::thrown) << says;
         try {
             std::rethrow_exception(result.thrown);
         } catch (const InvalidInput& e) {

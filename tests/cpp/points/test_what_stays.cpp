@@ -1,6 +1,8 @@
 // What stays as it starts is not simulated: which variables that are, and that no result tells.
 #include <gtest/gtest.h>
 
+#include "rbdyn/event/record.hpp"
+#include "rbdyn/model/points.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_what_stays {

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "random.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 
 namespace rbdyn::test::test_attitude {

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "rbdyn/engine/taylor.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/series/step_length.hpp"
 
 namespace rbdyn::test_accuracy {
 namespace {

@@ -17,6 +17,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
+#include "rbdyn/event/keep.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
 #include "rbdyn/model/hybrid.hpp"
@@ -24,17 +25,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-/// What of a run is kept.
-struct Keep {
-    enum class What { all, end, times } what = What::all;
-    std::vector<double> times = {};  // increasing
-};
-
 class Driver {
 public:
-    /// Called now and then with the time reached; false stops the run.
-    using Monitor = std::function<bool(double)>;
-
     /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there.
     Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {},
            double slack = 0.0);

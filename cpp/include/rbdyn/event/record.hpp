@@ -14,13 +14,11 @@
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
+#include "rbdyn/event/keep.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/series/piece.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
-
-/// Which side of a jump a value is asked for.
-enum class Side { before, after };
 
 class Record {
 public:

@@ -11,6 +11,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/size.hpp"
 #include "rbdyn/series/piece.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -26,19 +27,6 @@ struct Mode {
     bool still = false;  // nothing can move or happen in this mode
     int jumps = 0;       // how often the state has jumped so far
 };
-
-/// The size of what is integrated in a mode.
-struct Size {
-    int variables = 0, guards = 0;
-    int instructions = 0;  // of the right-hand side and its guards
-
-    Size() = default;
-    explicit Size(const Mode& mode);
-    bool operator==(const Size&) const = default;
-    Size& operator+=(const Size& other);
-};
-
-std::ostream& operator<<(std::ostream& out, const Size& s);
 
 /// Something that happened at an event.
 struct Happening {

@@ -34,6 +34,7 @@
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/recorded_model.hpp"
+#include "rbdyn/model/sliding.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 

@@ -45,7 +45,4 @@ void require_own_names(const Scene& scene, const Plan& plan);
 /// one, which it keeps from now on. Throws InvalidInput on a scene without bodies.
 PlannedScene planned(const Scene& scene);
 
-/// Reads a scene and decides. Throws InvalidInput on a scene without bodies.
-inline Plan make_plan(const Scene& scene) { return planned(scene).plan; }
-
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -20,6 +20,7 @@
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/plan/linear_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/parts.hpp"

@@ -13,13 +13,9 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/plan/plan.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
-
-/// Something a scene does not call for, and why; what would bring it in.
-struct Omission {
-    std::string what, why;
-};
 
 namespace planning {
 

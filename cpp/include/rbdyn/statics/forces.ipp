@@ -28,6 +28,7 @@
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/joints.hpp"

@@ -37,6 +37,7 @@
 #include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"

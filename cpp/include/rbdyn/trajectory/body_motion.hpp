@@ -12,15 +12,16 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"
-#include "rbdyn/event/record.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/event/keep.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+struct PointReport;  // model/point_laws.hpp
+struct RigidReport;  // model/rigid_loads.hpp
+struct RunData;      // trajectory/run_data.hpp
 
 /// Motion of one body of a run.
 class BodyMotion {
@@ -95,11 +96,7 @@ private:
     bool is_rigid() const;
     RigidReport jointed(double t, Side side) const;
     template <class J>
-    RigidReport on(double t, Side side, const char* what) const {
-        if (!std::holds_alternative<J>(body().joint))
-            throw InvalidInput(body().name + ": " + what + " is asked for, and its joint has none");
-        return rigid(t, side);
-    }
+    RigidReport on(double t, Side side, const char* what) const;
     PointReport railed(double t, Side side) const;
     const Curve& curve() const;
 

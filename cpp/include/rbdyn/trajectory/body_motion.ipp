@@ -37,6 +37,13 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+template <class J>
+RigidReport BodyMotion::on(double t, Side side, const char* what) const {
+    if (!std::holds_alternative<J>(body().joint))
+        throw InvalidInput(body().name + ": " + what + " is asked for, and its joint has none");
+    return rigid(t, side);
+}
+
 RBDYN_INLINE BodyMotion::BodyMotion(const std::shared_ptr<const RunData>& data, int body) {
     std::tie(data_, body_) = part_of(data, &SceneParts::bodies, body);
 }

@@ -1,10 +1,8 @@
 // What a run is made of, and what it cost.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
-#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,31 +17,10 @@
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/trajectory/euler_track.hpp"
+#include "rbdyn/trajectory/events.hpp"
+#include "rbdyn/trajectory/statistics.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
-
-/// The price of a run.
-struct Statistics {
-    double seconds = 0.0;              // the whole call, estimate of the error included
-    double integration_seconds = 0.0;  // the returned motion alone
-    std::int64_t steps = 0, rejected = 0, right_hand_sides = 0, jacobians = 0, guard_evaluations = 0, events = 0;
-    std::int64_t python_calls = 0;
-    int runs = 1;         // integrations, those for the estimate counted
-    Size size;            // of the equations the motion began with; of several parts the sum
-    bool planned = true;  // anew, and not as an earlier run was
-};
-
-std::ostream& operator<<(std::ostream& out, const Statistics& s);
-
-/// The events of a run, in order of time.
-class Events : public std::vector<Event> {
-public:
-    using std::vector<Event>::vector;
-    explicit Events(std::vector<Event> events) : std::vector<Event>(std::move(events)) {}
-
-    /// Times of the events of a kind or name, of one body if given.
-    std::vector<double> times(const std::string& kind_or_name, std::optional<BodyHandle> subject = std::nullopt) const;
-};
 
 /// What a trajectory is made of.
 struct RunData {

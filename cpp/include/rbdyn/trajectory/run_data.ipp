@@ -21,23 +21,6 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Statistics& s) {
-    return out << "seconds " << s.seconds << ", integration " << s.integration_seconds << ", steps " << s.steps
-               << ", rejected " << s.rejected << ", right-hand sides " << s.right_hand_sides << ", Jacobians "
-               << s.jacobians << ", guard evaluations " << s.guard_evaluations << ", events " << s.events
-               << ", Python calls " << s.python_calls << ", runs " << s.runs << ", " << s.size
-               << (s.planned ? "" : ", planned before");
-}
-
-RBDYN_INLINE std::vector<double> Events::times(const std::string& kind_or_name,
-                                               std::optional<BodyHandle> subject) const {
-    std::vector<double> result;
-    for (const Event& e : *this)
-        if ((name_of(e.kind) == kind_or_name || e.name == kind_or_name) && (!subject || e.subject == subject->index))
-            result.push_back(e.time);
-    return result;
-}
-
 RBDYN_INLINE std::pair<std::shared_ptr<const RunData>, int> part_of(const std::shared_ptr<const RunData>& run,
                                                                     std::vector<SceneParts::Place> SceneParts::*things,
                                                                     int index) {

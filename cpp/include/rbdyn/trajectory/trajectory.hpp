@@ -16,22 +16,21 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/event/event.hpp"
-#include "rbdyn/event/record.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/event/keep.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
-#include "rbdyn/statics/rail_potential.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
-#include "rbdyn/trajectory/run_data.hpp"
+#include "rbdyn/trajectory/events.hpp"
+#include "rbdyn/trajectory/statistics.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+struct RunData;  // trajectory/run_data.hpp
 
 /// The result of simulate(): motion, events, error estimate, price.
 class Trajectory {
@@ -109,11 +108,7 @@ private:
     std::pair<Vector3, Vector3> place_of(const Scene::AppliedLoad& load, double t, Side side) const;
     /// f of what can be observed at a time.
     template <class F>
-    double now(double t, Side side, F&& f) const {
-        if (!data_->parts.empty()) return f(observing_parts(t, side));
-        const Moment m(*data_, t, side);
-        return f(data_->model->observing(m.mode, t, m.x));
-    }
+    double now(double t, Side side, F&& f) const;
     /// What can be observed of a run in parts at a time.
     Observe observing_parts(double t, Side side) const;
     /// U of a load; none of one that has none by itself, damping included.
@@ -121,41 +116,14 @@ private:
     double potential_of(CouplingHandle coupling, double t, Side side) const;
     /// Work from t0 to t1 by one that takes it from an earlier to a later time.
     template <class F>
-    double work_between(double t0, double t1, F&& forwards) const {
-        for (const double t : {t0, t1}) {
-            const double near = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(end());
-            if (!(t >= start() - near && t <= end() + near))
-                throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(start()) + " to " +
-                                   text(end()) + " s");
-        }
-        return t1 > t0 ? forwards(t0, t1) : t1 < t0 ? -forwards(t1, t0) : 0.0;
-    }
+    double work_between(double t0, double t1, F&& forwards) const;
     template <class F>
-    void each(const Bodies& of, double t, Side side, F&& f) const {
-        const auto& bodies = data_->scene.bodies();
-        if (of.empty()) {
-            for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
-                f((*this)[BodyHandle{i}].report(t, side), bodies[static_cast<std::size_t>(i)].mass());
-        } else {
-            for (BodyHandle b : of) f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].mass());
-        }
-    }
+    void each(const Bodies& of, double t, Side side, F&& f) const;
     template <class F>
-    Vector3 mean(const Bodies& of, double t, Side side, F&& f) const {
-        Vector3 sum = Vector3::Zero();
-        double mass = 0.0;
-        each(of, t, side, [&](const PointReport& r, double m) {
-            sum += m * f(r);
-            mass += m;
-        });
-        return sum / mass;
-    }
+    Vector3 mean(const Bodies& of, double t, Side side, F&& f) const;
 
     std::shared_ptr<const RunData> data_;
-    struct BodyWork {
-        int body;
-        RailWork work;
-    };
+    struct BodyWork;
     std::shared_ptr<const std::vector<BodyWork>> works_;  // of forces that have a potential along a rail
 };
 

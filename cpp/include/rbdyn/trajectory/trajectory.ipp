@@ -45,6 +45,51 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+struct Trajectory::BodyWork {
+    int body;
+    RailWork work;
+};
+
+template <class F>
+double Trajectory::now(double t, Side side, F&& f) const {
+    if (!data_->parts.empty()) return f(observing_parts(t, side));
+    const Moment m(*data_, t, side);
+    return f(data_->model->observing(m.mode, t, m.x));
+}
+
+template <class F>
+double Trajectory::work_between(double t0, double t1, F&& forwards) const {
+    for (const double t : {t0, t1}) {
+        const double near = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(end());
+        if (!(t >= start() - near && t <= end() + near))
+            throw InvalidInput("Trajectory: time is " + text(t) + "; this run goes from " + text(start()) + " to " +
+                               text(end()) + " s");
+    }
+    return t1 > t0 ? forwards(t0, t1) : t1 < t0 ? -forwards(t1, t0) : 0.0;
+}
+
+template <class F>
+void Trajectory::each(const Bodies& of, double t, Side side, F&& f) const {
+    const auto& bodies = data_->scene.bodies();
+    if (of.empty()) {
+        for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
+            f((*this)[BodyHandle{i}].report(t, side), bodies[static_cast<std::size_t>(i)].mass());
+    } else {
+        for (BodyHandle b : of) f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].mass());
+    }
+}
+
+template <class F>
+Vector3 Trajectory::mean(const Bodies& of, double t, Side side, F&& f) const {
+    Vector3 sum = Vector3::Zero();
+    double mass = 0.0;
+    each(of, t, side, [&](const PointReport& r, double m) {
+        sum += m * f(r);
+        mass += m;
+    });
+    return sum / mass;
+}
+
 RBDYN_INLINE Trajectory::Trajectory(RunData data) : data_(std::make_shared<const RunData>(std::move(data))) {
     std::vector<BodyWork> works;
     std::vector<bool> has_work(data_->scene.bodies().size());

@@ -1,0 +1,35 @@
+// Definitions of rbdyn/options.hpp.
+#pragma once
+
+#include "rbdyn/options.hpp"
+
+#include <cmath>
+
+#include "rbdyn/basics/error.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::simulating {
+
+RBDYN_INLINE void validate(const SimulateOptions& o) {
+    require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
+    require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
+    if (!(o.until > o.start))
+        refuse("simulate", "until", o.until,
+               "a run ends after its start, which is " + text(o.start) +
+                   " s; motion backwards is motion with reversed velocities");
+    if (o.rtol) {
+        if (o.error != SimulateOptions{}.error)
+            refuse("simulate", "error", o.error,
+                   "it is given beside rtol " + text(*o.rtol) +
+                       "; error is global and estimated, rtol local and without an estimate: give one");
+        require(*o.rtol >= 1e-16 && *o.rtol <= 0.1, "simulate", "rtol", *o.rtol,
+                "a local tolerance lies between 1e-16 and 0.1");
+    } else if (!(o.error >= least_error && o.error <= 0.1)) {
+        refuse("simulate", "error", o.error,
+               "it lies between " + text(least_error) + ", the least that double precision can give, and 0.1");
+    }
+    require(o.max_steps > 0, "simulate", "max_steps", static_cast<double>(o.max_steps), "it is positive");
+    for (double t : o.keep.times)
+        require(t >= o.start && t <= o.until, "simulate", "a time of keep", t, "it lies between start and until");
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::simulating

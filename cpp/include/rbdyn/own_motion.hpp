@@ -1,0 +1,71 @@
+// simulate(model): the motion of a model of the user's own, as accurate as asked for.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/engine/work.hpp"
+#include "rbdyn/event/event.hpp"
+#include "rbdyn/event/keep.hpp"
+#include "rbdyn/model/own_model.hpp"
+#include "rbdyn/options.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace simulating {
+struct Solution;  // integrate.hpp
+}
+
+/// The motion of a model of the user's own.
+class StateRun {
+public:
+    StateRun(simulating::Solution solution, std::string engine);
+
+    Status status() const;
+    double start() const;
+    double end() const;
+    double certain_until() const;
+    const std::string& engine() const;
+    /// Estimated global error, each variable relative to its own scale in this motion; none with rtol.
+    std::optional<double> error() const;
+    const std::vector<Event>& events() const;
+    const Work& work() const;
+
+    int variables() const;
+    /// All that was computed.
+    const simulating::Solution& solution() const;
+    /// The state at a time. Throws InvalidInput for a time the run does not hold.
+    std::vector<double> state(double t, Side side = Side::after) const;
+
+private:
+    std::shared_ptr<const simulating::Solution> solution_;
+    std::string engine_;
+};
+
+std::ostream& operator<<(std::ostream& out, const StateRun& run);
+
+/// A run of a model of the user's own came to less than was asked for; `run` is what is there.
+struct ModelError : Error {
+    ModelError(const std::string& message, StateRun partial);
+    StateRun run;
+};
+
+namespace simulating {
+
+/// What simulate(model, state, options) does once the model is recorded.
+StateRun simulate_own(const HybridModel& model, const std::vector<double>& state, const SimulateOptions& options);
+
+}  // namespace simulating
+
+/// Runs a model of the user's own from a state. Throws as simulate(scene) does; what a failed run had is in the error.
+template <OwnModel M>
+StateRun simulate(const M& model, const std::vector<double>& state, const SimulateOptions& options) {
+    return simulating::simulate_own(FunctorModel<M>(model), state, options);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,286 @@
+// Definitions of rbdyn/plan/planning.hpp.
+#pragma once
+
+#include "rbdyn/plan/planning.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/curve/axes.hpp"
+#include "rbdyn/curve/checks.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/one_side.hpp"
+#include "rbdyn/curve/point.hpp"
+#include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/state_map.hpp"
+#include "rbdyn/plan/closed_motion.hpp"
+#include "rbdyn/plan/integrals.hpp"
+#include "rbdyn/plan/linear_motion.hpp"
+#include "rbdyn/plan/simulated.hpp"
+#include "rbdyn/scene/couplings.hpp"
+#include "rbdyn/scene/effects.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/parts.hpp"
+#include "rbdyn/scene/rigid_motion.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/scene/torque.hpp"
+#include "rbdyn/scene/watch.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::planning {
+
+RBDYN_INLINE Placement view_of(const Scene& scene) {
+    if (scene.bodies().size() != 1 || scene.bodies()[0].rail() == nullptr) return {};
+    const Curve& curve = scene.bodies()[0].rail()->curve();
+    Placement view = curve.placement();
+    if (!curve.straight()) return view;
+    // a line: the y axis along what pulls across it
+    Vector3 across = Vector3::Zero();
+    const Vector3 x = column(view.axes, 0);
+    const auto take = [&](const Vector3& v) {
+        const Vector3 part = v - x * x.dot(v);
+        if (across.isZero(0.0) && part.norm() > 1e-12 * v.norm()) across = part;
+    };
+    take(scene.gravity());
+    for (const auto& load : scene.loads())
+        if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->is_constant())
+            take(force->settled());
+    for (const auto& c : scene.connections()) {
+        if (!is_present(c.coupling)) continue;
+        for (const End* e : {&c.a, &c.b})
+            if (const Vector3* point = std::get_if<Vector3>(e)) take(*point - view.origin);
+    }
+    if (across.isZero(0.0)) return view;
+    const curves::WideVector along = view.exact_axes().col(0), beside = curves::wide_unit(across);
+    const curves::WideVector y = beside - along * dot<DoubleDouble>(along, beside);
+    const curves::WideVector unit = y / sqrt(dot<DoubleDouble>(y, y));
+    return placed(view.origin, curves::columns(along, unit, cross<DoubleDouble>(along, unit)));
+}
+
+RBDYN_INLINE std::vector<std::string> guards_of(const PointsModel& model) {
+    std::vector<std::string> lines;
+    for (const signed char slip : {static_cast<signed char>(1), sticks, flies}) {
+        std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
+        if (slip == flies)
+            for (int i = 0; i < model.bodies(); ++i)
+                if (!model.laws().body(i).may_fly) slips[static_cast<std::size_t>(i)] = 1;
+        for (const Guard& guard : model.equations(slips).guards) {
+            std::string line = guard.subject >= 0 ? model.laws().body(guard.subject).name + ": " : std::string();
+            switch (guard.kind) {
+                case EventKind::reverse: line += "its slip through zero (reverse, stick)"; break;
+                case EventKind::slip: line += "the static limit while it sticks (slip)"; break;
+                case EventKind::normal_zero: line += "its normal reaction through zero (normal-zero)"; break;
+                case EventKind::rail_end: line += "an end of its rail (rail-end)"; break;
+                case EventKind::detach:
+                    line += "what its rail, which pushes along " +
+                            curves::vector_text(model.laws().body(guard.subject).one_side->normal()) +
+                            " where it starts, would have to pull (detach)";
+                    break;
+                case EventKind::singular: line += "a place of its rail without a tangent (ends the run)"; break;
+                case EventKind::land: line += "its way back to the rail (land)"; break;
+                case EventKind::watch: line += "\"" + guard.name + "\" (watch)"; break;
+                case EventKind::switching:
+                    if (guard.name.empty()) {
+                        line += "a change from one formula to the next (no event)";
+                        break;
+                    }
+                    [[fallthrough]];
+                default: line += guard.name + " through zero (switch)"; break;
+            }
+            if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+        }
+    }
+    return lines;
+}
+
+RBDYN_INLINE std::string first_of(const std::vector<std::string>& names, std::size_t most, const std::string& between) {
+    std::string text;
+    const std::size_t shown = names.size() > most + 1 ? most : names.size();
+    for (std::size_t i = 0; i < shown; ++i) text += (i == 0 ? "" : between) + names[i];
+    return shown == names.size() ? text : text + between + std::to_string(names.size() - shown) + " more";
+}
+
+RBDYN_INLINE std::string names_of(const Scene& part) {
+    std::vector<std::string> names;
+    for (const Scene::Body& b : part.bodies()) names.push_back(b.name);
+    return first_of(names, 3, " + ");
+}
+
+RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, const GivenNumbers& numbers,
+                             Plan& plan, Simulated& simulated) {
+    std::vector<std::string> names, engines;
+    for (const SceneParts::Part& part : apart.parts) {
+        const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid, numbers));
+        plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
+        if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
+        names.push_back(names_of(part.scene) + " (" + own.engine + ")");
+        simulated.take(*own.model);
+    }
+    for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
+        const auto& [part, index] = apart.bodies[i];
+        simulated.take(*plan.parts[static_cast<std::size_t>(part)].model, index);
+    }
+    plan.engine = first_of(engines, engines.size(), ", ");
+    plan.reason = std::to_string(names.size()) + " parts, solved apart: " + first_of(names, 6, ", ") +
+                  "; a spring between two of them would join those";
+    plan.apart = std::make_shared<const SceneParts>(std::move(apart));
+}
+
+RBDYN_INLINE FoundForm closed_form(const Scene& scene, const PointsModel& model, bool any_rigid) {
+    FoundForm found;
+    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, model.laws());
+    if (found.form) return found;
+    FoundForm linear = linear_motion(scene, model);
+    if (!linear.form && any_rigid) return found;
+    return linear;
+}
+
+RBDYN_INLINE std::string reason_of(const ClosedForm& form) {
+    return form.name() + ": exact at every time, whatever the time";
+}
+
+RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers) {
+    Plan plan;
+    plan.effects = effects_of(scene);
+    bool any_rail = false, is_rough = false, free = false;
+    const auto leave_out = [&](const std::string& what, const std::string& why) {
+        plan.omissions.push_back({what, why});
+    };
+    for (const Scene::Body& b : scene.bodies()) {
+        const Rail* rail = b.rail();
+        if (b.rigid() != nullptr) continue;
+        if (rail == nullptr) {
+            free = true;
+            continue;
+        }
+        any_rail = true;
+        if (!rail->drive().is_constant()) plan.functions.push_back("drive of " + b.name + " traced, native");
+        if (rail->motion().present()) plan.functions.push_back("motion of the rail of " + b.name + " traced, native");
+        if (rail->friction()) {
+            is_rough = true;
+        } else if (!rail->drive().is_zero()) {
+            leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
+        }
+    }
+    for (const auto& load : scene.loads()) {
+        const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
+        if (const Force* force = std::get_if<Force>(&load.load)) {
+            if (!force->present()) leave_out("force" + on, "it is zero");
+            if (force->is_constant()) continue;
+            if (force->callback()) {
+                plan.calls_back = true;
+                plan.callbacks.push_back(force->callback());
+                plan.functions.push_back("force \"" + force->name() + "\"" + on +
+                                         " called back: " + force->callback()->reason);
+            } else {
+                plan.functions.push_back("force \"" + force->name() + "\" traced, native," + on);
+            }
+        } else if (const Potential* potential = std::get_if<Potential>(&load.load)) {
+            if (!potential->present()) leave_out("potential" + on, "it does not vary with the position");
+            plan.functions.push_back("potential \"" + potential->name() + "\" traced, native," + on);
+        } else if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
+            if (!lorentz->present()) leave_out("Lorentz force" + on, "its strength or its field is zero");
+        } else if (const Drag* d = std::get_if<Drag>(&load.load)) {
+            if (!d->present()) leave_out("drag", "both its coefficients are zero");
+        } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
+            if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
+        } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
+            if (!twist->present()) leave_out("torque" + on, "it is zero");
+            if (twist->is_constant()) continue;
+            if (twist->callback()) {
+                plan.calls_back = true;
+                plan.callbacks.push_back(twist->callback());
+                plan.functions.push_back("torque \"" + twist->name() + "\"" + on +
+                                         " called back: " + twist->callback()->reason);
+            } else {
+                plan.functions.push_back("torque \"" + twist->name() + "\" traced, native," + on);
+            }
+        }
+    }
+    for (const auto& watch : scene.watches()) {
+        const bool recorded = watch.function.is_recorded();
+        if (!recorded) plan.callbacks.push_back(watch.function.counter());
+        plan.functions.push_back("watch \"" + watch.name + "\" " +
+                                 (recorded
+                                      ? "traced, native"
+                                      : "called back, located but not certain: " + watch.function.counter()->reason));
+    }
+    for (const auto& c : scene.connections()) {
+        const Spring& s = std::get<Spring>(c.coupling);
+        if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
+    }
+    const bool any_rigid = beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
+                                                       [](const Scene::Body& b) { return b.rigid() != nullptr; });
+    SceneParts apart(scene);
+    if (!apart.joined_by.empty())
+        leave_out("parts", "\"" + apart.joined_by + "\" is called back or changes the state, nobody knows of which " +
+                               "bodies; all are solved together");
+    plan.engine = plan.integrator = plan.calls_back ? "dop853" : "taylor";
+    const RigidLaw* only = nullptr;
+    Simulated simulated;
+    if (apart.parts.empty()) {
+        plan.view = view_of(scene);
+        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
+        simulated.take(*plan.model);
+        for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
+        plan.guards = guards_of(*plan.model);
+        if (const auto& rigid = plan.model->laws().body(0).rigid; rigid && scene.bodies().size() == 1) only = &*rigid;
+        plan.reason = plan.calls_back
+                          ? "a force that is called back has no Taylor series; events are located but not certain"
+                          : "the equations are known, so their Taylor series are";
+    } else {
+        plan_parts(scene, std::move(apart), any_rigid, numbers, plan, simulated);
+    }
+    plan.coordinates = std::move(simulated.coordinates);
+    if (!plan.has("gravity")) leave_out("gravity", "the scene has none; Scene(gravity=...) brings it in");
+    if (!plan.has("rotation"))
+        leave_out("rotation", free && !any_rail ? "particles have no attitude; a RigidBody brings it in"
+                                                : "a bead is a point; a RigidBody brings it in");
+    if (!simulated.any_turns) std::erase(plan.effects, "rotation");
+    if (any_rail && !is_rough)
+        leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
+    plan.omissions.insert(plan.omissions.end(), simulated.omissions.begin(), simulated.omissions.end());
+    if (plan.guards.empty()) leave_out("events", "nothing to watch for; scene.watch(...) brings them in");
+    const FirstIntegrals conserved = first_integrals(scene, only);
+    plan.integrals = conserved.names;
+    plan.pole = conserved.pole;
+    plan.up = conserved.up;
+    for (const auto& integral : scene.integrals()) plan.integrals.push_back(integral.name);
+    for (const Plan& part : plan.parts)
+        for (const Omission& o : part.omissions)
+            if (o.what == "closed form") leave_out(o.what, o.why);
+    if (!plan.model) return plan;
+    const auto [closed, why_not] = closed_form(scene, *plan.model, any_rigid);
+    if (closed) {
+        plan.closed = closed;
+        plan.engine = "closed form";
+        plan.reason = reason_of(*closed);
+    } else {
+        leave_out("closed form", why_not);
+    }
+    return plan;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::planning

@@ -1,0 +1,12 @@
+// Compiled once: equilibria, and potentials along rails.
+#include "rbdyn/statics/ball_equilibria.ipp"
+#include "rbdyn/statics/equilibria.ipp"
+#include "rbdyn/statics/equilibrium.ipp"
+#include "rbdyn/statics/forces.ipp"
+#include "rbdyn/statics/null_direction.ipp"
+#include "rbdyn/statics/path_equilibria.ipp"
+#include "rbdyn/statics/path_forces.ipp"
+#include "rbdyn/statics/path_pieces.ipp"
+#include "rbdyn/statics/path_zero.ipp"
+#include "rbdyn/statics/rail_potential.ipp"
+#include "rbdyn/statics/search.ipp"
