@@ -102,7 +102,6 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
 RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
                             const std::string& engine, const std::string& judge,
                             const std::shared_ptr<const ClosedForm>& form) {
-    using Outcome = Solution::Outcome;
     Solution result;
     const auto take = [&](Timed&& timed) {
         result.integration_seconds = timed.seconds;
@@ -254,7 +253,6 @@ RBDYN_INLINE double rounding_seen(const HybridModel& model, const Mode& mode, co
 
 RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
                                    const std::shared_ptr<const ClosedForm>& form) {
-    using Outcome = Solution::Outcome;
     const auto before = std::chrono::steady_clock::now();
     Solution result;
     result.runs = 1;

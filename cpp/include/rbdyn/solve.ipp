@@ -136,7 +136,6 @@ RBDYN_INLINE std::vector<Event> events_of(const std::vector<Solved>& parts, cons
 }
 
 RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options) {
-    using Outcome = Solution::Outcome;
     const SceneParts& apart = *plan.apart;
     const std::size_t count = plan.parts.size();
     std::vector<std::string> engines, named;

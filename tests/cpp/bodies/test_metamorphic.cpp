@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "bodies/random_bodies.hpp"
+#include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::test::test_metamorphic {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/closed_form/linear_flow.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"

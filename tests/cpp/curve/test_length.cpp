@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/curve/arc_length.hpp"
 #include "rbdyn/curve/curve.hpp"
 
 namespace rbdyn::test::test_length {

@@ -10,6 +10,7 @@
 #include "proof.hpp"
 #include "rbdyn/effects.hpp"
 #include "rbdyn/scene/effects.hpp"
+#include "rbdyn/trajectory/run_data.hpp"
 #include "refusal.hpp"
 #include "support.hpp"
 

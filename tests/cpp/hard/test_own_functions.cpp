@@ -9,6 +9,7 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
 #include "rbdyn/own_motion.hpp"
+#include "rbdyn/trajectory/run_data.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_own_functions {

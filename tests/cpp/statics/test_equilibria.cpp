@@ -1,5 +1,6 @@
 // States of rest against closed forms, and against a search by hand.
 #include "rbdyn/statics/equilibria.hpp"
+#include "rbdyn/statics/path_forces.hpp"
 
 #include <gtest/gtest.h>
 

@@ -31,8 +31,8 @@ namespace theta_series {
 /// base^exponent for whole exponents from 0.
 DoubleDouble power(const DoubleDouble& base, int exponent);
 
-/// The largest n with base^(n^2) > negligible.
-int terms(const DoubleDouble& base, double negligible);
+/// The largest n with base^(n^2) > least.
+int terms(const DoubleDouble& base, double least);
 
 /// What no longer shows beside one.
 inline constexpr double negligible = 0x1p-57, negligible_of_32_digits = 0x1p-110;

@@ -17,9 +17,9 @@ RBDYN_INLINE DoubleDouble power(const DoubleDouble& base, int exponent) {
     return result;
 }
 
-RBDYN_INLINE int terms(const DoubleDouble& base, double negligible) {
+RBDYN_INLINE int terms(const DoubleDouble& base, double least) {
     int n = 0;
-    while (power(base, (n + 1) * (n + 1)).hi > negligible) ++n;
+    while (power(base, (n + 1) * (n + 1)).hi > least) ++n;
     return n;
 }
 

@@ -22,7 +22,7 @@
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/simulate.hpp"
+#include "rbdyn/own_motion.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
