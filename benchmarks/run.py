@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 folder = Path(__file__).resolve().parent
-build = folder.parent / "build" / "benchmarks"
+build = folder.parent / "build" / "all" / "benchmarks"
 programs = {
     path.name.removeprefix("benchmark_"): path
     for path in build.rglob("benchmark_*")

@@ -33,8 +33,6 @@ std::string first_of(const std::vector<std::string>& names, std::size_t most, co
 /// The names of the bodies of a part.
 std::string names_of(const Scene& part);
 
-inline Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumbers& numbers);
-
 /// Plans the parts of a scene, each by itself: guards, engines and the reason for them are theirs together.
 [[gnu::cold]] void plan_parts(const Scene& scene, SceneParts&& apart, bool any_rigid, const GivenNumbers& numbers,
                               Plan& plan, Simulated& simulated);

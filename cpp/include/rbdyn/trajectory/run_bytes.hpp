@@ -20,9 +20,9 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/points.hpp"
+#include "rbdyn/own_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/own_motion.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
