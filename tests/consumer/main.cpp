@@ -1,5 +1,7 @@
 // A user's program, built against an installed rbdyn: the lowest point of a rough incline's bead, by hand and by run.
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <rbdyn/rbdyn.hpp>
 
@@ -15,6 +17,10 @@ int main() {
     // up it is slowed by g (sin + mu cos), and tan = 3/4 > mu_static lets it come back
     const double turn = 4.0 / (9.8125 * (0.6 + 0.25 * 0.8));
     const double down = 9.8125 * (0.6 - 0.25 * 0.8) * (2.0 - turn);
+    std::uint64_t bits = 0;
+    for (const double x : {run[bead].speed(2.0), run[bead].position(1.7)[0], run[bead].reaction(0.4)[2], run.energy(1.9)})
+        bits = (bits << 1 | bits >> 63) ^ std::bit_cast<std::uint64_t>(x);
+    std::cout << "all numbers: " << std::hex << bits << std::dec << '\n';
     std::cout << "turns at " << run.events().front().time << " s, by hand " << turn << " s\n";
     return std::abs(run.events().front().time - turn) < 1e-12 && std::abs(run[bead].speed(2.0) - down) < 1e-11 ? 0 : 1;
 }

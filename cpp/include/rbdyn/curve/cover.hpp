@@ -114,7 +114,7 @@ private:
     template <int n>
     static long double chebyshev(int k) {
         static const auto table = [] {
-            std::array<long double, 2 * n> t;
+            std::array<long double, static_cast<std::size_t>(2 * n)> t;
             for (int j = 0; j < 2 * n; ++j)
                 t[static_cast<std::size_t>(j)] = std::sin(std::numbers::pi_v<long double> * (n - 2 * j) / (2 * n));
             return t;
