@@ -1,4 +1,4 @@
-"""Runs every benchmark, one after the other, and prints what they print.
+"""Runs benchmarks, those named or all but `compile`, one after the other, and prints what they print.
 
 A benchmark is a program that ./run bench has built, or a Python file in this folder. A Python file is given the path of
 the program of its name, if there is one, and runs it itself.
@@ -18,7 +18,10 @@ programs = {
 if not programs:
     sys.exit("no benchmarks are built: ./run bench builds and runs them")
 scripts = {path.stem: path for path in folder.glob("*.py") if path.name != "run.py"}
-for name in sorted(programs.keys() | scripts.keys()):
+names = sys.argv[1:] or sorted((programs.keys() | scripts.keys()) - {"compile"})
+for name in names:
+    if name not in programs.keys() | scripts.keys():
+        sys.exit(f"no benchmark {name}: there are {', '.join(sorted(programs.keys() | scripts.keys()))}")
     print(f"== {name}", flush=True)
     command = [sys.executable, scripts[name]] if name in scripts else []
     subprocess.run([*command, *([programs[name]] if name in programs else [])], check=True)

@@ -18,7 +18,8 @@ int main() {
     const double turn = 4.0 / (9.8125 * (0.6 + 0.25 * 0.8));
     const double down = 9.8125 * (0.6 - 0.25 * 0.8) * (2.0 - turn);
     std::uint64_t bits = 0;
-    for (const double x : {run[bead].speed(2.0), run[bead].position(1.7)[0], run[bead].reaction(0.4)[2], run.energy(1.9)})
+    for (const double x :
+         {run[bead].speed(2.0), run[bead].position(1.7)[0], run[bead].reaction(0.4)[2], run.energy(1.9)})
         bits = (bits << 1 | bits >> 63) ^ std::bit_cast<std::uint64_t>(x);
     std::cout << "all numbers: " << std::hex << bits << std::dec << '\n';
     std::cout << "turns at " << run.events().front().time << " s, by hand " << turn << " s\n";

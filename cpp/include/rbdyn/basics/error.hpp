@@ -20,11 +20,11 @@ struct InvalidInput : Error {
 };
 
 /// A double as text that reads back as the same double, short where that is possible.
-[[gnu::noinline]] std::string text(double value);
+std::string text(double value);
 
 /// Throws InvalidInput("<object>: <what> is <value>; <rule>").
-[[noreturn, gnu::cold, gnu::noinline]] void refuse(std::string_view object, std::string_view what, double value,
-                                                   std::string_view rule);
+[[noreturn, gnu::cold]] void refuse(std::string_view object, std::string_view what, double value,
+                                    std::string_view rule);
 
 /// The same unless the condition holds.
 void require(bool condition, std::string_view object, std::string_view what, double value, std::string_view rule);
