@@ -85,8 +85,10 @@ TEST(Sticking, a_pull_that_grows_past_equal_coefficients_breaks_away_once_howeve
     // rounding of the time gives it a slope of either sign
     for (const char* engine : {"taylor", "dop853", "cvode-adams"})
         for (const double error : {1e-6, 1e-8})
-            for (const double start : {0.0, 1.0, 20.0, 100.0, 1000.0, 1e5})
+            for (const double start : {0.0, 1.0, 20.0, 100.0, 1000.0, 1e5, 1e7})
                 for (const double rate : {1.0, 1.25}) {
+                    // as exact as the time is
+                    if (start == 1e7 && (error < 1e-6 || engine == std::string("cvode-adams"))) continue;
                     Scene scene(down);
                     const BodyHandle bead = scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.3}));
                     scene.apply(Force([=](const auto& t, const auto&, const auto&) {
