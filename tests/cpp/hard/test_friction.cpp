@@ -80,6 +80,33 @@ TEST(Sticking, on_a_slope_equal_to_the_static_coefficient_a_bead_holds) {
     }
 }
 
+TEST(Sticking, a_pull_that_grows_past_equal_coefficients_breaks_away_once_however_late) {
+    // m w' = 4 sin(rate d) - mu m g from d = asin(mu m g/4)/rate on: the slip begins with the square of time, and the
+    // rounding of the time gives it a slope of either sign
+    for (const char* engine : {"taylor", "dop853", "cvode-adams"})
+        for (const double error : {1e-6, 1e-8})
+            for (const double start : {0.0, 1.0, 20.0, 100.0, 1000.0, 1e5, 1e7})
+                for (const double rate : {1.0, 1.25}) {
+                    // as exact as the time is
+                    if (start == 1e7 && (error < 1e-6 || engine == std::string("cvode-adams"))) continue;
+                    Scene scene(down);
+                    const BodyHandle bead = scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.3}));
+                    scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                                    using S = std::decay_t<decltype(t)>;
+                                    return Vector3Of<S>{S(4.0) * sin(S(rate) * (t - S(start))), S(0.0), S(0.0)};
+                                }),
+                                bead);
+                    const Trajectory run =
+                        simulate(scene, {.until = start + 1.25, .start = start, .error = error, .engine = engine});
+                    ASSERT_EQ(kinds(run), "slip") << engine << ' ' << error << ' ' << start << ' ' << rate;
+                    const Real limit = 0.3L * Real(gravity), away = std::asin(limit / 4) / rate;
+                    EXPECT_NEAR(run.events()[0].time - start, static_cast<double>(away), 1e-13 + 2.0 * epsilon * start);
+                    const Real speed =
+                        4 / Real(rate) * (std::cos(rate * away) - std::cos(1.25L * rate)) - limit * (1.25L - away);
+                    EXPECT_NEAR(run[bead].speed(run.end()), static_cast<double>(speed), error + 8.0 * epsilon * start);
+                }
+}
+
 TEST(Sticking, on_a_slope_a_little_above_the_static_coefficient_a_bead_slides_and_a_little_below_it_holds) {
     for (double slope : {0.5, 0.3, 1.0, 1.0 / 3.0, 7.3})
         for (double nearness : {1e-6, 1e-9, 1e-12}) {

@@ -12,11 +12,13 @@
 // crossing is no landing. The contact that a bead has just left is divided out with its multiplicity: 2, or more if the
 // coefficient of tau^2 is rounding. tau = 0 is returned where nothing is left to find because the path begins by going
 // through: a contact at the start, just left or within rounding, whose first coefficient points to the wrong side.
-// A crossing within rounding after the end is met at the end. A path that starts on the wrong side lands only after it
-// has come back. Of two crossings closer than 2^-30 of a part's length, either is returned.
-// Where the curve bends by a jump (a knot with a slope of its own), what the path has just left is the stretch it
-// enters. The work is bounded; if it was not enough, complete() is false and what was not looked at counts as free of
-// curve. A power of two as change of units changes no bit but the scale.
+// A path that is known to some doubt only, as that of a method whose polynomial misses the motion by more than
+// rounding, leaves such a contact to the side of its first lobe that is more than the doubt. A crossing within rounding
+// after the end is met at the end. A path that starts on the wrong side lands only after it has come back. Of two
+// crossings closer than 2^-30 of a part's length, either is returned. Where the curve bends by a jump (a knot with a
+// slope of its own), what the path has just left is the stretch it enters. The work is bounded; if it was not enough,
+// complete() is false and what was not looked at counts as free of curve. A power of two as change of units changes no
+// bit but the scale.
 #pragma once
 
 #include <cstddef>
@@ -39,6 +41,7 @@ struct Flight {
     const double* y;
     int degree;
     double length;
+    const double* doubt = nullptr;  // by power of tau, what x and y are known to; none: rounding
 };
 
 /// Where a flight ends on a curve.
@@ -88,6 +91,11 @@ private:
     bool examine(const CurveCover::Stretch& stretch, const Path& x, const Path& y, double from, double width,
                  bool is_last);
 
+    /// How many of the roots behind a contact just left end lobes that are no more than doubt of the path. `gap(s)`: on
+    /// the part of the path, that has this width and begins with it.
+    template <class Value>
+    std::size_t within_doubt(const Graph& g, double width, const Value& gap) const;
+
     /// The parameter of the contact if it lies in a stretch or next to it; otherwise not a number.
     double contact_near(const CurveCover::Stretch& s) const;
 
@@ -99,10 +107,10 @@ private:
     void offer(const CurveCover::Stretch& s, Landing found, bool exact, double width, double doubt);
 
     CurveCover cover_;
-    Path x_, y_;  // the path on [0, 1]
+    Path x_, y_, doubt_;  // the path on [0, 1], and what it is known to
     int degree_ = 0;
     double side_ = 1.0, contact_ = 0.0, turn_ = 0.0;
-    bool just_left_ = false, complete_ = true;
+    bool just_left_ = false, in_doubt_ = false, complete_ = true;
     int visits_ = 0;
     Landing best_{};
     std::vector<int> nodes_;

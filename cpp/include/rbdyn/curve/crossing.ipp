@@ -35,6 +35,9 @@ RBDYN_INLINE std::optional<Landing> LandingFinder::first_landing(const Flight& p
     side_ = side;
     contact_ = last - turn_;
     just_left_ = just_left;
+    in_doubt_ = just_left && path.doubt != nullptr;
+    for (double k = 0, power = 1.0; in_doubt_ && k <= path.degree; ++k, power *= path.length)
+        doubt_[static_cast<std::size_t>(k)] = path.doubt[static_cast<std::size_t>(k)] * power;
 
     nodes_.clear();
     const Box box = bounding(x_.data(), y_.data(), degree_);
@@ -160,7 +163,7 @@ RBDYN_INLINE bool LandingFinder::examine(const CurveCover::Stretch& stretch, con
 
     // a contact at the very start, known or within rounding
     int known = 0;
-    double least_slope = 2.0 * g.noise + 16.0 * epsilon;
+    double least_slope = 2.0 * g.noise + 16.0 * epsilon, contact = std::numeric_limits<double>::quiet_NaN();
     if (from == 0.0 && std::abs(view.xi[0]) <= 1.0 + 0x1p-13) {
         const double u = just_left_ ? contact_near(s) : std::numeric_limits<double>::quiet_NaN();
         if (std::isfinite(u)) {
@@ -172,12 +175,7 @@ RBDYN_INLINE bool LandingFinder::examine(const CurveCover::Stretch& stretch, con
             known = gap.leading(1, 4e-12);
         }
         if (known > gap.degree()) return true;
-        if (known > 0 && gap[known] < 0.0) {
-            // begins by going through, if this graph is where it goes
-            const bool enters = std::abs(view.xi[0]) < 1.0 - 0x1p-30 || view.xi[0] * view.xi[1] < 0.0;
-            if (enters && std::abs(view.xi[0]) <= window)
-                best_ = {0.0, std::isfinite(u) ? u : parameter(g, s, view.xi[0])};
-        }
+        if (std::isfinite(u)) contact = u;
     }
 
     const double* p = gap.from(known);
@@ -187,12 +185,27 @@ RBDYN_INLINE bool LandingFinder::examine(const CurveCover::Stretch& stretch, con
         rest += std::abs(p[degree]);
         if (rest > 0x1p-60 * motion) break;
     }
-    if (p[0] != 0.0 && series::keeps_sign(p, degree)) return true;
     roots_.clear();
-    finder_.find(p, degree, roots_);
+    const bool keeps_sign = p[0] != 0.0 && series::keeps_sign(p, degree);
+    if (!keeps_sign) finder_.find(p, degree, roots_);
     int before = 0;
     for (int k = 0; k <= degree && before == 0; ++k) before = p[k] > 0.0 ? 1 : p[k] < 0.0 ? -1 : 0;
-    for (double root : roots_) {
+    std::size_t first = 0;
+    if (in_doubt_ && std::isfinite(contact))
+        first = within_doubt(g, width, [&](double x) { return std::pow(x, known) * series::value(p, degree, x); });
+    if (first % 2 == 1) before = -before;
+    if (first > 0 && before < 0) {
+        // the last of these is where it goes through
+        before = 1;
+        --first;
+    } else if (first == 0 && known > 0 && p[0] < 0.0) {
+        // begins by going through, if this graph is where it goes
+        const bool enters = std::abs(view.xi[0]) < 1.0 - 0x1p-30 || view.xi[0] * view.xi[1] < 0.0;
+        if (enters && std::abs(view.xi[0]) <= window)
+            best_ = {0.0, std::isfinite(contact) ? contact : parameter(g, s, view.xi[0])};
+    }
+    for (std::size_t i = first; i < roots_.size(); ++i) {
+        const double root = roots_[i];
         before = -before;
         if (before > 0) continue;
         const double xi = series::value(view.xi.data(), view.degree, root);
@@ -207,6 +220,16 @@ RBDYN_INLINE bool LandingFinder::examine(const CurveCover::Stretch& stretch, con
         break;
     }
     return true;
+}
+
+template <class Value>
+std::size_t LandingFinder::within_doubt(const Graph& g, double width, const Value& gap) const {
+    const auto doubt = [&](double x) { return 2.0 * series::value(doubt_.data(), degree_, x * width) / g.half; };
+    double from = 0.0;
+    for (std::size_t i = 0; i < roots_.size(); from = roots_[i++])
+        for (const double part : {0.25, 0.5, 0.75})
+            if (const double x = from + part * (roots_[i] - from); std::abs(gap(x)) > doubt(x)) return i;
+    return roots_.size();
 }
 
 RBDYN_INLINE double LandingFinder::contact_near(const CurveCover::Stretch& s) const {

@@ -188,11 +188,17 @@ RBDYN_INLINE double Dop853Engine::first_step(double span) {
             largest = std::max(largest, std::abs(slope[at(i)]));
         return largest;
     };
-    // a slope that is rounding of its terms is none: a block breaks away from rest under forces in balance
-    std::vector<double> before, first(x_.size());
+    // a slope that is rounding of its terms, or of the time, is none: a block breaks away from rest under forces in
+    // balance
+    std::vector<double> before, first(x_.size()), later(x_.size());
+    const Instant next{t_.hi + epsilon * std::abs(t_.hi), 0.0};
+    const bool moves = next.hi != t_.hi && evaluate(next, x_, later.data());
     (void)evaluate(t_, x_, first.data());
-    for (int i = 0; i < n(); ++i)
-        if (std::abs(first[at(i)]) <= 64.0 * epsilon * workshop_->evaluator.magnitude(i)) first[at(i)] = 0.0;
+    for (int i = 0; i < n(); ++i) {
+        const double rounding = 64.0 * epsilon * workshop_->evaluator.magnitude(i),
+                     of_time = moves ? 16.0 * std::abs(later[at(i)] - first[at(i)]) : 0.0;
+        if (std::abs(first[at(i)]) <= std::max(rounding, of_time)) first[at(i)] = 0.0;
+    }
     const auto runs_away = [&](double h) {
         defect_ = first;
         before.assign(equations_->groups.size(), 0.0);

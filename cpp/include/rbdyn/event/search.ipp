@@ -324,6 +324,14 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     const auto sizes_of_terms = [&](double* sizes) {
         engine_.guard_sizes(static_cast<int>(g), sizes);
         for (int k = 0; k <= degree_; ++k) sizes[k] *= powers_[static_cast<std::size_t>(k)];
+        if (!fresh || degree_ < 1 || !mode.equations->is_variable(guard)) return;
+        // a variable that begins with zero is told by its rate, which may be zero there but for the rounding of all it
+        // is made of, that of the time included
+        const Piece& piece = engine_.piece();
+        state_.resize(static_cast<std::size_t>(piece.variables));
+        piece.state(0.0, state_);
+        const int rate = mode.equations->program.output(guard.output);
+        sizes[1] = std::max(sizes[1], size_of_terms(mode, piece.start.hi, state_, rate) * piece.duration());
     };
     passages_.find(q.data(), degree_, arrival, sizes_of_terms, [&] {
         return mode.equations->is_variable(guard) ? series::value(q.data(), degree_, 1.0)

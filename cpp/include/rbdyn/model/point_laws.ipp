@@ -145,8 +145,9 @@ RBDYN_INLINE void PointLaws::leave_out(const std::vector<bool>& stays) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const Body& b = bodies_[i];
         if (b.one_side)
-            landings_[i] = std::make_shared<const RailLanding>(*b.curve, *b.one_side, view_, map_.place(b.first),
-                                                               map_.place(b.first_of_space()));
+            landings_[i] =
+                std::make_shared<const RailLanding>(*b.curve, *b.one_side, view_, map_.place(b.first),
+                                                    map_.place(b.first_of_space()), map_.place(b.first_of_velocity()));
         if (b.one_side && !b.curve->always_regular())
             singular_landings_[i] =
                 std::make_shared<const SingularLanding>(*b.curve, b.start_u.hi, view_, map_.place(b.first_of_space()));

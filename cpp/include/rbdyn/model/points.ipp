@@ -561,10 +561,12 @@ RBDYN_INLINE signed char PointsModel::settle(const Mode& mode, int i, double t, 
     const PointLaws::Body& b = laws_->body(i);
     carry(mode, i, t, x);
     const Holding h = holding(mode, i, t, x);
-    const double limit = b.mu_static * h.across, needed = std::abs(h.tangential);
-    if (needed > limit * (1.0 + 8.0 * epsilon) && needed > h.rounding) return h.tangential < 0.0 ? 1 : -1;
-    if (needed < limit * (1.0 - 8.0 * epsilon) && h.across > h.rounding) return sticks;
-    // on the edge of the cone, or with neither load nor reaction: it holds unless the next moment asks for more
+    const double limit = b.mu_static * h.across, needed = std::abs(h.tangential),
+                 near = 8.0 * epsilon * limit + h.rounding;
+    if (needed > limit + near) return h.tangential < 0.0 ? 1 : -1;
+    if (needed < limit - near) return sticks;
+    // on the edge of the cone within rounding, that of the time included, or with neither load nor reaction: it holds
+    // unless the next moment asks for more
     Mode stuck = mode;
     stuck.slip[at(i)] = sticks;
     choose(stuck, t, x, {});

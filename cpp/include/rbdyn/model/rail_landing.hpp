@@ -2,6 +2,9 @@
 //
 // Conventions: a piece holds the bead's position in the axes of the view; the curve is looked at in its own axes, whose
 // third is the normal of its plane; those of a straight one are turned about it, towards where the rail pushes.
+// What a piece's place and the integral of its velocity differ by is what the place is known to: a method whose
+// polynomial is no series does not know the first powers of time to rounding, and where the bead has just left its rail
+// these tell on which side it is.
 // A bead beside the plane flies past the curve: it may come back only while all of its path lies in the plane within
 // rounding.
 #pragma once
@@ -26,8 +29,9 @@ namespace rbdyn::inline RBDYN_FORM {
 class RailLanding : public Locator {
 public:
     /// `side`: where the bead may be. `parameter`, `position`: the first of the state variables that hold where the
-    /// bead left its rail, and its place in the view.
-    RailLanding(const Curve& curve, const curves::OneSide& side, const Placement& view, int parameter, int position);
+    /// bead left its rail, its place in the view and its velocity.
+    RailLanding(const Curve& curve, const curves::OneSide& side, const Placement& view, int parameter, int position,
+                int velocity);
 
     std::optional<double> first(const Piece& piece, bool fresh) const override;
 
@@ -46,7 +50,7 @@ private:
     int side_;
     Matrix3 turn_;
     Vector3 shift_;
-    int parameter_, position_;
+    int parameter_, position_, velocity_;
     mutable std::mutex mutex_;
     mutable double last_ = 0.0;
 };

@@ -21,14 +21,15 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE RailLanding::RailLanding(const Curve& curve, const curves::OneSide& side, const Placement& view,
-                                      int parameter, int position)
+                                      int parameter, int position, int velocity)
     : curve_(curve),
       finder_(curve, curve.closed() ? curve.period() : 0.0),
       side_(side.sign > 0.0 ? 1 : -1),
       turn_(side.axes.transpose() * view.axes),
       shift_(side.axes.transpose() * (view.origin - curve.placement().origin)),
       parameter_(parameter),
-      position_(position) {}
+      position_(position),
+      velocity_(velocity) {}
 
 RBDYN_INLINE std::optional<double> RailLanding::first(const Piece& piece, bool fresh) const {
     const std::lock_guard lock(mutex_);
@@ -50,7 +51,13 @@ RBDYN_INLINE std::optional<double> RailLanding::first(const Piece& piece, bool f
         const double size = std::abs(x[0]) + std::abs(y[0]) + place.norm();
         just_left = std::hypot(x[0] - place.x(), y[0] - place.y()) <= 64.0 * epsilon * size;
     }
-    const auto landing = finder_.first_landing({x.data(), y.data(), order, piece.length}, side_, last, just_left);
+    Path doubt{};
+    for (int k = 1; k <= order && just_left; ++k)
+        for (int i = 0; i < 3; ++i)
+            doubt[static_cast<std::size_t>(k)] +=
+                std::abs(piece.variable(position_ + i)[k] - piece.unit * piece.variable(velocity_ + i)[k - 1] / k);
+    const auto landing =
+        finder_.first_landing({x.data(), y.data(), order, piece.length, doubt.data()}, side_, last, just_left);
     if (!landing || !meets(x, y, z, order, landing->tau)) return std::nullopt;
     last_ = landing->u;
     return landing->tau;
