@@ -192,7 +192,8 @@ RBDYN_INLINE bool LandingFinder::examine(const CurveCover::Stretch& stretch, con
     for (int k = 0; k <= degree && before == 0; ++k) before = p[k] > 0.0 ? 1 : p[k] < 0.0 ? -1 : 0;
     std::size_t first = 0;
     if (in_doubt_ && std::isfinite(contact))
-        first = within_doubt(g, width, [&](double x) { return std::pow(x, known) * series::value(p, degree, x); });
+        first =
+            within_doubt(g, width, [&](double tau) { return std::pow(tau, known) * series::value(p, degree, tau); });
     if (first % 2 == 1) before = -before;
     if (first > 0 && before < 0) {
         // the last of these is where it goes through
