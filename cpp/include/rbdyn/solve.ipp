@@ -83,7 +83,7 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
 
 RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options) {
     std::string engine = engine_for(plan, options.engine);
-    const PointsModel& model = *plan.model;
+    const SceneModel& model = *plan.model;
     const std::vector<double> x = model.start(options.start);
     Solution solution = engine == "closed form" ? solve_closed(model, x, options, plan.closed)
                                                 : solve(model, x, options, engine, plan.integrator, plan.closed);

@@ -59,7 +59,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE PointsModel::PointsModel(const Scene& scene, const Placement& view, bool leaves_out,
                                       const GivenNumbers& numbers)
-    : RecordedModel(numbers), watches_(scene.watches()) {
+    : SceneModel(numbers), watches_(scene.watches()) {
     const auto laws = std::make_shared<PointLaws>(scene, view);
     laws_ = laws;
     if (!leaves_out) return;
@@ -78,7 +78,7 @@ RBDYN_INLINE PointsModel::PointsModel(const Scene& scene, const Placement& view,
 }
 
 RBDYN_INLINE PointsModel::PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers)
-    : RecordedModel(planned, numbers), watches_(scene.watches()), why_all_(planned.why_all_) {
+    : SceneModel(planned, numbers), watches_(scene.watches()), why_all_(planned.why_all_) {
     const auto laws = std::make_shared<PointLaws>(planned.laws());
     laws->take_functions(scene);
     laws_ = laws;
@@ -157,7 +157,7 @@ RBDYN_INLINE double PointsModel::watched(const Mode& mode, int watch, double t, 
     return watches_[at(watch)].function(observing(mode, t, x));
 }
 
-RBDYN_INLINE Turning PointsModel::turning(int body, std::span<const double> x) const {
+RBDYN_INLINE Turning PointsModel::turning(int body, double, std::span<const double> x) const {
     const PointLaws::Body& b = laws_->body(body);
     const PointLaws::Variables own = laws_->variables_of(b, x);
     const RigidState<double> s = b.rigid->state(own.q, own.v);
@@ -168,7 +168,7 @@ RBDYN_INLINE std::vector<double> PointsModel::winding(double, std::span<const do
     std::vector<double> all;
     for (int i = 0; i < bodies(); ++i) {
         if (!has_angles(i)) continue;
-        const EulerAngles a = euler_path::begin(turning(i, x), laws_->body(i).start_angles);
+        const EulerAngles a = euler_path::begin(turning(i, 0.0, x), laws_->body(i).start_angles);
         all.insert(all.end(), {a.theta, a.psi, a.phi});
     }
     return all;
@@ -193,13 +193,39 @@ RBDYN_INLINE EulerAngles PointsModel::wound(int body, const Piece& piece, const 
     std::vector<double> x(at(variables()));
     const auto motion = [&](double time) {
         piece.state(std::clamp(time / piece.unit, 0.0, tau), x);
-        return turning(body, x);
+        return turning(body, time, x);
     };
     const Turning first = motion(0.0);
     const double time = tau * piece.unit;
     const EulerStep last =
         euler_path::follow({0.0, first, continue_from(before, first.attitude)}, time, motion, [](const EulerStep&) {});
     return continue_from(last.angles, motion(time).attitude);
+}
+
+RBDYN_INLINE int PointsModel::freedom() const {
+    int sum = 0;
+    for (const PointLaws::Body& b : laws_->bodies()) sum += b.curve ? 1 : b.velocities();
+    return sum;
+}
+
+RBDYN_INLINE std::shared_ptr<const SceneModel> PointsModel::with_numbers(const Scene& scene,
+                                                                         const GivenNumbers& numbers) const {
+    return std::make_shared<const PointsModel>(*this, scene, numbers);
+}
+
+RBDYN_INLINE std::vector<PointReport> PointsModel::reports(const Mode& mode, double t, std::span<const double> x) const {
+    std::vector<PointReport> all;
+    for (int i = 0; i < bodies(); ++i) all.push_back(report(mode, i, t, x));
+    return all;
+}
+
+RBDYN_INLINE JointReport PointsModel::joint(const Mode& mode, int body, double t, std::span<const double> x) const {
+    const RigidReport r = rigid_report(mode, body, t, x);
+    return {{r.coordinate}, {r.rate}};
+}
+
+RBDYN_INLINE Matrix3 PointsModel::rail_turn(int body, double t, std::span<const double>) const {
+    return laws_->rail_turn(body, t);
 }
 
 RBDYN_INLINE Vector3 PointsModel::center(const Mode& mode, int body, double t, std::span<const double> x) const {

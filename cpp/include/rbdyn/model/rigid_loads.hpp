@@ -109,6 +109,7 @@ struct RigidReport {
     double coordinate = 0.0, rate = 0.0;             // of a joint with one
     double force_effort = 0.0, torque_effort = 0.0;  // sizes of what the reactions are differences of
 
+    RigidReport() = default;
     /// From the coordinates q, and what the law makes of the wrench.
     RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q);
     /// From the rates of the velocities.

@@ -61,6 +61,9 @@ RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
             left.energy = false;
     }
     for (const Scene::Body& b : scene.bodies()) {
+        const Revolute* hinge = std::get_if<Revolute>(&b.joint);
+        const Prismatic* slide = std::get_if<Prismatic>(&b.joint);
+        if ((hinge != nullptr && hinge->motion) || (slide != nullptr && slide->motion)) left.energy = false;
         const Rail* rail = b.rail();
         if (rail == nullptr) continue;
         left.known = false;
@@ -82,7 +85,10 @@ RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* 
     const bool has_gravity = !g.isZero(0.0), only_gravity = left.known && left.external.isZero(0.0);
     if (has_gravity) result.up = -direction(g);
     bool all_free = true;
-    for (const Scene::Body& b : scene.bodies()) all_free = all_free && std::holds_alternative<Free>(b.joint);
+    // what joins bodies to each other is no force from outside
+    for (const Scene::Body& b : scene.bodies())
+        all_free = all_free && (std::holds_alternative<Free>(b.joint) || b.parent >= 0);
+    for (const Scene::Held& c : scene.constraints()) all_free = all_free && body_of(c.b) >= 0;
     if (all_free) {
         const char* names[] = {"momentum x", "momentum y", "momentum z"};
         const Vector3 external = left.external + sizes(g);

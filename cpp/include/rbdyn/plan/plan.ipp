@@ -72,7 +72,14 @@ RBDYN_INLINE std::pair<int, int> Plan::variables() const {
         sum.first += simulated;
         sum.second += all;
     }
-    return model ? std::pair(model->laws().map().size(), model->laws().map().variables()) : sum;
+    return model ? std::pair(model->map().size(), model->map().variables()) : sum;
+}
+
+RBDYN_INLINE int Plan::freedom() const {
+    if (told) return told->freedom;
+    int sum = 0;
+    for (const Plan& part : parts) sum += part.freedom();
+    return model ? model->freedom() : sum;
 }
 
 RBDYN_INLINE Size Plan::size() const {

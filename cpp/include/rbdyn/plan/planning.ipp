@@ -28,11 +28,13 @@
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
@@ -79,8 +81,18 @@ RBDYN_INLINE Placement view_of(const Scene& scene) {
     return placed(view.origin, curves::columns(along, unit, cross<DoubleDouble>(along, unit)));
 }
 
-RBDYN_INLINE std::vector<std::string> guards_of(const PointsModel& model) {
+RBDYN_INLINE std::vector<std::string> guards_of(const SceneModel& scene_model) {
     std::vector<std::string> lines;
+    if (scene_model.special() == nullptr) {
+        std::vector<double> x = scene_model.start(0.0);
+        for (const Guard& guard : scene_model.begin(0.0, x).equations->guards) {
+            const std::string line = guard.is_watched() ? "\"" + guard.name + "\" (watch)"
+                                                        : guard.name + " through zero (switch)";
+            if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+        }
+        return lines;
+    }
+    const auto& model = dynamic_cast<const PointsModel&>(scene_model);
     for (const signed char slip : {static_cast<signed char>(1), sticks, flies}) {
         std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
         if (slip == flies)
@@ -148,11 +160,12 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
     plan.apart = std::make_shared<const SceneParts>(std::move(apart));
 }
 
-RBDYN_INLINE FoundForm closed_form(const Scene& scene, const PointsModel& model, bool any_rigid) {
+RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid) {
     FoundForm found;
-    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, model.laws());
+    if (model.special() == nullptr) return {nullptr, "bodies joined to bodies have none here"};
+    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, *model.special());
     if (found.form) return found;
-    FoundForm linear = linear_motion(scene, model);
+    FoundForm linear = linear_motion(scene, dynamic_cast<const PointsModel&>(model));
     if (!linear.form && any_rigid) return found;
     return linear;
 }
@@ -242,11 +255,17 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
     Simulated simulated;
     if (apart.parts.empty()) {
         plan.view = view_of(scene);
-        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
+        if (needs_tree(scene)) {
+            plan.view = {};
+            plan.model = std::make_shared<const TreeModel>(scene, numbers);
+        } else {
+            plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
+        }
         simulated.take(*plan.model);
         for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
         plan.guards = guards_of(*plan.model);
-        if (const auto& rigid = plan.model->laws().body(0).rigid; rigid && scene.bodies().size() == 1) only = &*rigid;
+        if (const PointLaws* laws = plan.model->special(); laws != nullptr && scene.bodies().size() == 1)
+            if (const auto& rigid = laws->body(0).rigid) only = &*rigid;
         plan.reason = plan.calls_back
                           ? "a force that is called back has no Taylor series; events are located but not certain"
                           : "the equations are known, so their Taylor series are";

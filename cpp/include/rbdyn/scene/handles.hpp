@@ -32,6 +32,11 @@ struct CouplingHandle {
     int index = -1;
     bool operator==(const CouplingHandle&) const = default;
 };
+/// A constraint of a scene.
+struct ConstraintHandle {
+    int index = -1;
+    bool operator==(const ConstraintHandle&) const = default;
+};
 /// A watched function of a scene.
 struct WatchHandle {
     int index = -1;

@@ -20,6 +20,7 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/scene/constraints.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -52,7 +53,11 @@ RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Free&, const 
         require(std::isfinite(start.velocity[i]), name, "component " + std::to_string(i) + " of velocity",
                 start.velocity[i], "a velocity is finite; give it in m/s");
     }
-    return add({.body = particle, .position = start.position, .velocity = start.velocity, .name = std::move(name)});
+    return add({.body = particle,
+                .position = start.position,
+                .velocity = start.velocity,
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const FreeStart& start, std::string name) {
@@ -83,7 +88,8 @@ RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Rail& rail, c
                 .parameter = u.hi,
                 .speed = start.speed,
                 .parameter_rest = u.lo,
-                .name = std::move(name)});
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free&, const BodyStart& start, std::string name) {
@@ -96,7 +102,8 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free&, const Bod
                 .velocity = start.velocity,
                 .attitude = start.attitude,
                 .angular_velocity = joints::angular_velocity(start, start.attitude, name),
-                .name = std::move(name)});
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const BodyStart& start, std::string name) {
@@ -112,7 +119,8 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Spherical& joint
                 .joint = joint,
                 .attitude = start.attitude,
                 .angular_velocity = joints::angular_velocity(start, start.attitude, name),
-                .name = std::move(name)});
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start,
@@ -126,7 +134,12 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint,
     const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
     require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
             "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
-    return add({.body = body, .joint = joint, .parameter = start.angle, .speed = start.rate, .name = std::move(name)});
+    return add({.body = body,
+                .joint = joint,
+                .parameter = start.angle,
+                .speed = start.rate,
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start,
@@ -136,8 +149,79 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint
     require(std::isfinite(start.displacement), name, "displacement", start.displacement,
             "a displacement is finite; give it in m");
     require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
-    return add(
-        {.body = body, .joint = joint, .parameter = start.displacement, .speed = start.rate, .name = std::move(name)});
+    return add({.body = body,
+                .joint = joint,
+                .parameter = start.displacement,
+                .speed = start.rate,
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Universal& joint, const UniversalStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    for (std::size_t k = 0; k < 2; ++k) {
+        require(std::isfinite(start.angles[k]), name, "angles " + std::to_string(k), start.angles[k],
+                "an angle is finite; give it in rad");
+        require(std::isfinite(start.rates[k]), name, "rates " + std::to_string(k), start.rates[k],
+                "a rate is finite; give it in rad/s");
+    }
+    return add({.body = body,
+                .joint = joint,
+                .coordinates = {start.angles[0], start.angles[1], 0.0},
+                .rates = {start.rates[0], start.rates[1], 0.0},
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Cylindrical& joint, const CylindricalStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
+    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    require(std::isfinite(start.displacement), name, "displacement", start.displacement,
+            "a displacement is finite; give it in m");
+    require(std::isfinite(start.displacement_rate), name, "displacement_rate", start.displacement_rate,
+            "a rate is finite; give it in m/s");
+    return add({.body = body,
+                .joint = joint,
+                .coordinates = {start.angle, start.displacement, 0.0},
+                .rates = {start.rate, start.displacement_rate, 0.0},
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Planar& joint, const PlanarStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    for (std::size_t k = 0; k < 2; ++k) {
+        require(std::isfinite(start.position[k]), name, "position " + std::to_string(k), start.position[k],
+                "a position is finite; give it in m");
+        require(std::isfinite(start.velocity[k]), name, "velocity " + std::to_string(k), start.velocity[k],
+                "a velocity is finite; give it in m/s");
+    }
+    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
+    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    return add({.body = body,
+                .joint = joint,
+                .coordinates = {start.position[0], start.position[1], start.angle},
+                .rates = {start.velocity[0], start.velocity[1], start.rate},
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Fixed& joint, const FixedStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    return add({.body = body,
+                .joint = joint,
+                .attitude = joint.attitude,
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude,
@@ -166,21 +250,7 @@ RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<V
 }
 
 RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
-    for (const End* end : {&a, &b}) {
-        if (body_of(*end) >= 0 || !std::holds_alternative<Vector3>(*end))
-            require_body(BodyHandle{body_of(*end)}, "connect");
-        if (const BodyPoint* point = std::get_if<BodyPoint>(end)) {
-            joints::require_finite("connect", "a point of a body", point->point);
-            const Body& body = bodies_[static_cast<std::size_t>(point->body)];
-            if (body.rigid() == nullptr)
-                throw InvalidInput("connect: a point of " + body.name +
-                                   " is given, which is a particle and has no other; give its handle");
-        }
-        if (const Vector3* point = std::get_if<Vector3>(end))
-            for (int i = 0; i < 3; ++i)
-                require(std::isfinite((*point)[i]), "connect", "component " + std::to_string(i) + " of a point",
-                        (*point)[i], "a point of the world is finite, in m");
-    }
+    for (const End* end : {&a, &b}) require_end(*end, "connect");
     if (std::holds_alternative<Vector3>(a) && std::holds_alternative<Vector3>(b))
         throw InvalidInput("connect: both ends are points of the world; at least one is a body");
     if (a == b) throw InvalidInput("connect: both ends are the same body; a coupling joins two points");
@@ -188,6 +258,34 @@ RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
     connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
     plan_.forget();
     return {static_cast<int>(connections_.size()) - 1};
+}
+
+RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std::optional<End> b, std::string name) {
+    require_end(a, "constrain");
+    if (b) require_end(*b, "constrain");
+    std::visit([](const auto& c) { c.validate(); }, constraint);
+    if (body_of(a) < 0)
+        throw InvalidInput("constrain: a is a point of the world; what is held is a point of a body, and the world is "
+                           "b");
+    if (b && body_of(*b) == body_of(a))
+        throw InvalidInput("constrain: both ends are on " + bodies_[static_cast<std::size_t>(body_of(a))].name +
+                           "; a constraint joins two bodies, or one and the world");
+    const auto turns = [&](const End& end) {
+        return body_of(end) < 0 || bodies_[static_cast<std::size_t>(body_of(end))].rigid() != nullptr;
+    };
+    const bool needs_axes = std::holds_alternative<Weld>(constraint) || std::holds_alternative<Hinge>(constraint) ||
+                            std::holds_alternative<Universal>(constraint);
+    if (needs_axes && !(turns(a) && (!b || turns(*b))))
+        throw InvalidInput("constrain: a particle has no axes to be held; Ball() holds two points together");
+    const auto taken = [&](const std::string& n) { return has(constraints_, n) || has(bodies_, n) || has(watches_, n); };
+    if (!name.empty() && taken(name))
+        throw InvalidInput("constrain: there is a body, a watch or a constraint named \"" + name +
+                           "\" already; names differ");
+    std::size_t number = constraints_.size();
+    while (name.empty() || taken(name)) name = "constraint " + std::to_string(++number);
+    constraints_.push_back({std::move(constraint), std::move(a), b.value_or(End(BodyHandle{})), std::move(name)});
+    plan_.forget();
+    return {static_cast<int>(constraints_.size()) - 1};
 }
 
 RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, WatchOptions options) {
@@ -217,6 +315,10 @@ RBDYN_INLINE Scene Scene::frozen() const {
     for (Body& b : result.bodies_) {
         if (const Particle* particle = std::get_if<Particle>(&b.body)) b.body = particle->frozen();
         if (const Rail* rail = b.rail()) b.joint = rail->frozen();
+        if (Revolute* hinge = std::get_if<Revolute>(&b.joint); hinge != nullptr && hinge->motion)
+            hinge->motion = hinge->motion->frozen();
+        if (Prismatic* slide = std::get_if<Prismatic>(&b.joint); slide != nullptr && slide->motion)
+            slide->motion = slide->motion->frozen();
     }
     for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
     for (Connection& c : result.connections_)
@@ -269,6 +371,31 @@ RBDYN_INLINE BodyHandle Scene::add(Body body) {
     bodies_.push_back(std::move(body));
     plan_.forget();
     return {static_cast<int>(bodies_.size()) - 1};
+}
+
+RBDYN_INLINE int Scene::parent_of(BodyHandle parent, const std::string& name) const {
+    if (parent.index == -1) return -1;
+    require(parent.index >= 0 && parent.index < static_cast<int>(bodies_.size()), name, "parent", parent.index,
+            "a parent is a body that this scene has already, of " + std::to_string(bodies_.size()) + "; or none");
+    if (bodies_[static_cast<std::size_t>(parent.index)].rigid() == nullptr)
+        throw InvalidInput(name + ": its parent " + bodies_[static_cast<std::size_t>(parent.index)].name +
+                           " is a particle, which has no axes to hold a joint; a RigidBody can be a parent");
+    return parent.index;
+}
+
+RBDYN_INLINE void Scene::require_end(const End& end, const std::string& verb) const {
+    if (body_of(end) >= 0 || !std::holds_alternative<Vector3>(end)) require_body(BodyHandle{body_of(end)}, verb);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&end)) {
+        joints::require_finite(verb, "a point of a body", point->point);
+        const Body& body = bodies_[static_cast<std::size_t>(point->body)];
+        if (body.rigid() == nullptr)
+            throw InvalidInput(verb + ": a point of " + body.name +
+                               " is given, which is a particle and has no other; give its handle");
+    }
+    if (const Vector3* point = std::get_if<Vector3>(&end))
+        for (int i = 0; i < 3; ++i)
+            require(std::isfinite((*point)[i]), verb, "component " + std::to_string(i) + " of a point", (*point)[i],
+                    "a point of the world is finite, in m");
 }
 
 RBDYN_INLINE void Scene::require_turnable(const RigidBody& body, const Vector3& point, const std::string& name) {

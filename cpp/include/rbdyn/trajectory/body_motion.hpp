@@ -19,6 +19,7 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+struct JointReport;  // model/scene_model.hpp
 struct PointReport;  // model/point_laws.hpp
 struct RigidReport;  // model/rigid_loads.hpp
 struct RunData;      // trajectory/run_data.hpp
@@ -73,12 +74,17 @@ public:
     std::pair<Vector3, Vector3> instantaneous_axis(double t, Side side = Side::after) const;
     /// Moment that its joint exerts about the point it holds [N m], world axes. Not on a free body.
     Vector3 reaction_torque(double t, Side side = Side::after) const;
-    /// Of a hinge [rad].
+    /// Of a joint that turns its body about one axis: a hinge, also one that slides, or in a plane [rad].
     double angle(double t, Side side = Side::after) const;
-    /// Of a slide [m].
+    /// Of a slide, also of a hinge that slides [m].
     double displacement(double t, Side side = Side::after) const;
-    /// Of a hinge [rad/s] or a slide [m/s].
+    /// Of the angle [rad/s], or of the displacement of a slide [m/s].
     double rate(double t, Side side = Side::after) const;
+    /// Of a hinge that slides [m/s].
+    double displacement_rate(double t, Side side = Side::after) const;
+    /// Of a universal joint, about its first axis and its second [rad], and their rates [rad/s].
+    std::pair<double, double> angles(double t, Side side = Side::after) const;
+    std::pair<double, double> rates(double t, Side side = Side::after) const;
     /// Theta, psi, phi [rad], continuous in time from the start of the run (rotation/euler_angles.hpp), and there those
     /// that its attitude was given by.
     EulerAngles euler_angles(double t, Side side = Side::after) const;
@@ -95,13 +101,30 @@ private:
     const Scene::Body& body() const;
     bool is_rigid() const;
     RigidReport jointed(double t, Side side) const;
-    template <class J>
-    RigidReport on(double t, Side side, const char* what) const;
+    /// Of a joint with coordinates of its own.
+    JointReport joint(double t, Side side) const;
+    [[noreturn]] void refuse(const char* what) const;
     PointReport railed(double t, Side side) const;
     const Curve& curve() const;
 
     std::shared_ptr<const RunData> data_;
     int body_;
+};
+
+/// What a constraint of a run does.
+class ConstraintMotion {
+public:
+    ConstraintMotion(const std::shared_ptr<const RunData>& data, int index);
+
+    /// Force and torque on its first end, world axes [N, N m]; the torque about the point that is held.
+    Vector3 force(double t, Side side = Side::after) const;
+    Vector3 torque(double t, Side side = Side::after) const;
+    /// How far its points are from where they should be [m], with the angles of its axes [rad] taken for metres.
+    double gap(double t, Side side = Side::after) const;
+
+private:
+    std::shared_ptr<const RunData> data_;
+    int index_;
 };
 
 /// Length and force of a spring of a run.

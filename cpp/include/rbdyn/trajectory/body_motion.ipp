@@ -19,7 +19,7 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/rotation/attitude.hpp"
@@ -37,11 +37,13 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-template <class J>
-RigidReport BodyMotion::on(double t, Side side, const char* what) const {
-    if (!std::holds_alternative<J>(body().joint))
-        throw InvalidInput(body().name + ": " + what + " is asked for, and its joint has none");
-    return rigid(t, side);
+RBDYN_INLINE JointReport BodyMotion::joint(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->joint(m.mode, body_, t, m.x);
+}
+
+RBDYN_INLINE void BodyMotion::refuse(const char* what) const {
+    throw InvalidInput(body().name + ": " + what + " is asked for, and its joint has none");
 }
 
 RBDYN_INLINE BodyMotion::BodyMotion(const std::shared_ptr<const RunData>& data, int body) {
@@ -93,7 +95,8 @@ RBDYN_INLINE Vector3 BodyMotion::reaction_frenet(double t, Side side) const {
     const PointReport r = railed(t, side);
     const Frenet f = curve().frenet(r.u);
     // the axes turn with the rail
-    const Vector3 reaction = data_->model->laws().rail_turn(body_, t).transpose() * r.reaction;
+    const Moment m(*data_, t, side);
+    const Vector3 reaction = data_->model->rail_turn(body_, t, m.x).transpose() * r.reaction;
     return {reaction.dot(f.tangent), reaction.dot(f.normal), reaction.dot(f.binormal)};
 }
 
@@ -129,19 +132,48 @@ RBDYN_INLINE std::pair<Vector3, Vector3> BodyMotion::instantaneous_axis(double t
 
 RBDYN_INLINE Vector3 BodyMotion::reaction_torque(double t, Side side) const { return jointed(t, side).reaction_torque; }
 
-RBDYN_INLINE double BodyMotion::angle(double t, Side side) const { return on<Revolute>(t, side, "angle").coordinate; }
+RBDYN_INLINE double BodyMotion::angle(double t, Side side) const {
+    const Joint& j = body().joint;
+    if (std::holds_alternative<Planar>(j)) return joint(t, side).coordinates[2];
+    if (!std::holds_alternative<Revolute>(j) && !std::holds_alternative<Cylindrical>(j)) refuse("angle");
+    return joint(t, side).coordinates[0];
+}
 
 RBDYN_INLINE double BodyMotion::displacement(double t, Side side) const {
-    return on<Prismatic>(t, side, "displacement").coordinate;
+    const Joint& j = body().joint;
+    if (std::holds_alternative<Cylindrical>(j)) return joint(t, side).coordinates[1];
+    if (!std::holds_alternative<Prismatic>(j)) refuse("displacement");
+    return joint(t, side).coordinates[0];
+}
+
+RBDYN_INLINE double BodyMotion::displacement_rate(double t, Side side) const {
+    if (!std::holds_alternative<Cylindrical>(body().joint)) refuse("displacement_rate");
+    return joint(t, side).rates[1];
+}
+
+RBDYN_INLINE std::pair<double, double> BodyMotion::angles(double t, Side side) const {
+    if (!std::holds_alternative<Universal>(body().joint)) refuse("angles");
+    const JointReport r = joint(t, side);
+    return {r.coordinates[0], r.coordinates[1]};
+}
+
+RBDYN_INLINE std::pair<double, double> BodyMotion::rates(double t, Side side) const {
+    if (!std::holds_alternative<Universal>(body().joint)) refuse("rates");
+    const JointReport r = joint(t, side);
+    return {r.rates[0], r.rates[1]};
 }
 
 RBDYN_INLINE double BodyMotion::rate(double t, Side side) const {
-    const RigidReport r = rigid(t, side);
-    if (data_->model->laws().body(body_).rigid->turns_freely())
+    const Joint& j = body().joint;
+    if (std::holds_alternative<Planar>(j)) return joint(t, side).rates[2];
+    if (!std::holds_alternative<Revolute>(j) && !std::holds_alternative<Prismatic>(j) &&
+        !std::holds_alternative<Cylindrical>(j)) {
+        (void)rigid(t, side);
         throw InvalidInput(body().name +
                            ": rate is asked for, and its joint has not one coordinate; Revolute and "
                            "Prismatic have");
-    return r.rate;
+    }
+    return joint(t, side).rates[0];
 }
 
 RBDYN_INLINE Vector3 BodyMotion::euler_rates(double t, Side side) const {
@@ -173,7 +205,7 @@ RBDYN_INLINE bool BodyMotion::is_rigid() const { return body().rigid() != nullpt
 
 RBDYN_INLINE RigidReport BodyMotion::jointed(double t, Side side) const {
     RigidReport r = rigid(t, side);
-    if (data_->model->laws().body(body_).rigid->kind == RigidLaw::Kind::free)
+    if (std::holds_alternative<Free>(body().joint))
         throw InvalidInput(body().name + ": it is free, and only a joint exerts a reaction");
     return r;
 }
@@ -189,12 +221,13 @@ RBDYN_INLINE const Curve& BodyMotion::curve() const { return body().rail()->curv
 
 RBDYN_INLINE EulerAngles BodyMotion::euler_angles(double t, Side side) const {
     if (!is_rigid()) throw InvalidInput(body().name + ": it is a particle, and only a rigid body has an attitude");
-    const PointsModel& model = *data_->model;
+    const SceneModel& model = *data_->model;
     const Record& record = data_->record;
-    const auto turning = [&](double time, Side at) { return model.turning(body_, state_at(record, time, at)); };
+    const auto turning = [&](double time, Side at) { return model.turning(body_, time, state_at(record, time, at)); };
     const Turning now = turning(t, side);
     // a hinge counts its turns itself
-    if (const Revolute* hinge = std::get_if<Revolute>(&body().joint))
+    const Revolute* hinge = std::get_if<Revolute>(&body().joint);
+    if (hinge != nullptr && body().parent < 0 && !hinge->motion)
         return continue_from(euler_path::of_turn(hinge->axis / hinge->axis.norm(), angle(t, side), body().parameter),
                              now.attitude);
     // so do runs that keep some times only
@@ -208,6 +241,25 @@ RBDYN_INLINE EulerAngles BodyMotion::euler_angles(double t, Side side) const {
         body_, t, now.attitude, record.start, body().attitude.given_angles(),
         [&](double time) { return turning(time, Side::after); },
         record.closed ? record.closed->recurrence(body_) : std::nullopt);
+}
+
+RBDYN_INLINE ConstraintMotion::ConstraintMotion(const std::shared_ptr<const RunData>& data, int index) {
+    std::tie(data_, index_) = part_of(data, &SceneParts::constraints, index);
+}
+
+RBDYN_INLINE Vector3 ConstraintMotion::force(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->constraint(m.mode, index_, t, m.x).force;
+}
+
+RBDYN_INLINE Vector3 ConstraintMotion::torque(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->constraint(m.mode, index_, t, m.x).torque;
+}
+
+RBDYN_INLINE double ConstraintMotion::gap(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->constraint(m.mode, index_, t, m.x).gap;
 }
 
 RBDYN_INLINE SpringMotion::SpringMotion(const std::shared_ptr<const RunData>& data, int index) {

@@ -107,7 +107,7 @@ RBDYN_INLINE void put(Writer& w, const Mode& mode) {
     w.put(std::vector<std::uint64_t>(mode.equations->sliding.begin(), mode.equations->sliding.end()));
 }
 
-RBDYN_INLINE Mode take_mode(Reader& r, const PointsModel* model, double t, std::span<const double> x) {
+RBDYN_INLINE Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x) {
     Mode mode;
     mode.slip = r.list<signed char>();
     mode.parameters = r.list<double>();
@@ -144,7 +144,7 @@ RBDYN_INLINE void put(Writer& w, const Record& record) {
     for (const Event& e : record.events) put(w, e);
 }
 
-RBDYN_INLINE Record take_record(Reader& r, const PointsModel* model, const std::shared_ptr<const ClosedForm>& closed,
+RBDYN_INLINE Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed,
                                 bool has_equations) {
     Record record;
     r.take(record.start);

@@ -56,6 +56,7 @@ public:
 
     BodyMotion operator[](BodyHandle body) const;
     SpringMotion operator[](CouplingHandle coupling) const;
+    ConstraintMotion operator[](ConstraintHandle constraint) const;
 
     // --- of the whole system, or of some bodies (`of`; empty: all) ---
     using Bodies = std::vector<BodyHandle>;

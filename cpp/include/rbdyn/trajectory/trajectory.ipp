@@ -153,6 +153,12 @@ RBDYN_INLINE SpringMotion Trajectory::operator[](CouplingHandle coupling) const 
     return {data_, coupling.index};
 }
 
+RBDYN_INLINE ConstraintMotion Trajectory::operator[](ConstraintHandle constraint) const {
+    require(constraint.index >= 0 && constraint.index < static_cast<int>(data_->scene.constraints().size()),
+            "Trajectory", "constraint", constraint.index, "a handle comes from the scene of this run");
+    return {data_, constraint.index};
+}
+
 RBDYN_INLINE double Trajectory::kinetic_energy(double t, const Bodies& of, Side side) const {
     double sum = 0.0;
     each(of, t, side,
@@ -363,7 +369,7 @@ RBDYN_INLINE double Trajectory::integral(const std::string& name, double t, Side
     if (name == "angular momentum z") return angular_momentum(t, p.pole, {}, side)[2];
     if (name == "vertical angular momentum") return angular_momentum(t, p.pole, {}, side).dot(p.up);
     if ((name == "spin" || name == "Kovalevskaya") && data_->parts.empty()) {
-        const PointLaws& laws = data_->model->laws();
+        const PointLaws& laws = *data_->model->special();
         const RigidLaw& law = *laws.body(0).rigid;
         const PointLaws::Variables own = laws.variables_of(laws.body(0), Moment(*data_, t, side).x);
         const RigidState<double> s = law.state(own.q, own.v);

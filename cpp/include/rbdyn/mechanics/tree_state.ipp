@@ -1,0 +1,166 @@
+// Definitions of rbdyn/mechanics/tree_state.hpp.
+#pragma once
+
+#include "rbdyn/mechanics/tree_state.hpp"
+
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+namespace tree_states {
+
+inline Matrix3 matrix(const SixInertia<double>::Block& block) {
+    Matrix3 m;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m(i, j) = block[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    return m;
+}
+inline Matrix3 matrix(const AxesOf<double>& axes) { return columns(axes.e1, axes.e2, axes.e3); }
+
+/// Sizes of a wrench about a point at r from its own.
+inline void add_sizes(Wrench<double>& sum, const Wrench<double>& w, const Vector3& r = Vector3::Zero()) {
+    const Vector3 f = sizes(w.force), a = sizes(r);
+    sum.force += f;
+    sum.moment += sizes(w.moment) +
+                  Vector3(a[1] * f[2] + a[2] * f[1], a[2] * f[0] + a[0] * f[2], a[0] * f[1] + a[1] * f[0]);
+}
+
+}  // namespace tree_states
+
+RBDYN_INLINE TreeState::TreeState(const Tree& given, std::vector<Moving<double>> motion)
+    : tree(given), moving(std::move(motion)) {
+    place();
+}
+
+RBDYN_INLINE void TreeState::place() {
+    bodies.resize(moving.size());
+    for (int i = 0; i < tree.size(); ++i) {
+        Body& b = bodies[at(i)];
+        const Moving<double>& m = moving[at(i)];
+        b.arm = m.to_world(exactly<double>(tree.node(i).center));
+        b.center = m.place + b.arm;
+        b.velocity = m.velocity_at(b.arm);
+        b.spin_momentum = tree_states::matrix(tree.inertia_of<double>(i, m)) * m.omega;
+        b.acceleration = b.spin_rate = b.angular_acceleration = b.origin_acceleration = Vector3::Zero();
+    }
+}
+
+RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& conditions, const std::vector<int>& rows,
+                                  int coupled, int loads, std::vector<Moving<double>> motion,
+                                  std::span<const double> values)
+    : tree(given), moving(std::move(motion)) {
+    place();
+    const double* next = values.data();
+    const auto vector = [&] {
+        next += 3;
+        return Vector3(next[-3], next[-2], next[-1]);
+    };
+    for (int i = 0; i < tree.size(); ++i) {
+        Body& b = bodies[at(i)];
+        b.acts.force = vector();
+        b.acts.moment = vector();
+        b.angular_acceleration = vector();
+        b.origin_acceleration = vector();
+    }
+    for (int i = 0; i < coupled; ++i) couplings.push_back(vector());
+    for (int i = 0; i < loads; ++i) powers.push_back(*next++);
+    std::vector<double> multipliers(at(conditions.rows()), 0.0);
+    for (const int r : rows) multipliers[at(r)] = *next++;
+    // what constraints exert
+    std::vector<Wrench<double>> held(moving.size());
+    if (!conditions.empty()) {
+        const auto all = conditions.rows<double>(tree, moving);
+        for (const Condition& c : conditions.all()) {
+            ConstraintReport report;
+            Wrench<double> on_a;
+            for (int r = c.first; r < c.first + c.rows(); ++r) {
+                const Row<double>& row = all[at(r)];
+                add<double>(on_a, row.on_a, multipliers[at(r)]);
+                if (row.a >= 0) add<double>(held[at(row.a)], row.on_a, multipliers[at(r)]);
+                if (row.b >= 0) add<double>(held[at(row.b)], row.on_b, multipliers[at(r)]);
+            }
+            report.force = on_a.force;
+            // about the constraint's own point
+            report.torque = about<double>(on_a, Vector3(-tree.point<double>(c.a, moving).arm)).moment;
+            report.gap = conditions.gap(tree, static_cast<int>(constraints.size()), moving);
+            constraints.push_back(report);
+        }
+    }
+    for (int i = 0; i < tree.size(); ++i) {
+        Body& b = bodies[at(i)];
+        const Moving<double>& m = moving[at(i)];
+        b.acceleration = b.origin_acceleration + cross<double>(b.angular_acceleration, b.arm) +
+                         cross<double>(m.omega, cross<double>(m.omega, b.arm));
+        b.spin_rate = tree_states::matrix(tree.inertia_of<double>(i, m)) * b.angular_acceleration +
+                      cross<double>(m.omega, b.spin_momentum);
+        Wrench<double> inertia;
+        inertia.force = b.acceleration * static_cast<double>(tree.node(i).mass);
+        inertia.moment = b.spin_rate + cross<double>(b.arm, inertia.force);
+        add<double>(b.reaction, inertia, 1.0);
+        add<double>(b.reaction, b.acts, -1.0);
+        add<double>(b.reaction, held[at(i)], -1.0);
+        for (const Wrench<double>* part : {&inertia, &b.acts, &held[at(i)]}) tree_states::add_sizes(b.effort, *part);
+    }
+    for (int i = tree.size() - 1; i >= 0; --i)
+        if (const int parent = tree.node(i).parent; parent >= 0) {
+            const Vector3 r = moving[at(i)].place - moving[at(parent)].place;
+            add<double>(bodies[at(parent)].reaction, about<double>(bodies[at(i)].reaction, r), 1.0);
+            tree_states::add_sizes(bodies[at(parent)].effort, bodies[at(i)].effort, r);
+        }
+}
+
+RBDYN_INLINE PointReport TreeState::point(int body) const {
+    const Body& b = bodies[at(body)];
+    const Moving<double>& m = moving[at(body)];
+    PointReport r;
+    r.position = b.center;
+    r.velocity = b.velocity;
+    r.acceleration = b.acceleration;
+    r.force = b.acts.force;
+    r.reaction = b.reaction.force;
+    r.speed = b.velocity.norm();
+    r.spin_momentum = b.spin_momentum;
+    r.spin_energy = 0.5 * m.omega.dot(b.spin_momentum);
+    r.spin_power = m.omega.dot(b.spin_rate);
+    r.effort = b.effort.force.norm();
+    return r;
+}
+
+RBDYN_INLINE RigidReport TreeState::rigid(int body, std::span<const double> x) const {
+    const Body& b = bodies[at(body)];
+    const Moving<double>& m = moving[at(body)];
+    const Node& n = tree.node(body);
+    RigidReport r;
+    r.attitude = rounded(quaternion(widened(tree_states::matrix(m.axes))));
+    const Vector3 origin = -m.to_world(exactly<double>(n.joint.held().point));
+    r.position = m.place + origin;
+    r.velocity = m.velocity_at(origin);
+    r.acceleration = b.origin_acceleration + cross<double>(b.angular_acceleration, origin) +
+                     cross<double>(m.omega, cross<double>(m.omega, origin));
+    r.center_acceleration = b.acceleration;
+    r.force = b.acts.force;
+    r.moment = b.acts.moment;
+    r.reaction = b.reaction.force;
+    r.reaction_torque = b.reaction.moment;
+    r.angular_velocity = m.to_body(m.omega);
+    r.angular_acceleration = m.to_body(b.angular_acceleration);
+    r.spin_momentum = b.spin_momentum;
+    r.spin_energy = 0.5 * m.omega.dot(b.spin_momentum);
+    r.spin_power = m.omega.dot(b.spin_rate);
+    if (n.joint.velocities() == 1) {
+        r.coordinate = x[at(n.q)];
+        r.rate = x[at(tree.positions() + n.v)];
+    }
+    r.force_effort = b.effort.force.norm();
+    r.torque_effort = b.effort.moment.norm();
+    return r;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics
