@@ -4,6 +4,7 @@
 #include "rbdyn/scene/couplings.ipp"
 #include "rbdyn/scene/effects.ipp"
 #include "rbdyn/scene/handles.ipp"
+#include "rbdyn/scene/joint_loads.ipp"
 #include "rbdyn/scene/joints.ipp"
 #include "rbdyn/scene/loads.ipp"
 #include "rbdyn/scene/parts.ipp"

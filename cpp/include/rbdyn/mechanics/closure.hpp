@@ -121,7 +121,7 @@ public:
                    std::vector<int> rows)
         : tree_(std::move(tree)), conditions_(std::move(conditions)), rows_(std::move(rows)) {}
 
-    void apply(std::span<double> x, std::span<double> low, double step) const override;
+    void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
 
 private:
     std::shared_ptr<const Tree> tree_;

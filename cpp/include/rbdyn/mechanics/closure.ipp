@@ -110,19 +110,19 @@ RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const 
     return left;
 }
 
-RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/) const {
+RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/, double t) const {
     using Real = long double;
     std::vector<Real> wide(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
     const std::vector<Real> before = wide;
     closing::normalize<Real>(*tree_, wide);
     if (!rows_.empty()) {
-        const auto all = closing::moving<Real>(*tree_, 0.0, wide);
+        const auto all = closing::moving<Real>(*tree_, t, wide);
         const closing::Responses now(*tree_, *conditions_, rows_,
-                                     closing::moving<double>(*tree_, 0.0, {x.begin(), x.end()}));
+                                     closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
         const auto gaps = conditions_->gaps<Real>(*tree_, all);
         closing::move<Real>(*tree_, now.changes(closing::chosen(gaps, rows_)), wide);
-        const auto moved = closing::moving<Real>(*tree_, 0.0, wide);
+        const auto moved = closing::moving<Real>(*tree_, t, wide);
         std::vector<Real> rates;
         for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));
         const std::vector<double> changes = now.changes(closing::chosen(rates, rows_));

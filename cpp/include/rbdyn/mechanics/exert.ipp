@@ -8,6 +8,7 @@
 
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/expression/expression.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/torque.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
@@ -75,12 +76,21 @@ RBDYN_INLINE Acts Exerted::all(const Tree& tree, const S& t, const std::vector<M
         const int body = load.at.body;
         const Node& n = tree.node(body);
         S power(0.0);
+        const auto along = [&](const JointLoad& joint_load, int k) {
+            const S exerted = joint_load(t, q[n.q + k], v[n.v + k]);
+            acts.joints[at(n.v + k)] += exerted;
+            return S(exerted * v[n.v + k]);
+        };
         if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
             const int k = turning_velocity(n.joint);
             const S torque = -(spring->stiffness.in<S>() * (q[n.q + k] - spring->rest_angle.in<S>()) +
                                spring->damping.in<S>() * v[n.v + k]);
             acts.joints[at(n.v + k)] += torque;
             power = torque * v[n.v + k];
+        } else if (const JointTorque* torque = std::get_if<JointTorque>(&load.load)) {
+            power = along(*torque, turning_velocity(n.joint));
+        } else if (const JointForce* force = std::get_if<JointForce>(&load.load)) {
+            power = along(*force, sliding_velocity(n.joint));
         } else if (is_present(load.load)) {
             const Wrench<S> w = wrench(load, tree, t, all);
             add<S>(acts.wrenches[at(body)], w, S(1.0));

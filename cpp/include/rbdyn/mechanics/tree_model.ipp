@@ -32,6 +32,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool needs_tree(const Scene& scene) {
     if (!scene.constraints().empty()) return true;
+    for (const Scene::AppliedLoad& l : scene.loads())
+        if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) return true;
     const auto is_special = [](const Scene::Body& b) {
         if (b.parent >= 0) return false;
         if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return !hinge->motion;

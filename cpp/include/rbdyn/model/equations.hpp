@@ -90,8 +90,8 @@ class Projection {
 public:
     virtual ~Projection() = default;
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
-    /// time since it was moved last [s].
-    virtual void apply(std::span<double> x, std::span<double> low, double step) const = 0;
+    /// time since it was moved last [s]; `t`: the time it is at.
+    virtual void apply(std::span<double> x, std::span<double> low, double step, double t) const = 0;
     /// Whether it adds what rounded constants of the equations leave out.
     virtual bool makes_up_for_rounding() const;
 };

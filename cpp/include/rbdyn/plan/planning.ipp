@@ -43,6 +43,7 @@
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/effects.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/parts.hpp"
@@ -197,6 +198,16 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
     }
+    const auto take_joint_load = [&](const JointLoad& l, const std::string& what, const std::string& on) {
+        if (!l.present()) leave_out(what + on, "it is zero");
+        if (l.callback()) {
+            plan.calls_back = true;
+            plan.callbacks.push_back(l.callback());
+            plan.functions.push_back(what + " \"" + l.name() + "\"" + on + " called back: " + l.callback()->reason);
+        } else if (l.function()) {
+            plan.functions.push_back(what + " \"" + l.name() + "\" traced, native," + on);
+        }
+    };
     for (const auto& load : scene.loads()) {
         const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
         if (const Force* force = std::get_if<Force>(&load.load)) {
@@ -219,6 +230,10 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
             if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
+        } else if (acting::turns(load.load) && !std::holds_alternative<Torque>(load.load)) {
+            take_joint_load(std::get<JointTorque>(load.load), "joint torque", on);
+        } else if (const JointForce* joint_force = std::get_if<JointForce>(&load.load)) {
+            take_joint_load(*joint_force, "joint force", on);
         } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
             if (!twist->present()) leave_out("torque" + on, "it is zero");
             if (twist->is_constant()) continue;

@@ -34,6 +34,10 @@
 
 namespace rbdyn::inline RBDYN_FORM::acting {
 
+RBDYN_INLINE bool turns(const Load& load) {
+    return std::holds_alternative<Torque>(load) || std::holds_alternative<JointTorque>(load);
+}
+
 RBDYN_INLINE Load nothing_of(const Load& load) {
     return std::visit(
         [](const auto& l) -> Load {
@@ -74,7 +78,7 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
             note_spring(*torsion);
         else
             note(is_present(l.load), std::holds_alternative<Drag>(l.load)     ? "drag"
-                                     : std::holds_alternative<Torque>(l.load) ? "user torque"
+                                     : acting::turns(l.load)                          ? "user torque"
                                                                               : "user force");
     for (const Scene::Connection& c : scene.connections()) note_spring(std::get<Spring>(c.coupling));
     std::vector<std::string> result;
@@ -127,8 +131,8 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
     for (AppliedLoad& l : result.loads_)
         if (auto* torsion = std::get_if<TorsionSpring>(&l.load))
             take_spring(*torsion);
-        else if (is_gone(std::holds_alternative<Drag>(l.load)     ? "drag"
-                         : std::holds_alternative<Torque>(l.load) ? "user torque"
+        else if (is_gone(std::holds_alternative<Drag>(l.load) ? "drag"
+                         : acting::turns(l.load)              ? "user torque"
                                                                   : "user force"))
             l.load = acting::nothing_of(l.load);
     if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))

@@ -23,6 +23,7 @@
 #include "rbdyn/scene/constraints.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/plan_slot.hpp"
@@ -418,7 +419,25 @@ RBDYN_INLINE void Scene::require_fitting(const Load& load, const Body& body, con
     }
     if (is_turning && at)
         throw InvalidInput("apply: at is given for a Torque, which is the same about every point; leave it out");
-    if (std::holds_alternative<TorsionSpring>(load) && (!std::holds_alternative<Revolute>(body.joint) || at))
+    const bool is_driven = [&] {
+        if (const Revolute* hinge = std::get_if<Revolute>(&body.joint)) return hinge->motion.has_value();
+        if (const Prismatic* slide = std::get_if<Prismatic>(&body.joint)) return slide->motion.has_value();
+        return false;
+    }();
+    const bool turns_about_axis = !is_driven && (std::holds_alternative<Revolute>(body.joint) ||
+                                                 std::holds_alternative<Cylindrical>(body.joint) ||
+                                                 std::holds_alternative<Universal>(body.joint) ||
+                                                 std::holds_alternative<Planar>(body.joint)),
+               slides = !is_driven && (std::holds_alternative<Prismatic>(body.joint) ||
+                                       std::holds_alternative<Cylindrical>(body.joint));
+    if (std::holds_alternative<JointTorque>(load) && (!turns_about_axis || at))
+        throw InvalidInput("apply: a JointTorque acts about the axis of a Revolute, Cylindrical, Universal or Planar "
+                           "joint that is not driven, " +
+                           std::string(at ? "at no point" : "which " + body.name + " is not on"));
+    if (std::holds_alternative<JointForce>(load) && (!slides || at))
+        throw InvalidInput("apply: a JointForce acts along a Prismatic or Cylindrical joint that is not driven, " +
+                           std::string(at ? "at no point" : "which " + body.name + " is not on"));
+    if (std::holds_alternative<TorsionSpring>(load) && (!turns_about_axis || at))
         throw InvalidInput("apply: a TorsionSpring acts about the axis of a Revolute joint, " +
                            std::string(at ? "at no point" : "which " + body.name + " is not on"));
 }
