@@ -164,6 +164,8 @@ UserFunction user_torque(const py::object& f, std::optional<bool> trace, const s
 /// f(position), or f(x, y, z) -> a number. 3 inputs, 1 result.
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(t) -> a number.
+/// A load along a joint, of (t, q, rate).
+UserFunction user_joint_load(const py::object& f, std::optional<bool> trace, const std::string& user);
 UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(u) -> three components.
 UserFunction user_curve(const py::object& f, std::optional<bool> trace, const std::string& user);
@@ -209,6 +211,8 @@ inline const std::vector<py::ssize_t> shape_in_python = {};
 template <>
 inline const std::vector<py::ssize_t> shape_in_python<Vector3> = {3};
 template <>
+inline const std::vector<py::ssize_t> shape_in_python<std::array<double, 2>> = {2};
+template <>
 inline const std::vector<py::ssize_t> shape_in_python<rbdyn::EulerAngles> = {3};
 template <>
 inline const std::vector<py::ssize_t> shape_in_python<rbdyn::Quaternion> = {4};
@@ -221,6 +225,9 @@ py::array_t<double> to_array(const rbdyn::Matrix3& m);
 inline void write(double*& out, double value) { *out++ = value; }
 inline void write(double*& out, const Vector3& v) {
     for (int i = 0; i < 3; ++i) *out++ = v[i];
+}
+inline void write(double*& out, const std::array<double, 2>& pair) {
+    for (const double x : pair) *out++ = x;
 }
 inline void write(double*& out, const rbdyn::EulerAngles& a) {
     for (const double x : {a.theta, a.psi, a.phi}) *out++ = x;
@@ -279,6 +286,7 @@ py::array_t<double> rows_of(const std::vector<Vector3>& vectors);
 void bind_attitude(py::module_& m);
 void bind_poinsot(py::module_& m);
 void bind_bodies(py::module_& m);
+void bind_constraints(py::module_& m);
 void bind_curves(py::module_& m);
 void bind_expressions(py::module_& m);
 void bind_functions(py::module_& m);
@@ -290,6 +298,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
+void bind_tree_joints(py::module_& m);
 void bind_euler_top(py::module_& m);
 void bind_verbs(py::module_& m);
 void bind_watch(py::module_& m);

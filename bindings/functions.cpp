@@ -277,6 +277,9 @@ UserFunction user_torque(const py::object& f, std::optional<bool> trace, const s
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{3}, 1, "it returns one number, in J"});
 }
+UserFunction user_joint_load(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1, 1, 1}, 1, "it returns one number"});
+}
 UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{1}, 1, "it returns one number"});
 }

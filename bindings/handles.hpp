@@ -15,7 +15,7 @@
 namespace binding {
 
 struct Handle {
-    enum class Of { body, load, coupling, watch } of = Of::body;
+    enum class Of { body, load, coupling, watch, constraint } of = Of::body;
     int index = -1;
     std::uint64_t id = 0;
     std::string name;
@@ -28,6 +28,7 @@ struct BodyHandle : Handle {};
 struct LoadHandle : Handle {};
 struct CouplingHandle : Handle {};
 struct WatchHandle : Handle {};
+struct ConstraintHandle : Handle {};
 
 /// A point of a body, in body axes.
 struct BodyPoint {
@@ -42,6 +43,7 @@ struct Handles {
     std::vector<LoadHandle> loads;
     std::vector<CouplingHandle> couplings;
     std::vector<WatchHandle> watches;
+    std::vector<ConstraintHandle> constraints = {};
 
     bool has(const Handle& h) const {
         const auto among = [&](const auto& known) {
@@ -52,6 +54,7 @@ struct Handles {
             case Handle::Of::body: return among(bodies);
             case Handle::Of::load: return among(loads);
             case Handle::Of::coupling: return among(couplings);
+            case Handle::Of::constraint: return among(constraints);
             default: return among(watches);
         }
     }
@@ -60,7 +63,7 @@ struct Handles {
         if (!has(h))
             throw InvalidInput(
                 user + ": \"" + h.name +
-                "\" is a handle of another scene; use what add(), connect(), apply() or watch() of this one returned");
+                "\" is a handle of another scene; use what add(), connect(), constrain(), apply() or watch() of this one returned");
     }
     /// The body of a handle. Throws InvalidInput for any other handle.
     rbdyn::BodyHandle body(const Handle& h, const std::string& user) const {

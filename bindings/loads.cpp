@@ -75,6 +75,38 @@ void bind_vector_load(py::class_<Load>& load, const std::string& kind, Frame usu
         });
 }
 
+template <class Load>
+void bind_joint_load(py::module_& m, const char* name, const char* doc, const char* f_doc) {
+    const std::string kind = name;
+    py::class_<Load> load(m, name, doc);
+    load.def(py::init([kind](const NumberOrFunction& f, std::optional<bool> trace) {
+                 if (!is_function(f)) return Load(rbdyn::JointLoad(given(f, kind, "f")));
+                 const UserFunction user = user_joint_load(f, trace, kind);
+                 return user.callback ? Load(rbdyn::JointLoad(user.callback))
+                                      : Load(rbdyn::JointLoad(user.function, user.name));
+             }),
+             py::arg("f"), py::kw_only(), py::arg("trace") = py::none(), f_doc)
+        .def_property_readonly(
+            "name", [](const Load& l) { return l.name(); }, "Of its function.")
+        .def("__repr__", [kind](const Load& l) {
+            return kind + "(" +
+                   (l.is_constant() ? text(l.constant()) : l.name() + (l.callback() ? ", called back" : ", traced")) + ")";
+        });
+    as_data(
+        load,
+        [kind](const Load& l) -> py::tuple {
+            if (l.callback())
+                throw py::type_error(kind + ": function \"" + l.name() +
+                                     "\" is called back, and only what is traced can be hashed or pickled");
+            if (l.is_constant()) return py::make_tuple(to_python(l.constant()));
+            return py::make_tuple(l.function(), l.name());
+        },
+        [](const py::tuple& d) {
+            if (d.size() == 1) return Load(rbdyn::JointLoad(given_from(d[0])));
+            return Load(rbdyn::JointLoad(d[0].cast<Function>(), d[1].cast<std::string>()));
+        });
+}
+
 }  // namespace
 
 void bind_loads(py::module_& m) {
@@ -106,7 +138,7 @@ frame: the axes the torque is in, "body" or "world". trace: as for Force.)");
     bind_vector_load(torque, "Torque", Frame::body,
                      "The recorded function of t, the matrix row by row, and the angular velocity, if there is one.");
 
-    py::class_<TorsionSpring> torsion(m, "TorsionSpring", R"(A spring about a hinge, with a damper.
+    py::class_<TorsionSpring> torsion(m, "TorsionSpring", R"(A spring about a hinge, with a damper, between the body and its parent.
 
 Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)");
     torsion
@@ -137,6 +169,13 @@ Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)"
         [](const py::tuple& d) {
             return TorsionSpring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
+
+    bind_joint_load<rbdyn::JointTorque>(m, "JointTorque", R"(A torque about the axis of a joint: on the body, its opposite on its parent.
+
+Of a hinge, also one that slides or in a plane; of a universal joint about its first axis. No part of the reaction.)",
+                                        "f: a number [N m], or f(t, angle, rate) that returns one. trace: as for Force.");
+    bind_joint_load<rbdyn::JointForce>(m, "JointForce", R"(A force along a slide: on the body, its opposite on its parent. No part of the reaction.)",
+                                       "f: a number [N], or f(t, displacement, rate) that returns one. trace: as for Force.");
 
     py::class_<Potential> potential(m, "Potential", R"(A force by its potential: F = +grad U (the chapter's sign).
 

@@ -39,6 +39,11 @@ struct BoundSpring {
     std::string name;
 };
 
+struct BoundConstraint {
+    rbdyn::ConstraintMotion motion;
+    std::string name;
+};
+
 /// quantity(motion, t, side) as a method of time.
 template <class Owner, class R>
 auto of_time(R (decltype(Owner::motion)::*quantity)(double, Side) const) {
@@ -306,7 +311,12 @@ std::vector<std::string> quantities_of(const rbdyn::Scene::Body& body) {
           "euler_angles", "euler_rates", "angular_velocity", "angular_velocity_world", "angular_acceleration",
           "poisson_vector", "instantaneous_axis"});
     if (!std::holds_alternative<rbdyn::Free>(body.joint)) also({"reaction", "reaction_torque"});
-    if (std::holds_alternative<rbdyn::Revolute>(body.joint)) also({"angle", "rate"});
+    const auto is_on = [&]<class J>(const J*) { return std::holds_alternative<J>(body.joint); };
+    if (is_on(static_cast<rbdyn::Revolute*>(nullptr)) || is_on(static_cast<rbdyn::Planar*>(nullptr)))
+        also({"angle", "rate"});
+    if (is_on(static_cast<rbdyn::Cylindrical*>(nullptr)))
+        also({"angle", "rate", "displacement", "displacement_rate"});
+    if (is_on(static_cast<rbdyn::Universal*>(nullptr))) also({"angles", "rates"});
     if (std::holds_alternative<rbdyn::Prismatic>(body.joint)) also({"displacement", "rate"});
     return names;
 }
@@ -362,9 +372,12 @@ R = Rz(psi) Rx(theta) Rz(phi). An integrated run that keeps its end alone does n
     define("poisson_vector", &M::poisson_vector, "The world's third axis in body axes (7.59). Of a rigid body.");
     define("reaction_torque", &M::reaction_torque,
            "Moment that the joint exerts on a rigid body, about the point it holds [N m].");
-    define("angle", &M::angle, "Of a hinge [rad].");
-    define("displacement", &M::displacement, "Of a slide [m].");
-    define("rate", &M::rate, "Of a hinge [rad/s] or a slide [m/s].");
+    define("angle", &M::angle, "Of a hinge, also one that slides, or in a plane [rad].");
+    define("displacement", &M::displacement, "Of a slide, also of a hinge that slides [m].");
+    define("rate", &M::rate, "Of the angle [rad/s], or of the displacement of a slide [m/s].");
+    define("displacement_rate", &M::displacement_rate, "Of a hinge that slides [m/s].");
+    define("angles", &M::angles, "Of a universal joint, about its first axis and its second [rad]: (2,) or (n, 2).");
+    define("rates", &M::rates, "Of these angles [rad/s]: (2,) or (n, 2).");
     body.def(
             "instantaneous_axis",
             [](const BoundMotion& self, const ArrayLike& t, const SideName& name) {
@@ -405,6 +418,25 @@ point: that of the axis nearest to the centre of mass [m]; direction: of unit le
             },
             "Names of the quantities a spring has.")
         .def("__repr__", [](const BoundSpring& s) { return "<SpringMotion: " + s.name + ">"; });
+}
+
+void bind_constraint_motion(py::module_& m) {
+    using M = rbdyn::ConstraintMotion;
+    py::class_<BoundConstraint> constraint(m, "ConstraintMotion",
+                                           "What a constraint of a run does, each a method of time [s].");
+    constraint
+        .def("force", of_time<BoundConstraint>(&M::force), py::arg("t"), py::arg("side") = after(),
+             "On its first end [N], world axes.")
+        .def("torque", of_time<BoundConstraint>(&M::torque), py::arg("t"), py::arg("side") = after(),
+             "On its first end, about the point it holds [N m], world axes.")
+        .def("gap", of_time<BoundConstraint>(&M::gap), py::arg("t"), py::arg("side") = after(),
+             "How far its points are from where they should be [m], angles of its axes [rad] taken for metres.")
+        .def("__repr__", [](const BoundConstraint& c) { return "<ConstraintMotion: " + c.name + ">"; });
+}
+
+BoundConstraint motion_of_constraint(const BoundTrajectory& self, const ConstraintHandle& handle) {
+    self.handles->require(handle, "Trajectory");
+    return {self.run[rbdyn::ConstraintHandle{handle.index}], handle.name};
 }
 
 BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle) {
@@ -466,6 +498,7 @@ SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("
 void bind_trajectory(py::module_& m) {
     bind_events(m);
     bind_motions(m);
+    bind_constraint_motion(m);
     py::class_<BoundWatched>(m, "Watched", "A watched function of a run: its value at a time.")
         .def(
             "value",
@@ -530,6 +563,7 @@ size of its terms.)")
             "The ends of the integrator's pieces (n,) [s].")
         .def("__getitem__", &motion_of_body, py::arg("handle"))
         .def("__getitem__", &motion_of_spring, py::arg("handle"))
+        .def("__getitem__", &motion_of_constraint, py::arg("handle"))
         .def("__getitem__", &motion_of_watch, py::arg("handle"))
         .def("__getitem__", &motion_of_load, py::arg("handle"));
 

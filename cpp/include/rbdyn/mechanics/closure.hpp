@@ -109,6 +109,11 @@ void normalize(const Tree& tree, std::vector<W>& x) {
 [[gnu::cold]] std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
                                                 const std::vector<Moving<double>>& all);
 
+/// How rows that are not used depend on those that are: for each a combination of all rows that is zero, its own part
+/// 1. Rows that do nothing are none of them.
+std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
+                                             const std::vector<int>& rows, const std::vector<Moving<double>>& all);
+
 /// All variables moved onto the constraints, from where they are, in 32 digits. Returns the largest gap that is left.
 /// `most`: changes to try.
 [[gnu::cold]] double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,

@@ -85,6 +85,35 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
     return chosen;
 }
 
+RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
+                                                          const std::vector<int>& rows,
+                                                          const std::vector<Moving<double>>& all) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    std::vector<std::vector<double>> result;
+    if (static_cast<int>(rows.size()) == conditions.rows()) return result;
+    std::vector<int> every(at(conditions.rows()));
+    for (int r = 0; r < conditions.rows(); ++r) every[at(r)] = r;
+    const auto a = closing::Responses(tree, conditions, every, all).matrix();
+    std::vector<std::vector<double>> used;
+    double most = 0.0;
+    for (const int r : rows) {
+        used.emplace_back();
+        for (const int other : rows) used.back().push_back(a[at(r)][at(other)]);
+        most = std::max(most, a[at(r)][at(r)]);
+    }
+    for (const int r : every) {
+        if (std::binary_search(rows.begin(), rows.end(), r) || a[at(r)][at(r)] <= 1e-24 * most) continue;
+        std::vector<double> b;
+        for (const int other : rows) b.push_back(a[at(other)][at(r)]);
+        const std::vector<double> parts = solve_definite<double>(used, b);
+        std::vector<double> combination(every.size(), 0.0);
+        combination[at(r)] = 1.0;
+        for (std::size_t k = 0; k < rows.size(); ++k) combination[at(rows[k])] = -parts[k];
+        result.push_back(std::move(combination));
+    }
+    return result;
+}
+
 RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
                           std::vector<DoubleDouble>& x, int most) {
     const auto doubles = [&] { return closing::moving<double>(tree, t, closing::nearest(x)); };

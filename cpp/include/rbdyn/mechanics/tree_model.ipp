@@ -114,6 +114,21 @@ RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
     return x;
 }
 
+RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
+    const auto loose = mechanics::dependences(
+        *tree_, *conditions_, rows_, mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
+    std::vector<std::string> names;
+    for (const mechanics::Condition& c : conditions_->all())
+        for (const auto& one : loose) {
+            const bool is_in = std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
+                                           [](double part) { return std::abs(part) > 1e-9; });
+            if (!is_in) continue;
+            names.push_back(c.name);
+            break;
+        }
+    return names;
+}
+
 RBDYN_INLINE std::shared_ptr<const SceneModel> TreeModel::with_numbers(const Scene& scene,
                                                                        const GivenNumbers& numbers) const {
     return std::make_shared<const TreeModel>(scene, numbers);

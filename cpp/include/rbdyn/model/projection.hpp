@@ -71,7 +71,7 @@ private:
     }
     static Correction rounded(const Vector& v);
     /// Adds what the rounded coefficients left out in a step.
-    void catch_up(std::span<double> x, std::span<double> low, double step, double t) const;
+    void catch_up(std::span<double> x, std::span<double> low, double step) const;
     Real least() const { return std::min({moment_[0], moment_[1], moment_[2]}); }
 
     Now look(std::span<const double> x, std::span<const double> low) const;

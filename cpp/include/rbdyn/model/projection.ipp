@@ -101,7 +101,7 @@ RBDYN_INLINE RigidProjection::Correction RigidProjection::rounded(const Vector& 
     return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-RBDYN_INLINE void RigidProjection::catch_up(std::span<double> x, std::span<double> low, double step, double t) const {
+RBDYN_INLINE void RigidProjection::catch_up(std::span<double> x, std::span<double> low, double step) const {
     const double o[3] = {x[at(omega_)], x[at(omega_ + 1)], x[at(omega_ + 2)]};
     if (follows_axis_) {
         projecting::add(x, low, omega_, -step * rest_[0] * o[2] * o[1]);

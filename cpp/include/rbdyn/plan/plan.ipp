@@ -115,6 +115,7 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     out << "  state       " << simulated << " of " << variables << " variables are simulated\n";
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
+    if (!plan.not_unique.empty()) list("  not unique  ", plan.not_unique, "");
     out << "  size        " << plan.size() << '\n';
     if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");
     list("  conserved   ", plan.integrals, "nothing");

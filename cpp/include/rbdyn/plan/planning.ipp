@@ -146,6 +146,7 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
     std::vector<std::string> names, engines;
     for (const SceneParts::Part& part : apart.parts) {
         const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid, numbers));
+        plan.not_unique.insert(plan.not_unique.end(), own.not_unique.begin(), own.not_unique.end());
         plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
         if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
         names.push_back(names_of(part.scene) + " (" + own.engine + ")");
@@ -272,7 +273,9 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
         plan.view = view_of(scene);
         if (needs_tree(scene)) {
             plan.view = {};
-            plan.model = std::make_shared<const TreeModel>(scene, numbers);
+            const auto tree = std::make_shared<const TreeModel>(scene, numbers);
+            plan.not_unique = tree->not_unique();
+            plan.model = tree;
         } else {
             plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
         }

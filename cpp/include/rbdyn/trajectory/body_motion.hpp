@@ -4,6 +4,7 @@
 // Accelerations and reactions come from the model at the state, never from differentiating a piece.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -83,8 +84,8 @@ public:
     /// Of a hinge that slides [m/s].
     double displacement_rate(double t, Side side = Side::after) const;
     /// Of a universal joint, about its first axis and its second [rad], and their rates [rad/s].
-    std::pair<double, double> angles(double t, Side side = Side::after) const;
-    std::pair<double, double> rates(double t, Side side = Side::after) const;
+    std::array<double, 2> angles(double t, Side side = Side::after) const;
+    std::array<double, 2> rates(double t, Side side = Side::after) const;
     /// Theta, psi, phi [rad], continuous in time from the start of the run (rotation/euler_angles.hpp), and there those
     /// that its attitude was given by.
     EulerAngles euler_angles(double t, Side side = Side::after) const;

@@ -151,13 +151,13 @@ RBDYN_INLINE double BodyMotion::displacement_rate(double t, Side side) const {
     return joint(t, side).rates[1];
 }
 
-RBDYN_INLINE std::pair<double, double> BodyMotion::angles(double t, Side side) const {
+RBDYN_INLINE std::array<double, 2> BodyMotion::angles(double t, Side side) const {
     if (!std::holds_alternative<Universal>(body().joint)) refuse("angles");
     const JointReport r = joint(t, side);
     return {r.coordinates[0], r.coordinates[1]};
 }
 
-RBDYN_INLINE std::pair<double, double> BodyMotion::rates(double t, Side side) const {
+RBDYN_INLINE std::array<double, 2> BodyMotion::rates(double t, Side side) const {
     if (!std::holds_alternative<Universal>(body().joint)) refuse("rates");
     const JointReport r = joint(t, side);
     return {r.rates[0], r.rates[1]};
