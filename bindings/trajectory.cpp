@@ -93,6 +93,8 @@ Parts parts_of(const BoundTrajectory& self, const Of& of) {
     const auto take = [&](const Handle& h) {
         self.handles->require(h, "Trajectory");
         switch (h.of) {
+            case Handle::Of::constraint:
+                throw InvalidInput("Trajectory: \"" + h.name + "\" is a constraint, and those do no work on what they join");
             case Handle::Of::body: parts.bodies.push_back({h.index}); break;
             case Handle::Of::load: parts.loads.push_back({h.index}); break;
             case Handle::Of::coupling: parts.couplings.push_back({h.index}); break;

@@ -1,6 +1,7 @@
 // Compiled once: scenes.
 #include "rbdyn/scene/scene.ipp"
 #include "rbdyn/scene/constraints.ipp"
+#include "rbdyn/scene/contacts.ipp"
 #include "rbdyn/scene/couplings.ipp"
 #include "rbdyn/scene/effects.ipp"
 #include "rbdyn/scene/handles.ipp"

@@ -137,6 +137,7 @@
 #include "rbdyn/rotation/euler_turns.ipp"
 #include "rbdyn/rotation/quaternion.ipp"
 #include "rbdyn/scene/constraints.ipp"
+#include "rbdyn/scene/contacts.ipp"
 #include "rbdyn/scene/couplings.ipp"
 #include "rbdyn/scene/effects.ipp"
 #include "rbdyn/scene/handles.ipp"

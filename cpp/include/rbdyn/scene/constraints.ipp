@@ -18,6 +18,11 @@ RBDYN_INLINE void Plane::validate() const {
             "a normal has a direction; its length is free");
 }
 
+RBDYN_INLINE void Sphere::validate() const {
+    joints::require_finite("Sphere", "center", center);
+    require(std::isfinite(radius) && radius > 0.0, "Sphere", "radius", radius, "a sphere has a positive radius [m]");
+}
+
 RBDYN_INLINE void Rod::validate() const {
     require(std::isfinite(length) && length > 0.0, "Rod", "length", length,
             "a rod has a positive length [m]; Ball() holds two points together");

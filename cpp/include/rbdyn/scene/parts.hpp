@@ -28,7 +28,7 @@ struct SceneParts {
     };
 
     std::vector<Part> parts;  // in the order of their first bodies; none if there is one only
-    std::vector<Place> bodies, loads, couplings, constraints;
+    std::vector<Place> bodies, loads, couplings, constraints, contacts;
     std::string joined_by;  // the watched function that keeps together what else falls apart; empty if none does
 
     [[gnu::cold]] explicit SceneParts(const Scene& scene);

@@ -62,6 +62,22 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
         for (End* end : {&c.a, &c.b}) renumber(*end);
         put(constraints, std::max(a, b), &Scene::constraints_, std::move(c));
     }
+    for (Scene::Touch c : scene.contacts_) {
+        const int part = bodies[at(body_of(c.a))].part;
+        const auto renumbered = [&](auto& side) {
+            std::visit(
+                [&](auto& s) {
+                    if constexpr (requires { s.index; })
+                        s.index = bodies[at(s.index)].index;
+                    else if constexpr (requires { s.body; })
+                        s.body = bodies[at(s.body)].index;
+                },
+                side);
+        };
+        renumbered(c.a);
+        renumbered(c.b);
+        put(contacts, part, &Scene::contacts_, std::move(c));
+    }
     for (const Scene::Watch& w : scene.watches_) {
         int part = 0;
         std::vector<Observable> asked = w.function.arguments();
@@ -93,6 +109,7 @@ RBDYN_INLINE std::vector<int> SceneParts::joined(const Scene& scene) {
     };
     for (int i = 0; i < static_cast<int>(heads.size()); ++i) join(i, scene.bodies()[at(i)].parent);
     for (const Scene::Held& c : scene.constraints()) join(body_of(c.a), body_of(c.b));
+    for (const Scene::Touch& c : scene.contacts()) join(body_of(c.a), body_of(c.b));
     for (const Scene::Connection& c : scene.connections())
         if (is_present(c.coupling)) join(body_of(c.a), body_of(c.b));
     for (const Scene::Watch& w : scene.watches()) {

@@ -16,6 +16,7 @@
 #include "rbdyn/body/rigid_body.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/constraints.hpp"
+#include "rbdyn/scene/contacts.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -60,6 +61,13 @@ public:
         End a, b;
         std::string name;
         bool operator==(const Held&) const = default;
+    };
+    struct Touch {
+        ContactPart a;
+        ContactSurface b;
+        ContactOptions options;
+        std::string name;
+        bool operator==(const Touch&) const = default;
     };
     struct Watch {
         std::string name;
@@ -123,6 +131,10 @@ public:
     /// with the gaps left, where there is no way.
     double assemble(const std::vector<BodyHandle>& keep = {});
 
+    /// Lets a part of a body touch a surface: it does not go beyond it. A start may be open, closed and at rest, or
+    /// closed and moving: a gap within 1e-12 of the size of what it joins is none. Deeper is refused when a run starts.
+    ContactHandle contact(ContactPart a, ContactSurface b, ContactOptions options = {}, std::string name = {});
+
     /// A function of the motion whose zeros are events: noted, or acted upon. Its name must be its own.
     WatchHandle watch(std::string name, WatchFunction function, WatchOptions options = {});
     /// A function of the motion that should stay what it is: its drift is watched like that of the other integrals.
@@ -144,6 +156,7 @@ public:
     const std::vector<AppliedLoad>& loads() const { return loads_; }
     const std::vector<Connection>& connections() const { return connections_; }
     const std::vector<Held>& constraints() const { return constraints_; }
+    const std::vector<Touch>& contacts() const { return contacts_; }
     const std::vector<Watch>& watches() const { return watches_; }
     const std::vector<Integral>& integrals() const { return integrals_; }
     /// The plan that was made of it as it is, if any.
@@ -181,6 +194,7 @@ private:
     std::vector<AppliedLoad> loads_;
     std::vector<Connection> connections_;
     std::vector<Held> constraints_;
+    std::vector<Touch> contacts_;
     std::vector<Watch> watches_;
     std::vector<Integral> integrals_;
     PlanSlot plan_;

@@ -21,6 +21,7 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/scene/constraints.hpp"
+#include "rbdyn/scene/contacts.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joint_loads.hpp"
@@ -287,6 +288,66 @@ RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std
     constraints_.push_back({std::move(constraint), std::move(a), b.value_or(End(BodyHandle{})), std::move(name)});
     plan_.forget();
     return {static_cast<int>(constraints_.size()) - 1};
+}
+
+RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, ContactOptions options, std::string name) {
+    options.validate();
+    const int first = body_of(a), second = body_of(b);
+    require_body(BodyHandle{first}, "contact");
+    if (second >= 0) require_body(BodyHandle{second}, "contact");
+    const Body& body = bodies_[static_cast<std::size_t>(first)];
+    if (first == second)
+        throw InvalidInput("contact: both sides are on " + body.name + "; a contact is between two bodies, or one and "
+                           "the world");
+    const bool has_axes = std::holds_alternative<BodyPoint>(a) || std::holds_alternative<BodyDisc>(a) ||
+                          std::holds_alternative<BodyEllipsoid>(a);
+    if (body.rigid() == nullptr && has_axes)
+        throw InvalidInput("contact: " + body.name + " is a particle, which has no other points and no shape but a "
+                           "sphere; give its handle, or .sphere(radius)");
+    const auto positive = [](double x, const std::string& what) {
+        require(std::isfinite(x) && x > 0.0, "contact", what, x, "it is positive and finite, in m");
+    };
+    if (const BodySphere* sphere = std::get_if<BodySphere>(&a)) {
+        require(std::isfinite(sphere->radius) && sphere->radius >= 0.0, "contact", "radius", sphere->radius,
+                "it is zero or positive and finite, in m");
+        joints::require_finite("contact", "center", sphere->center);
+        if (body.rigid() == nullptr && !sphere->center.isZero(0.0))
+            throw InvalidInput("contact: center is given, and " + body.name + " is a particle, which is its centre");
+    }
+    if (const BodyDisc* disc = std::get_if<BodyDisc>(&a)) {
+        positive(disc->radius, "radius");
+        joints::require_direction("contact, normal of a disc", disc->normal);
+        joints::require_finite("contact", "center", disc->center);
+    }
+    if (const BodyEllipsoid* solid = std::get_if<BodyEllipsoid>(&a)) {
+        for (int i = 0; i < 3; ++i) positive(solid->semi_axes[i], "semi-axis " + std::to_string(i));
+        joints::require_finite("contact", "center", solid->center);
+    }
+    if (const Plane* plane = std::get_if<Plane>(&b)) plane->validate();
+    if (const BodyPlane* plane = std::get_if<BodyPlane>(&b)) plane->plane.validate();
+    if (const Sphere* sphere = std::get_if<Sphere>(&b)) sphere->validate();
+    if (const BodySphere* sphere = std::get_if<BodySphere>(&b)) {
+        positive(sphere->radius, "radius");
+        joints::require_finite("contact", "center", sphere->center);
+    }
+    const bool is_round = std::holds_alternative<BodyDisc>(a) || std::holds_alternative<BodyEllipsoid>(a),
+               on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
+    if (is_round && !on_plane)
+        throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
+    if (second >= 0 && std::holds_alternative<BodyPlane>(b) && bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
+        throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
+                           " is a particle, which has no plane");
+    const auto taken = [&](const std::string& n) {
+        return has(contacts_, n) || has(constraints_, n) || has(bodies_, n) || has(watches_, n);
+    };
+    if (!name.empty() && taken(name))
+        throw InvalidInput("contact: there is a body, a watch, a constraint or a contact named \"" + name +
+                           "\" already; names differ");
+    std::size_t number = contacts_.size();
+    while (name.empty() || taken(name)) name = "contact " + std::to_string(++number);
+    contacts_.push_back({std::move(a), std::move(b), std::move(options), std::move(name)});
+    plan_.forget();
+    return {static_cast<int>(contacts_.size()) - 1};
 }
 
 RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, WatchOptions options) {
