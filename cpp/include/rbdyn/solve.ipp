@@ -76,6 +76,8 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     data.certain_until = solution.certain_until;
     data.record = std::move(solution.record);
     for (Event& e : data.record.events)
+        if (e.contact >= 0) e.name = data.scene.contacts()[static_cast<std::size_t>(e.contact)].name;
+    for (Event& e : data.record.events)
         if (e.name.empty() && e.subject >= 0) e.name = data.scene.bodies()[static_cast<std::size_t>(e.subject)].name;
     data.events = Events(data.record.events);
     return result;
@@ -120,6 +122,7 @@ RBDYN_INLINE std::vector<Event> events_of(const std::vector<Solved>& parts, cons
     for (std::size_t i = 0; i < parts.size(); ++i)
         for (Event e : parts[i].data.record.events) {
             if (e.time > end) break;
+            if (e.contact >= 0) e.contact = apart.parts[i].contacts[static_cast<std::size_t>(e.contact)];
             if (e.subject >= 0) e.subject = apart.parts[i].bodies[static_cast<std::size_t>(e.subject)];
             all.push_back(std::move(e));
         }

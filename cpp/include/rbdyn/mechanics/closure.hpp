@@ -103,10 +103,44 @@ void normalize(const Tree& tree, std::vector<W>& x) {
         }
 }
 
+/// The rows of a tree where it is, and what they do to it.
+class Responses {
+public:
+    using Sparse = Accelerate<double>::Sparse;
+
+    Responses(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
+              const std::vector<Moving<double>>& all)
+        : tree_(tree), accelerate_(accelerate<double>(tree, all)) {
+        const auto every = conditions.rows<double>(tree, all);
+        for (const int r : rows) responses_.push_back(accelerate_.response(every[static_cast<std::size_t>(r)]));
+    }
+    std::vector<std::vector<double>> matrix() const {
+        std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
+        for (std::size_t i = 0; i < a.size(); ++i)
+            for (std::size_t j = 0; j <= i; ++j)
+                a[i][j] = a[j][i] = accelerate_.between(responses_[i], responses_[j]);
+        return a;
+    }
+    /// The change of the velocities that changes each row by what is asked.
+    std::vector<double> changes(const std::vector<double>& asked) const {
+        const std::vector<double> lambda = solve_definite<double>(matrix(), asked);
+        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0);
+        for (std::size_t j = 0; j < responses_.size(); ++j)
+            for (const auto& [n, one] : responses_[j]) u[static_cast<std::size_t>(n)] += one * lambda[j];
+        return velocity_changes<double>(tree_, accelerate_.spread(u));
+    }
+
+private:
+    const Tree& tree_;
+    Accelerate<double> accelerate_;
+    std::vector<Sparse> responses_;
+};
+
 }  // namespace closing
 
-/// Which rows are used: as many as are independent where the tree is, by pivots of J M^-1 J^T.
+/// Which of some rows are used: as many as are independent where the tree is, by pivots of J M^-1 J^T.
 [[gnu::cold]] std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
+                                                const std::vector<int>& candidates,
                                                 const std::vector<Moving<double>>& all);
 
 /// How rows that are not used depend on those that are: for each a combination of all rows that is zero, its own part

@@ -13,48 +13,10 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
-namespace closing {
-
-/// The rows of a tree where it is, and what they do to it.
-class Responses {
-public:
-    using Sparse = Accelerate<double>::Sparse;
-
-    Responses(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
-              const std::vector<Moving<double>>& all)
-        : tree_(tree), accelerate_(accelerate<double>(tree, all)) {
-        const auto every = conditions.rows<double>(tree, all);
-        for (const int r : rows) responses_.push_back(accelerate_.response(every[static_cast<std::size_t>(r)]));
-    }
-    std::vector<std::vector<double>> matrix() const {
-        std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
-        for (std::size_t i = 0; i < a.size(); ++i)
-            for (std::size_t j = 0; j <= i; ++j)
-                a[i][j] = a[j][i] = accelerate_.between(responses_[i], responses_[j]);
-        return a;
-    }
-    /// The change of the velocities that changes each row by what is asked.
-    std::vector<double> changes(const std::vector<double>& asked) const {
-        const std::vector<double> lambda = solve_definite<double>(matrix(), asked);
-        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0);
-        for (std::size_t j = 0; j < responses_.size(); ++j)
-            for (const auto& [n, one] : responses_[j]) u[static_cast<std::size_t>(n)] += one * lambda[j];
-        return velocity_changes<double>(tree_, accelerate_.spread(u));
-    }
-
-private:
-    const Tree& tree_;
-    Accelerate<double> accelerate_;
-    std::vector<Sparse> responses_;
-};
-
-}  // namespace closing
-
 RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
+                                               const std::vector<int>& candidates,
                                                const std::vector<Moving<double>>& all) {
-    std::vector<int> every(static_cast<std::size_t>(conditions.rows()));
-    for (int r = 0; r < conditions.rows(); ++r) every[static_cast<std::size_t>(r)] = r;
-    auto a = closing::Responses(tree, conditions, every, all).matrix();
+    auto a = closing::Responses(tree, conditions, candidates, all).matrix();
     const std::size_t n = a.size();
     std::vector<double> own(n);
     for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i];
@@ -73,7 +35,7 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
             }
         if (best == n) break;
         is_used[best] = true;
-        chosen.push_back(static_cast<int>(best));
+        chosen.push_back(candidates[best]);
         for (std::size_t i = 0; i < n; ++i) {
             if (is_used[i]) continue;
             const double factor = a[i][best] / a[best][best];
@@ -90,7 +52,8 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
                                                           const std::vector<Moving<double>>& all) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     std::vector<std::vector<double>> result;
-    if (static_cast<int>(rows.size()) == conditions.rows()) return result;
+    const auto held = std::lower_bound(rows.begin(), rows.end(), conditions.constraint_rows());
+    if (held - rows.begin() == conditions.constraint_rows()) return result;
     std::vector<int> every(at(conditions.rows()));
     for (int r = 0; r < conditions.rows(); ++r) every[at(r)] = r;
     const auto a = closing::Responses(tree, conditions, every, all).matrix();
@@ -101,7 +64,7 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
         for (const int other : rows) used.back().push_back(a[at(r)][at(other)]);
         most = std::max(most, a[at(r)][at(r)]);
     }
-    for (const int r : every) {
+    for (int r = 0; r < conditions.constraint_rows(); ++r) {
         if (std::binary_search(rows.begin(), rows.end(), r) || a[at(r)][at(r)] <= 1e-24 * most) continue;
         std::vector<double> b;
         for (const int other : rows) b.push_back(a[at(other)][at(r)]);

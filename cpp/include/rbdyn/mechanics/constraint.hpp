@@ -17,6 +17,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/mechanics/accelerate.hpp"
+#include "rbdyn/mechanics/contact.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/model/rigid_state.hpp"
@@ -53,8 +54,11 @@ public:
     [[gnu::cold]] Conditions(const Scene& scene, const Tree& tree, const std::vector<Moving<DoubleDouble>>& start);
 
     const std::vector<Condition>& all() const { return conditions_; }
-    int rows() const { return rows_; }
-    bool empty() const { return conditions_.empty(); }
+    /// What touches: of each one row, its gap, behind those of the constraints.
+    const std::vector<ContactLaw>& contacts() const { return contacts_; }
+    int rows() const { return rows_ + static_cast<int>(contacts_.size()); }
+    int constraint_rows() const { return rows_; }
+    bool empty() const { return conditions_.empty() && contacts_.empty(); }
 
     /// All rows where the tree is.
     template <class S>
@@ -93,6 +97,10 @@ public:
                 rows.push_back(row);
             }
         }
+        for (const ContactLaw& c : contacts_) {
+            const Touching<S> touching = c.touching<S>(tree, all);
+            rows.push_back(touching.row(touching.normal, touching.normal_rate));
+        }
         return rows;
     }
 
@@ -113,6 +121,7 @@ public:
             for (const Condition::RightAngle& angle : c.angles)
                 gaps.push_back(dot<S>(ends.a.to_world(exactly<S>(angle.in_a)), ends.b.to_world(exactly<S>(angle.in_b))));
         }
+        for (const ContactLaw& c : contacts_) gaps.push_back(c.touching<S>(tree, all).gap);
         return gaps;
     }
 
@@ -169,6 +178,7 @@ private:
     }
 
     std::vector<Condition> conditions_;
+    std::vector<ContactLaw> contacts_;
     int rows_ = 0;
 };
 

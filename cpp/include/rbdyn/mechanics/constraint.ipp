@@ -12,9 +12,60 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/mechanics/joint/held.hpp"
 #include "rbdyn/scene/constraints.hpp"
+#include "rbdyn/scene/contacts.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/surfaces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+namespace contacts {
+
+/// A contact with what is fixed in its bodies.
+inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
+    ContactLaw c;
+    c.name = touch.name;
+    c.restitution = touch.options.restitution;
+    const auto from_held = [&](int body, const Vector3& p) {
+        const Node& n = tree.node(body);
+        return Anchor{body, n.is_point ? Vector3Of<DoubleDouble>{} : n.from_held(p)};
+    };
+    if (const BodyHandle* body = std::get_if<BodyHandle>(&touch.a)) c.a = tree.anchor(*body);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&touch.a)) c.a = from_held(point->body, point->point);
+    if (const BodySphere* ball = std::get_if<BodySphere>(&touch.a)) {
+        c.a = from_held(ball->body, ball->center);
+        c.radius = ball->radius;
+    }
+    if (const BodyDisc* disc = std::get_if<BodyDisc>(&touch.a)) {
+        c.part = ContactLaw::Part::disc;
+        c.a = from_held(disc->body, disc->center);
+        c.radius = disc->radius;
+        c.axis = unit(disc->normal);
+    }
+    if (const BodyEllipsoid* solid = std::get_if<BodyEllipsoid>(&touch.a)) {
+        c.part = ContactLaw::Part::ellipsoid;
+        c.a = from_held(solid->body, solid->center);
+        const Matrix3Of<DoubleDouble> own = rotation_matrix(solid->attitude.exact());
+        for (int k = 0; k < 3; ++k) c.own[k] = scaled(own.col(k), solid->semi_axes[k]);
+    }
+    const auto take_plane = [&](const Plane& plane, int body) {
+        c.normal = unit(plane.normal);
+        c.b = body < 0 ? Anchor{-1, widened(plane.point)} : from_held(body, plane.point);
+    };
+    const auto take_sphere = [&](const Anchor& center, double radius, bool inside) {
+        c.surface = inside ? ContactLaw::Surface::bowl : ContactLaw::Surface::ball;
+        c.b = center;
+        c.surface_radius = radius;
+    };
+    if (const Plane* plane = std::get_if<Plane>(&touch.b)) take_plane(*plane, -1);
+    if (const BodyPlane* plane = std::get_if<BodyPlane>(&touch.b)) take_plane(plane->plane, plane->body);
+    if (const Sphere* ball = std::get_if<Sphere>(&touch.b))
+        take_sphere({-1, widened(ball->center)}, ball->radius, ball->inside);
+    if (const BodySphere* ball = std::get_if<BodySphere>(&touch.b))
+        take_sphere(from_held(ball->body, ball->center), ball->radius, false);
+    return c;
+}
+
+}  // namespace contacts
 
 RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
                                     const std::vector<Moving<DoubleDouble>>& start) {
@@ -72,6 +123,7 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
         rows_ += c.rows();
         conditions_.push_back(std::move(c));
     }
+    for (const Scene::Touch& touch : scene.contacts()) contacts_.push_back(contacts::law_of(touch, tree));
 }
 
 RBDYN_INLINE double Conditions::gap(const Tree& tree, int index, const std::vector<Moving<double>>& all) const {

@@ -54,6 +54,7 @@ public:
     RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const override;
     JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const override;
     ConstraintReport constraint(const Mode& mode, int index, double t, std::span<const double> x) const override;
+    ContactReport contact(const Mode& mode, int index, double t, std::span<const double> x) const override;
     std::optional<Vector3> spring_force(const Mode& mode, int spring, double t,
                                         std::span<const double> x) const override;
     double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
@@ -82,6 +83,35 @@ private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
     std::vector<signed char> kind_of(const Mode& mode) const override { return mode.slip; }
+
+    // --- contacts: open (flies), closed and pushing (1), closed and in no need of a force of its own (rests) ---
+
+    static constexpr signed char pushes = 1, rests = 3;
+    int contacts() const { return static_cast<int>(conditions_->contacts().size()); }
+    /// The rows that are used in a mode: of constraints, and of contacts that push.
+    std::vector<int> rows_in(const Mode& mode) const;
+    /// How large what a contact joins is [m]: gaps far below that are none.
+    double size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// How fast they move at most [m/s].
+    double speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// Which of some contacts, all at rest against each other, push and which open: by the accelerations they would have
+    /// if all were open. `doubtful`: those whose force is at zero, however rounding has it.
+    void settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                const std::vector<int>& doubtful) const;
+    /// The velocities after what strikes at an instant; returns the impulse of each contact.
+    std::vector<double> strike(Mode& mode, double t, std::span<double> x, const std::vector<int>& struck,
+                               const std::vector<double>& restitution) const;
+    /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
+    std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
+                                                                const std::vector<int>& of) const;
+    /// J M^-1 J^T of contacts, the constraints held.
+    std::vector<std::vector<double>> coupling(const std::vector<mechanics::Moving<double>>& all,
+                                              const std::vector<int>& of) const;
+    /// What follows guards of contacts.
+    void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
+               std::vector<Happening>& happenings) const;
+    /// Moves a state onto the rows of a mode.
+    void hold(const Mode& mode, double t, std::span<double> x) const;
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
 
     std::vector<mechanics::Moving<double>> moving(double t, std::span<const double> x) const;

@@ -31,7 +31,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool needs_tree(const Scene& scene) {
-    if (!scene.constraints().empty()) return true;
+    if (!scene.constraints().empty() || !scene.contacts().empty()) return true;
     for (const Scene::AppliedLoad& l : scene.loads())
         if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) return true;
     const auto is_special = [](const Scene::Body& b) {
@@ -76,17 +76,20 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                     "or give it a thickness");
         }
     if (!conditions_->empty()) {
-        rows_ = mechanics::independent_rows(*tree_, *conditions_, now);
+        std::vector<int> every(at(conditions_->constraint_rows()));
+        for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
+        rows_ = mechanics::independent_rows(*tree_, *conditions_, every, now);
         const std::vector<DoubleDouble> closed = exact_start(0.0);
         rows_ = mechanics::independent_rows(
-            *tree_, *conditions_, mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(closed)));
+            *tree_, *conditions_, every,
+            mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(closed)));
     }
     map_ = StateMap(TreeModel::start(0.0), std::vector<bool>(at(tree_->variables()), false));
 }
 
 RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
     std::vector<DoubleDouble> x = tree_->start(t);
-    if (conditions_->empty()) return x;
+    if (conditions_->all().empty()) return x;
     // of the size of the scene: how far its bodies are from each other
     const auto all = mechanics::closing::moving<double>(*tree_, t, mechanics::closing::nearest(x));
     Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -163,7 +166,7 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
     const std::span<const double> values(acting->values);
     return {*tree_,
             *conditions_,
-            rows_,
+            rows_in(mode),
             static_cast<int>(exerted_->couplings().size()),
             exerted_->loads(),
             moving(state.t, state.x),
@@ -213,6 +216,13 @@ RBDYN_INLINE JointReport TreeModel::joint(const Mode&, int body, double t, std::
 RBDYN_INLINE ConstraintReport TreeModel::constraint(const Mode& mode, int index, double t,
                                                     std::span<const double> x) const {
     return look(mode, t, x).constraints[at(index)];
+}
+
+RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, double t,
+                                              std::span<const double> x) const {
+    ContactReport report = look(mode, t, x).contacts[at(index)];
+    if (mode.slip[at(index)] != flies) report.state = "slides";
+    return report;
 }
 
 RBDYN_INLINE std::optional<Vector3> TreeModel::spring_force(const Mode& mode, int spring, double t,
@@ -311,19 +321,63 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
     return columns(all[at(parent)].axes.e1, all[at(parent)].axes.e2, all[at(parent)].axes.e3);
 }
 
-RBDYN_INLINE Mode TreeModel::undecided() const { return {}; }
+RBDYN_INLINE Mode TreeModel::undecided() const {
+    Mode mode;
+    mode.slip.assign(at(contacts()), flies);
+    mode.memory.assign(at(contacts()), 0.0);
+    return mode;
+}
 
 RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     Mode mode = undecided();
-    choose(mode, t, x, {});
+    if (contacts() == 0) {
+        choose(mode, t, x, {});
+        return mode;
+    }
+    const auto all = moving(t, x);
+    const auto gaps = conditions_->gaps<double>(*tree_, all);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    std::vector<int> closed;
+    for (int k = 0; k < contacts(); ++k) {
+        const auto row = at(conditions_->constraint_rows() + k);
+        const double size = size_of(k, all), gap = gaps[row];
+        require(gap >= -1e-12 * size, conditions_->contacts()[at(k)].name, "gap", gap,
+                "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
+                "surface");
+        if (gap > 1e-12 * size) continue;
+        const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
+        if (speed <= noise) closed.push_back(k);
+    }
+    // what comes towards its surface strikes it before the motion begins
+    std::vector<double> restitution;
+    for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
+    if (!closed.empty()) {
+        strike(mode, t, x, closed, restitution);
+        std::vector<int> at_rest;
+        const auto then = moving(t, x);
+        const auto later = conditions_->rows<double>(*tree_, then);
+        for (const int k : closed)
+            if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
+                1e-12 * speed_of(k, then))
+                at_rest.push_back(k);
+        settle(mode, t, x, at_rest, {});
+    } else {
+        choose(mode, t, x, {});
+    }
+    hold(mode, t, x);
     return mode;
 }
 
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<int> flipped;
+    bool touches = false;
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
+        if (guard.contact >= 0) {
+            touches = true;
+            continue;
+        }
         if (guard.kind == EventKind::watch)
             throw InvalidInput("watch " + guard.name +
                                ": actions that change the state are not there for bodies joined to bodies in this "
@@ -336,6 +390,10 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         happenings.push_back({guard.kind, guard.subject, rises ? Direction::rising : Direction::falling, guard.name});
     }
     Mode after = mode;
+    if (touches) {
+        touch(mode, after, fired, t, x, happenings);
+        return after;
+    }
     choose(after, t, x, flipped);
     if (same_motion(mode, after, flipped))
         std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
@@ -365,6 +423,10 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
             out.push_back({b.reaction.moment, false, 0.0, b.effort.moment.norm(), Alike::torque});
     }
+    for (int k = 0; k < contacts(); ++k) {
+        const ContactReport c = state.contacts[at(k)];
+        out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
+    }
     for (const ConstraintReport& c : state.constraints) {
         out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
         out.push_back({c.torque, false, 0.0, c.torque.norm(), Alike::torque});
@@ -382,17 +444,19 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode&, double, std::span<co
     return {};
 }
 
-RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode&, const RecordedFor& state) const {
+RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, const RecordedFor& state) const {
+    const std::vector<int> rows = rows_in(mode);
     const recording::WideFolding all_digits;
     Recorder r;
     r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
-    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows_);
+    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows);
     const int n = variables();
     auto result = written(
         r, n, state.decided.sliding, [&] { return tree.laws(); },
         [&](EquationsWriter& write, std::span<const Expression> values) {
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
+            tree.touch(write, mode.slip);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
             return tree_->groups();
@@ -400,8 +464,9 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode&, const Rec
     if (!result) return result;
     bool turns = false;
     for (int i = 0; i < bodies(); ++i) turns = turns || has_angles(i);
-    if (turns || !rows_.empty())
-        result->equations.projection = [tree = tree_, conditions = conditions_, rows = rows_](
+    if (turns || !rows.empty())
+        result->equations.projection = [tree = tree_, conditions = conditions_, rows](
+
                                            std::span<const double>, std::span<const double>) {
             return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows);
         };

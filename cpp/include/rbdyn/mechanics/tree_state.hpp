@@ -43,6 +43,7 @@ struct TreeState {
     std::vector<Vector3> couplings;
     std::vector<double> powers;
     std::vector<ConstraintReport> constraints;
+    std::vector<ContactReport> contacts;
 
     /// `values`: as in the layout, without the rates. `rows`: those used.
     TreeState(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, int couplings, int loads,

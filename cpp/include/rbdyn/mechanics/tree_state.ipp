@@ -106,6 +106,20 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             report.gap = conditions.gap(tree, static_cast<int>(constraints.size()), moving);
             constraints.push_back(report);
         }
+        for (std::size_t k = 0; k < conditions.contacts().size(); ++k) {
+            const int r = conditions.constraint_rows() + static_cast<int>(k);
+            const Row<double>& row = all[at(r)];
+            const auto touching = conditions.contacts()[k].touching<double>(tree, moving);
+            ContactReport report;
+            report.gap = touching.gap;
+            report.force = touching.normal * multipliers[at(r)];
+            report.slip = touching.velocity - touching.normal * touching.normal.dot(touching.velocity);
+            report.place = touching.place;
+            report.normal = touching.normal;
+            if (row.a >= 0) add<double>(held[at(row.a)], row.on_a, multipliers[at(r)]);
+            if (row.b >= 0) add<double>(held[at(row.b)], row.on_b, multipliers[at(r)]);
+            contacts.push_back(report);
+        }
     }
     for (int i = 0; i < tree.size(); ++i) {
         Body& b = bodies[at(i)];

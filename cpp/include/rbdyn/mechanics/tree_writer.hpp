@@ -32,6 +32,8 @@ public:
     std::vector<S> laws();
     /// Takes them as they are in the motion, each distinction weighed once.
     void take(std::span<const S> values) { values_.assign(values.begin(), values.end()); }
+    /// The guards of contacts: what comes to touch, and what would have to pull. `states`: of each contact.
+    void touch(EquationsWriter& write, const std::vector<signed char>& states) const;
     /// The guards of watched functions.
     void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
 

@@ -11,6 +11,7 @@
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/mechanics/accelerate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
@@ -88,6 +89,22 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     values.insert(values.end(), acts.powers.begin(), acts.powers.end());
     values.insert(values.end(), multipliers.begin(), multipliers.end());
     return values;
+}
+
+RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write, const std::vector<signed char>& states) const {
+    const recording::WideFolding all_digits;
+    const std::size_t first = values_.size() - rows_.size();
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const ContactLaw& c = conditions_.contacts()[k];
+        const int contact = static_cast<int>(k), row = conditions_.constraint_rows() + contact;
+        if (states[k] == flies)
+            write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name},
+                        c.touching<S>(tree_, moving_).gap);
+        for (std::size_t r = 0; r < rows_.size(); ++r)
+            if (rows_[r] == row)
+                write.guard({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
+                            values_[first + r]);
+    }
 }
 
 RBDYN_INLINE void TreeWriter::watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const {

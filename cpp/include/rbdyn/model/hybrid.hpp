@@ -26,6 +26,7 @@ struct Mode {
     const Equations* equations = nullptr;
     bool still = false;  // nothing can move or happen in this mode
     int jumps = 0;       // how often the state has jumped so far
+    std::vector<double> memory = {};  // of what has struck: one number a contact
 };
 
 /// Something that happened at an event.
@@ -35,6 +36,9 @@ struct Happening {
     Direction direction;
     std::string name;
     double impulse = 0.0;  // N s
+    int contact = -1;      // it is of, by order of addition; -1: none
+    Vector3 push = Vector3::Zero();  // of a contact, the impulse on its first side [N s]
+    double later = 0.0;              // s: how much later than the instant it was found at it happens
 };
 
 /// What a slope is of.

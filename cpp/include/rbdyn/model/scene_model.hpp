@@ -38,6 +38,14 @@ struct ConstraintReport {
     double gap = 0.0;
 };
 
+/// What a contact does at a time, world axes.
+struct ContactReport {
+    double gap = 0.0;                                             // [m]
+    Vector3 force = Vector3::Zero(), slip = Vector3::Zero();      // on its first side [N]; of it relative to the other [m/s]
+    Vector3 place = Vector3::Zero(), normal = Vector3::Zero();    // where they touch, or are nearest
+    const char* state = "open";                                   // or "sticks", "slides"
+};
+
 class SceneModel : public RecordedModel {
 public:
     using RecordedModel::RecordedModel;
@@ -69,6 +77,7 @@ public:
     virtual RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const = 0;
     virtual JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const = 0;
     virtual ConstraintReport constraint(const Mode&, int, double, std::span<const double>) const { return {}; }
+    virtual ContactReport contact(const Mode&, int, double, std::span<const double>) const { return {}; }
     /// The force of a coupling on its first end in a mode, world axes; none where the state says it.
     virtual std::optional<Vector3> spring_force(const Mode& mode, int spring, double t,
                                                 std::span<const double> x) const = 0;

@@ -20,7 +20,8 @@ namespace rbdyn::inline RBDYN_FORM {
 struct SceneParts {
     struct Part {
         Scene scene;              // without integrals
-        std::vector<int> bodies;  // by order of addition, as the rest of it
+        std::vector<int> bodies;    // by order of addition, as the rest of it
+        std::vector<int> contacts;  // of the whole
     };
     /// Where something of the scene is; a coupling that does nothing may be in no part (-1).
     struct Place {

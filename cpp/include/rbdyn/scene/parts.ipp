@@ -76,6 +76,7 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
         };
         renumbered(c.a);
         renumbered(c.b);
+        parts[at(part)].contacts.push_back(static_cast<int>(contacts.size()));
         put(contacts, part, &Scene::contacts_, std::move(c));
     }
     for (const Scene::Watch& w : scene.watches_) {

@@ -29,7 +29,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace run_bytes {
 
-inline constexpr std::string_view head = "rbdyn run 1", state_head = "rbdyn state run 1";
+inline constexpr std::string_view head = "rbdyn run 2", state_head = "rbdyn state run 2";
 
 /// Bytes that are written one after the other.
 class Writer {

@@ -79,6 +79,8 @@ RBDYN_INLINE void put(Writer& w, const Event& e) {
     w.put(std::string_view(e.name));
     w.put(e.direction);
     w.put(e.impulse);
+    w.put(e.contact);
+    for (int i = 0; i < 3; ++i) w.put(e.push[i]);
     w.put(e.instant);
 }
 
@@ -90,6 +92,8 @@ RBDYN_INLINE Event take_event(Reader& r) {
     e.name = r.text();
     r.take(e.direction);
     r.take(e.impulse);
+    r.take(e.contact);
+    for (int i = 0; i < 3; ++i) r.take(e.push[i]);
     r.take(e.instant);
     return e;
 }
@@ -99,6 +103,7 @@ RBDYN_INLINE void put(Writer& w, const Mode& mode) {
     w.put(mode.parameters);
     w.put(mode.still);
     w.put(mode.jumps);
+    w.put(mode.memory);
     w.put(mode.equations != nullptr);
     if (mode.equations == nullptr) return;
     std::vector<Choice> choices;
@@ -113,6 +118,7 @@ RBDYN_INLINE Mode take_mode(Reader& r, const SceneModel* model, double t, std::s
     mode.parameters = r.list<double>();
     r.take(mode.still);
     r.take(mode.jumps);
+    mode.memory = r.list<double>();
     if (!r.take<bool>()) return mode;
     Decisions decided;
     for (const Choice& c : r.list<Choice>()) decided.forced[c.id] = c.choice;
