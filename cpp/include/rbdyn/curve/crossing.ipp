@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/curve/cover.hpp"
 #include "rbdyn/curve/curve.hpp"

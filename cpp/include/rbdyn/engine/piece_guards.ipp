@@ -11,7 +11,6 @@
 #include <memory>
 #include <span>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/guard_fit.hpp"
 #include "rbdyn/expression/program.hpp"

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/point_laws.hpp"

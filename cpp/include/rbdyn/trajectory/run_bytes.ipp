@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
@@ -30,7 +29,6 @@
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/series/piece.hpp"
-#include "rbdyn/simulate.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::run_bytes {

@@ -5,9 +5,6 @@
 // A trajectory owns all it needs and outlives its scene.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>

@@ -17,7 +17,6 @@
 #include <variant>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"
