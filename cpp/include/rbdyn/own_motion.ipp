@@ -6,7 +6,6 @@
 #include <exception>
 #include <iomanip>
 #include <memory>
-#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -20,19 +19,9 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE StateRun::StateRun(simulating::Solution solution, std::string engine)
-    : solution_(std::make_shared<const simulating::Solution>(std::move(solution))), engine_(std::move(engine)) {}
-
-RBDYN_INLINE Status StateRun::status() const { return solution_->record.status; }
-
-RBDYN_INLINE double StateRun::start() const { return solution_->record.start; }
-
-RBDYN_INLINE double StateRun::end() const { return solution_->record.end.hi; }
-
-RBDYN_INLINE double StateRun::certain_until() const { return solution_->certain_until; }
-
-RBDYN_INLINE const std::string& StateRun::engine() const { return engine_; }
-
-RBDYN_INLINE std::optional<double> StateRun::error() const { return solution_->error; }
+    : AnyRun(solution.record.status, solution.record.start, solution.record.end.hi, solution.certain_until,
+             std::move(engine), solution.error),
+      solution_(std::make_shared<const simulating::Solution>(std::move(solution))) {}
 
 RBDYN_INLINE const std::vector<Event>& StateRun::events() const { return solution_->record.events; }
 

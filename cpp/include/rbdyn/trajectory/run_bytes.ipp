@@ -177,12 +177,25 @@ RBDYN_INLINE Record take_record(Reader& r, const PointsModel* model, const std::
     return record;
 }
 
+/// How accurate a run is.
+template <class Run>
+void put_accuracy(Writer& w, const Run& run) {
+    w.put(run.error.has_value());
+    w.put(run.error.value_or(0.0));
+    w.put(run.certain_until);
+}
+template <class Run>
+void take_accuracy(Reader& r, Run& run) {
+    const bool has_error = r.take<bool>();
+    const auto error = r.take<double>();
+    if (has_error) run.error = error;
+    r.take(run.certain_until);
+}
+
 RBDYN_INLINE void put(Writer& w, const RunData& data) {
     put(w, data.record);
     w.put(std::string_view(data.engine));
-    w.put(data.error.has_value());
-    w.put(data.error.value_or(0.0));
-    w.put(data.certain_until);
+    put_accuracy(w, data);
     put(w, data.statistics);
     w.put(data.parts.size());
     for (const RunData& part : data.parts) put(w, part);
@@ -196,10 +209,7 @@ RBDYN_INLINE RunData take_run(Reader& r, Scene scene, Plan plan) {
     data.record = take_record(r, data.model.get(), data.plan.closed);
     data.events = Events(data.record.events);
     data.engine = r.text();
-    const bool has_error = r.take<bool>();
-    const auto error = r.take<double>();
-    if (has_error) data.error = error;
-    r.take(data.certain_until);
+    take_accuracy(r, data);
     data.statistics = take_statistics(r);
     const auto parts = r.take<std::size_t>();
     if (parts != data.plan.parts.size()) Reader::refuse();
@@ -218,9 +228,7 @@ RBDYN_INLINE std::string bytes_of(const StateRun& run) {
     w.put(run_bytes::state_head);
     run_bytes::put(w, solution.record);
     w.put(std::string_view(run.engine()));
-    w.put(solution.error.has_value());
-    w.put(solution.error.value_or(0.0));
-    w.put(solution.certain_until);
+    run_bytes::put_accuracy(w, solution);
     return std::move(w.bytes);
 }
 
@@ -230,10 +238,7 @@ RBDYN_INLINE StateRun state_run_from(std::string_view bytes) {
     simulating::Solution solution;
     solution.record = run_bytes::take_record(r, nullptr, nullptr, false);
     std::string engine = r.text();
-    const bool has_error = r.take<bool>();
-    const auto error = r.take<double>();
-    if (has_error) solution.error = error;
-    r.take(solution.certain_until);
+    run_bytes::take_accuracy(r, solution);
     return StateRun(std::move(solution), std::move(engine));
 }
 
