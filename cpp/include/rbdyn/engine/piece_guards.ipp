@@ -50,9 +50,11 @@ RBDYN_INLINE double PieceGuards::begin(const Piece& piece, bool is_rest) {
         least_ = std::ldexp(piece.length, -most_halvings);
     }
     if (!need_more_) return piece.length;
-    if (fit_ && goes_on_) fit_->go_on();
-    goes_on_ = true;
-    if (fit_) return fitted_length();
+    if (fit_) {
+        if (goes_on_) fit_->go_on();
+        goes_on_ = true;
+        return fitted_length();
+    }
     expand();
     return std::min(piece.length, series_length());
 }
