@@ -226,6 +226,7 @@ private:
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false, at_start_ = false, begins_ = false;
+    std::optional<bool> begins_on_edge_;  // none: not asked yet
     double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece
     const Guard* broken_ = nullptr;
     RoughPassages rough_;

@@ -38,6 +38,7 @@ RBDYN_INLINE EventSearch::EventSearch(const HybridModel& model, Engine& engine, 
 RBDYN_INLINE void EventSearch::enter(const Mode& mode, std::vector<bool> handled, bool begins) {
     handled_ = std::move(handled);
     begins_ = begins;
+    begins_on_edge_.reset();
     sides_.assign(mode.equations->guards.size(), 0);
     ends_.assign(mode.equations->guards.size(), 0.0);
 }
@@ -197,9 +198,11 @@ RBDYN_INLINE void EventSearch::fire(const std::vector<Guard>& guards, const Foun
 
 RBDYN_INLINE bool EventSearch::begins_on_edge(const Mode& mode) {
     const auto& guards = mode.equations->guards;
-    return std::any_of(guards.begin(), guards.end(), [&](const Guard& g) {
-        return is_distinction(g) && g.output >= 0 && begins_at_zero(mode, g, 8.0 * epsilon);
-    });
+    if (!begins_on_edge_)
+        begins_on_edge_ = std::any_of(guards.begin(), guards.end(), [&](const Guard& g) {
+            return is_distinction(g) && g.output >= 0 && begins_at_zero(mode, g, 8.0 * epsilon);
+        });
+    return *begins_on_edge_;
 }
 
 RBDYN_INLINE bool EventSearch::begins_at_zero(const Mode& mode, const Guard& guard, double few) {
