@@ -15,6 +15,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -59,6 +60,8 @@ RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<d
     const std::string engine = options.engine == "auto" ? "taylor" : options.engine;
     (void)make_engine(engine, 1e-6);
     Solution solution = solve(model, state, options, engine, "taylor");
+    // those of the model, which the run outlives
+    for (Mode& mode : solution.record.modes) mode.equations = nullptr;
     if (solution.outcome == Outcome::thrown) std::rethrow_exception(solution.thrown);
     const bool good = solution.outcome == Outcome::good;
     const std::string message = solution.message;

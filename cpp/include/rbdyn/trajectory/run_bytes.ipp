@@ -112,10 +112,11 @@ RBDYN_INLINE Mode take_mode(Reader& r, const PointsModel* model, double t, std::
     r.take(mode.still);
     r.take(mode.jumps);
     if (!r.take<bool>()) return mode;
+    if (model == nullptr) Reader::refuse();
     Decisions decided;
     for (const Choice& c : r.list<Choice>()) decided.forced[c.id] = c.choice;
     for (const std::uint64_t surface : r.list<std::uint64_t>()) decided.sliding.insert(surface);
-    if (model != nullptr && !model->restore(mode, t, x, decided)) Reader::refuse();
+    if (!model->restore(mode, t, x, decided)) Reader::refuse();
     return mode;
 }
 
@@ -142,8 +143,7 @@ RBDYN_INLINE void put(Writer& w, const Record& record) {
     for (const Event& e : record.events) put(w, e);
 }
 
-RBDYN_INLINE Record take_record(Reader& r, const PointsModel* model, const std::shared_ptr<const ClosedForm>& closed,
-                                bool has_equations) {
+RBDYN_INLINE Record take_record(Reader& r, const PointsModel* model, const std::shared_ptr<const ClosedForm>& closed) {
     Record record;
     r.take(record.start);
     r.take(record.end);
@@ -170,7 +170,6 @@ RBDYN_INLINE Record take_record(Reader& r, const PointsModel* model, const std::
                                         [&](const Record::Entry& e) { return e.mode == static_cast<int>(m); });
         std::vector<double> x = record.first_state;
         if (first != entries.end()) record.piece(static_cast<std::size_t>(first - entries.begin())).state(0.0, x);
-        if (has_equations && model == nullptr) Reader::refuse();
         record.modes.push_back(take_mode(r, model, first != entries.end() ? first->start.hi : record.start, x));
     }
     for (auto left = r.take<std::size_t>(); left > 0; --left) record.events.push_back(take_event(r));
@@ -236,7 +235,7 @@ RBDYN_INLINE StateRun state_run_from(std::string_view bytes) {
     run_bytes::Reader r(bytes);
     if (r.text() != run_bytes::state_head) run_bytes::Reader::refuse();
     simulating::Solution solution;
-    solution.record = run_bytes::take_record(r, nullptr, nullptr, false);
+    solution.record = run_bytes::take_record(r, nullptr, nullptr);
     std::string engine = r.text();
     run_bytes::take_accuracy(r, solution);
     return StateRun(std::move(solution), std::move(engine));
