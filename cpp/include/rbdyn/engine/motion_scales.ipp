@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <span>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

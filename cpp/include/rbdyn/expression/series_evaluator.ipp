@@ -11,7 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"

@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <utility>
-#include <variant>
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/form.hpp"
