@@ -1,4 +1,6 @@
 // Compiled once: what happens on the way.
+#include "exported.hpp"
+
 #include "rbdyn/event/driver.ipp"
 #include "rbdyn/event/event.ipp"
 #include "rbdyn/event/passages.ipp"

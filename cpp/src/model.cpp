@@ -1,4 +1,6 @@
 // Compiled once: models, their equations of motion.
+#include "exported.hpp"
+
 #include "rbdyn/model/acting.ipp"
 #include "rbdyn/model/assembly.ipp"
 #include "rbdyn/model/at_zero.ipp"

@@ -1,4 +1,6 @@
 // Compiled once: plans, and motions in closed form.
+#include "exported.hpp"
+
 #include "rbdyn/plan/plan.ipp"
 #include "rbdyn/closed_form/carlson.ipp"
 #include "rbdyn/closed_form/closed_form.ipp"

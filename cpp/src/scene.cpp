@@ -1,4 +1,6 @@
 // Compiled once: scenes.
+#include "exported.hpp"
+
 #include "rbdyn/scene/scene.ipp"
 #include "rbdyn/scene/couplings.ipp"
 #include "rbdyn/scene/effects.ipp"

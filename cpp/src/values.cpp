@@ -1,4 +1,6 @@
 // Compiled once: numbers, attitudes, bodies, curves.
+#include "exported.hpp"
+
 #include "rbdyn/basics/error.ipp"
 #include "rbdyn/basics/vector.ipp"
 #include "rbdyn/body/mass_properties.ipp"

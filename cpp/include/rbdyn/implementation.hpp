@@ -153,6 +153,7 @@
 #include "rbdyn/statics/path_pieces.ipp"
 #include "rbdyn/statics/path_zero.ipp"
 #include "rbdyn/statics/rail_potential.ipp"
+#include "rbdyn/statics/rail_work.ipp"
 #include "rbdyn/statics/search.ipp"
 #include "rbdyn/trajectory/accuracy.ipp"
 #include "rbdyn/trajectory/body_motion.ipp"
