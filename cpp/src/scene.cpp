@@ -1,5 +1,6 @@
 // Compiled once: scenes.
-#include "rbdyn/scene/scene.ipp"
+#include "exported.hpp"
+
 #include "rbdyn/scene/couplings.ipp"
 #include "rbdyn/scene/effects.ipp"
 #include "rbdyn/scene/handles.ipp"
@@ -8,5 +9,6 @@
 #include "rbdyn/scene/parts.ipp"
 #include "rbdyn/scene/plan_slot.ipp"
 #include "rbdyn/scene/rigid_motion.ipp"
+#include "rbdyn/scene/scene.ipp"
 #include "rbdyn/scene/torque.ipp"
 #include "rbdyn/scene/watch.ipp"

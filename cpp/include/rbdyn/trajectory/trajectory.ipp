@@ -37,7 +37,7 @@
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
-#include "rbdyn/statics/rail_potential.hpp"
+#include "rbdyn/statics/rail_work.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 #include "rbdyn/trajectory/work.hpp"
