@@ -1,4 +1,6 @@
 // Compiled once: functions of the user's, recorded.
+#include "exported.hpp"
+
 #include "rbdyn/expression/callback.ipp"
 #include "rbdyn/expression/condition.ipp"
 #include "rbdyn/expression/derivative.ipp"

@@ -1,4 +1,6 @@
 // Compiled once: bodies joined to bodies.
+#include "exported.hpp"
+
 #include "rbdyn/mechanics/assemble.ipp"
 #include "rbdyn/mechanics/closure.ipp"
 #include "rbdyn/mechanics/complementarity.ipp"

@@ -1,5 +1,6 @@
 // Compiled once: plans, and motions in closed form.
-#include "rbdyn/plan/plan.ipp"
+#include "exported.hpp"
+
 #include "rbdyn/closed_form/carlson.ipp"
 #include "rbdyn/closed_form/closed_form.ipp"
 #include "rbdyn/closed_form/free_rotation.ipp"
@@ -20,5 +21,6 @@
 #include "rbdyn/plan/integrals.ipp"
 #include "rbdyn/plan/kept_plan.ipp"
 #include "rbdyn/plan/linear_motion.ipp"
+#include "rbdyn/plan/plan.ipp"
 #include "rbdyn/plan/planning.ipp"
 #include "rbdyn/plan/simulated.ipp"

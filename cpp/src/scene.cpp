@@ -1,5 +1,6 @@
 // Compiled once: scenes.
-#include "rbdyn/scene/scene.ipp"
+#include "exported.hpp"
+
 #include "rbdyn/scene/constraints.ipp"
 #include "rbdyn/scene/contacts.ipp"
 #include "rbdyn/scene/couplings.ipp"
@@ -11,5 +12,6 @@
 #include "rbdyn/scene/parts.ipp"
 #include "rbdyn/scene/plan_slot.ipp"
 #include "rbdyn/scene/rigid_motion.ipp"
+#include "rbdyn/scene/scene.ipp"
 #include "rbdyn/scene/torque.ipp"
 #include "rbdyn/scene/watch.ipp"

@@ -1,4 +1,6 @@
 // Compiled once: equilibria, and potentials along rails.
+#include "exported.hpp"
+
 #include "rbdyn/statics/ball_equilibria.ipp"
 #include "rbdyn/statics/equilibria.ipp"
 #include "rbdyn/statics/equilibrium.ipp"
@@ -9,4 +11,5 @@
 #include "rbdyn/statics/path_pieces.ipp"
 #include "rbdyn/statics/path_zero.ipp"
 #include "rbdyn/statics/rail_potential.ipp"
+#include "rbdyn/statics/rail_work.ipp"
 #include "rbdyn/statics/search.ipp"

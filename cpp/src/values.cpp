@@ -1,6 +1,7 @@
 // Compiled once: numbers, attitudes, bodies, curves.
+#include "exported.hpp"
+
 #include "rbdyn/basics/error.ipp"
-#include "rbdyn/basics/instant.ipp"
 #include "rbdyn/basics/vector.ipp"
 #include "rbdyn/body/mass_properties.ipp"
 #include "rbdyn/body/momentum.ipp"

@@ -1,4 +1,4 @@
-// A user's program, built against an installed rbdyn: the lowest point of a rough incline's bead, by hand and by run.
+// A user's program, built against an installed rbdyn: where a bead on a rough incline turns, by hand and by run.
 #include <bit>
 #include <cmath>
 #include <cstdint>

@@ -16,15 +16,9 @@
 #include <utility>
 
 #include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
-#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/event/driver.hpp"
 #include "rbdyn/event/event.hpp"
-#include "rbdyn/expression/expression.hpp"
-#include "rbdyn/expression/rounded.hpp"
-#include "rbdyn/integrate.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/plan/plan.hpp"

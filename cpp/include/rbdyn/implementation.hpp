@@ -3,7 +3,6 @@
 #pragma once
 
 #include "rbdyn/basics/error.ipp"
-#include "rbdyn/basics/instant.ipp"
 #include "rbdyn/basics/vector.ipp"
 #include "rbdyn/body/mass_properties.ipp"
 #include "rbdyn/body/momentum.ipp"
@@ -154,7 +153,6 @@
 #include "rbdyn/scene/watch.ipp"
 #include "rbdyn/series/fit.ipp"
 #include "rbdyn/series/piece.ipp"
-#include "rbdyn/series/polynomial.ipp"
 #include "rbdyn/series/roots.ipp"
 #include "rbdyn/series/step_length.ipp"
 #include "rbdyn/simulate.ipp"
@@ -169,6 +167,7 @@
 #include "rbdyn/statics/path_pieces.ipp"
 #include "rbdyn/statics/path_zero.ipp"
 #include "rbdyn/statics/rail_potential.ipp"
+#include "rbdyn/statics/rail_work.ipp"
 #include "rbdyn/statics/search.ipp"
 #include "rbdyn/trajectory/accuracy.ipp"
 #include "rbdyn/trajectory/body_motion.ipp"

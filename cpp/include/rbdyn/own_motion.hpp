@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "rbdyn/event/keep.hpp"
 #include "rbdyn/model/own_model.hpp"
 #include "rbdyn/options.hpp"
+#include "rbdyn/trajectory/any_run.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -22,17 +22,10 @@ struct Solution;  // integrate.hpp
 }
 
 /// The motion of a model of the user's own.
-class StateRun {
+class StateRun : public AnyRun {
 public:
     StateRun(simulating::Solution solution, std::string engine);
 
-    Status status() const;
-    double start() const;
-    double end() const;
-    double certain_until() const;
-    const std::string& engine() const;
-    /// Estimated global error, each variable relative to its own scale in this motion; none with rtol.
-    std::optional<double> error() const;
     const std::vector<Event>& events() const;
     const Work& work() const;
 
@@ -44,7 +37,6 @@ public:
 
 private:
     std::shared_ptr<const simulating::Solution> solution_;
-    std::string engine_;
 };
 
 std::ostream& operator<<(std::ostream& out, const StateRun& run);

@@ -6,7 +6,6 @@
 #include <exception>
 #include <iomanip>
 #include <memory>
-#include <optional>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -16,23 +15,14 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE StateRun::StateRun(simulating::Solution solution, std::string engine)
-    : solution_(std::make_shared<const simulating::Solution>(std::move(solution))), engine_(std::move(engine)) {}
-
-RBDYN_INLINE Status StateRun::status() const { return solution_->record.status; }
-
-RBDYN_INLINE double StateRun::start() const { return solution_->record.start; }
-
-RBDYN_INLINE double StateRun::end() const { return solution_->record.end.hi; }
-
-RBDYN_INLINE double StateRun::certain_until() const { return solution_->certain_until; }
-
-RBDYN_INLINE const std::string& StateRun::engine() const { return engine_; }
-
-RBDYN_INLINE std::optional<double> StateRun::error() const { return solution_->error; }
+    : AnyRun(solution.record.status, solution.record.start, solution.record.end.hi, solution.certain_until,
+             std::move(engine), solution.error),
+      solution_(std::make_shared<const simulating::Solution>(std::move(solution))) {}
 
 RBDYN_INLINE const std::vector<Event>& StateRun::events() const { return solution_->record.events; }
 
@@ -70,6 +60,8 @@ RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<d
     const std::string engine = options.engine == "auto" ? "taylor" : options.engine;
     (void)make_engine(engine, 1e-6);
     Solution solution = solve(model, state, options, engine, "taylor");
+    // those of the model, which the run outlives
+    for (Mode& mode : solution.record.modes) mode.equations = nullptr;
     if (solution.outcome == Outcome::thrown) std::rethrow_exception(solution.thrown);
     const bool good = solution.outcome == Outcome::good;
     const std::string message = solution.message;

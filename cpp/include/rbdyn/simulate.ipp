@@ -7,20 +7,13 @@
 #include <chrono>
 #include <cstdint>
 #include <exception>
-#include <iomanip>
-#include <memory>
-#include <optional>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
-#include "rbdyn/basics/instant.hpp"
-#include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"

@@ -1,6 +1,8 @@
 // A run as bytes beside its scene, and back.
 #include <gtest/gtest.h>
 
+#include "rbdyn/model/euler_top.hpp"
+#include "rbdyn/own_motion.hpp"
 #include "rbdyn/trajectory/run_bytes.hpp"
 #include "support.hpp"
 
@@ -45,6 +47,18 @@ TEST(RunBytes, are_read_back_whatever_the_users_numbers_are_multiplied_with) {
                 body);
     scene.apply(Drag{.linear = k, .quadratic = l}, body);
     expect_read_back(simulate(scene, {.until = 1.0}), body, "force");
+}
+
+// what is written says nothing of the model, which ended with the call
+TEST(RunBytes, of_a_model_of_the_users_own_are_those_of_the_run_that_is_read_from_them) {
+    const EulerTop top(RigidBody(1.0, Vector3(1, 1, 0.5)), 9.81, Vector3(0, 0, -0.5));
+    const StateRun run = simulate(top, {0.1, 1.0, 0.2, 0.0, 0.3, 5.0}, {.until = 1.0});
+    const std::string bytes = bytes_of(run);
+    const StateRun other = state_run_from(bytes);
+    EXPECT_EQ(other.state(0.7), run.state(0.7));
+    EXPECT_EQ(other.error(), run.error());
+    EXPECT_EQ(other.engine(), run.engine());
+    EXPECT_EQ(bytes_of(other), bytes);
 }
 
 }  // namespace

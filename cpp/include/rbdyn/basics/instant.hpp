@@ -14,12 +14,22 @@ struct Instant {
 };
 
 /// a + b exactly, as a sum of two doubles (Knuth's two-sum).
-Instant exact_sum(double a, double b);
+inline Instant exact_sum(double a, double b) {
+    const double s = a + b, v = s - a;
+    return {s, (a - (s - v)) + (b - v)};
+}
 
-Instant operator+(Instant t, double h);
+inline Instant operator+(Instant t, double h) {
+    const Instant s = exact_sum(t.hi, h);
+    return exact_sum(s.hi, s.lo + t.lo);
+}
 
 /// The time from b to a, with all its digits.
-Instant exact_difference(Instant a, Instant b);
+inline Instant exact_difference(Instant a, Instant b) {
+    const Instant s = exact_sum(a.hi, -b.hi);
+    return exact_sum(s.hi, s.lo + (a.lo - b.lo));
+}
+
 /// The time from b to a.
 inline double operator-(Instant a, Instant b) { return (a.hi - b.hi) + (a.lo - b.lo); }
 inline double operator-(double a, Instant b) { return (a - b.hi) - b.lo; }

@@ -3,7 +3,6 @@
 
 #include "rbdyn/body/momentum.hpp"
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/rigid_body.hpp"
 

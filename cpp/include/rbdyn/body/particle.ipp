@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/given.hpp"
 

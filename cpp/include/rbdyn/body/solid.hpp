@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/mass_properties.hpp"

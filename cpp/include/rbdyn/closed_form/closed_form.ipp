@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/rotation/euler_turns.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

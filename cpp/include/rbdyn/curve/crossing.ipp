@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/curve/cover.hpp"
 #include "rbdyn/curve/curve.hpp"
@@ -36,8 +35,6 @@ RBDYN_INLINE std::optional<Landing> LandingFinder::first_landing(const Flight& p
     contact_ = last - turn_;
     just_left_ = just_left;
     in_doubt_ = just_left && path.doubt != nullptr;
-    for (double k = 0, power = 1.0; in_doubt_ && k <= path.degree; ++k, power *= path.length)
-        doubt_[static_cast<std::size_t>(k)] = path.doubt[static_cast<std::size_t>(k)] * power;
 
     nodes_.clear();
     const Box box = bounding(x_.data(), y_.data(), degree_);
@@ -54,6 +51,7 @@ RBDYN_INLINE bool LandingFinder::scale(const Flight& path, double negligible) {
         const auto i = static_cast<std::size_t>(k);
         x_[i] = path.x[k] * power;
         y_[i] = path.y[k] * power;
+        if (path.doubt != nullptr) doubt_[i] = path.doubt[k] * power;
         if (k > 0) motion += std::abs(x_[i]) + std::abs(y_[i]);
     }
     degree_ = path.degree;

@@ -37,6 +37,7 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/curve/polynomial.hpp"
 #include "rbdyn/curve/spline.hpp"
+#include "rbdyn/expression/function.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -101,7 +102,8 @@ public:
     /// From any function of the parameter, recorded: [](const auto& u) { return Vector3Of<...>{u, sin(u), 0.0}; }
     /// Throws InvalidInput if it makes no curve (function_curve.hpp).
     template <class F>
-    requires(std::invocable<F, const Expression&>) explicit Curve(F&& function, Domain domain = {}, bool closed = false)
+    requires Takes<F, Expression>
+    explicit Curve(F&& function, Domain domain = {}, bool closed = false)
         : Curve(FunctionCurve{FunctionCurve::recorded(std::forward<F>(function)), domain, closed, {}}) {}
 
     /// What it was made from.

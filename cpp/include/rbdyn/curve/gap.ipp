@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/curve/cover.hpp"
 #include "rbdyn/curve/point.hpp"
 

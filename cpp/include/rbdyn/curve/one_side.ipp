@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"

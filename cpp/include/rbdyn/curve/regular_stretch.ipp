@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/curve.hpp"

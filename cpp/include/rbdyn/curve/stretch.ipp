@@ -3,8 +3,6 @@
 
 #include "rbdyn/curve/stretch.hpp"
 
-#include "rbdyn/basics/double_double_functions.hpp"
-
 namespace rbdyn::inline RBDYN_FORM::curves {
 
 RBDYN_INLINE long stretch(long double u, long lowest, long highest) {

@@ -14,7 +14,6 @@
 #include <string>
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/cvode_integrator.hpp"
 #include "rbdyn/engine/cvode_vector.hpp"

@@ -11,7 +11,6 @@
 #include <span>
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/cvode_vector.hpp"
 #include "rbdyn/engine/engine.hpp"

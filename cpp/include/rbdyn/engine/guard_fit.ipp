@@ -9,7 +9,6 @@
 #include <limits>
 #include <span>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/evaluate.hpp"

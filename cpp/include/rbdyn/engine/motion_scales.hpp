@@ -4,7 +4,9 @@
 // chain that moves by 1e-90 of the first would else say how long steps are.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -49,5 +51,38 @@ private:
     bool has_floor_ = false;
     std::array<double, kinds> whole_{};
 };
+
+inline void MotionScales::widen(std::span<const double> x) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        Variable& v = variables_[i];
+        v.low = std::min(v.low, x[i]);
+        v.high = std::max(v.high, x[i]);
+        v.magnitude = std::max(v.magnitude, std::abs(x[i]));
+    }
+    if (!has_floor_) return;
+    for (const VariableGroup& g : groups_)
+        if (g.alike != Alike::nothing) whole_[index(g)] = std::max(whole_[index(g)], g.measure * own(g));
+}
+
+inline double MotionScales::scale(const VariableGroup& group) const {
+    if (!has_floor_ || group.alike == Alike::nothing) return own(group);
+    return std::max(own(group), floor * whole_[index(group)] / group.measure);
+}
+
+inline double MotionScales::magnitude(const VariableGroup& group) const {
+    double magnitude = group.steady;
+    for (int i = group.first; i < group.first + group.count; ++i)
+        magnitude = std::max(magnitude, variables_[static_cast<std::size_t>(i)].magnitude);
+    return magnitude;
+}
+
+inline double MotionScales::own(const VariableGroup& group) const {
+    double scale = group.is_position ? 0.0 : group.steady;
+    for (int i = group.first; i < group.first + group.count; ++i) {
+        const Variable& v = variables_[static_cast<std::size_t>(i)];
+        scale = std::max(scale, group.is_position ? v.high - v.low : v.magnitude);
+    }
+    return scale;
+}
 
 }  // namespace rbdyn::inline RBDYN_FORM

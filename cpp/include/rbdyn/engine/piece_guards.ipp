@@ -11,7 +11,6 @@
 #include <memory>
 #include <span>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/guard_fit.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -51,9 +50,11 @@ RBDYN_INLINE double PieceGuards::begin(const Piece& piece, bool is_rest) {
         least_ = std::ldexp(piece.length, -most_halvings);
     }
     if (!need_more_) return piece.length;
-    if (fit_ && goes_on_) fit_->go_on();
-    goes_on_ = true;
-    if (fit_) return fitted_length();
+    if (fit_) {
+        if (goes_on_) fit_->go_on();
+        goes_on_ = true;
+        return fitted_length();
+    }
     expand();
     return std::min(piece.length, series_length());
 }

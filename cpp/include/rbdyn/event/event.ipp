@@ -10,7 +10,6 @@
 #include <tuple>
 
 #include "rbdyn/basics/direction.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/model/equations.hpp"
 

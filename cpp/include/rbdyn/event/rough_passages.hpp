@@ -28,9 +28,8 @@ class RoughPassages {
 public:
     /// `value(x)`: the function on [0, 1]. `side()`: the side it is known to be on, 0 if none is. `fitted(q, lo, hi,
     /// miss)`: on [lo, hi] it is the polynomial q in (x - lo) / (hi - lo), to look for roots of, and misses that by
-    /// `miss`. `passed(x, doubt, rising,
-    /// is_pole)`: it changes its side at x. `finest`: what time does not resolve. Returns where it ceases to be finite,
-    /// if it does.
+    /// `miss`. `passed(x, doubt, rising, is_pole)`: it changes its side at x. `finest`: what time does not resolve.
+    /// Returns where it ceases to be finite, if it does.
     template <class Value, class Side, class Fitted, class Passed>
     std::optional<double> find(double finest, const Value& value, const Side& side, const Fitted& fitted,
                                const Passed& passed) {

@@ -115,6 +115,9 @@ private:
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
 
+    /// The state that the polynomial of the engine's piece gives; until it is asked for the next time.
+    std::span<const double> state_of_piece(double tau);
+
     /// The equations themselves, evaluated on the engine's piece; `by_piece`: at the state its polynomial gives.
     const Evaluator<double>& evaluated(const Mode& mode, double place, bool by_piece = false);
 
@@ -132,9 +135,8 @@ private:
     /// where it begins. Its values are known to `begin` there and to `end` at 1.
     static void fit_sizes(const series::Coefficients& q, double miss, double begin, double end, double* sizes);
 
-    /// Takes the passages of a guard on [lo, hi] of the piece.
-    void take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi);
-    /// `known`: the side it is on, with what was already found on the piece.
+    /// Takes the passages of a guard on [lo, hi] of the piece. `known`: the side it is on, with what was already found
+    /// on the piece.
     void take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi, int known);
 
     void locate(const Guard& guard, std::size_t g, bool fresh);
@@ -224,6 +226,7 @@ private:
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false, at_start_ = false, begins_ = false;
+    std::optional<bool> begins_on_edge_;  // none: not asked yet
     double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece
     const Guard* broken_ = nullptr;
     RoughPassages rough_;

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"
@@ -39,6 +38,7 @@ RBDYN_INLINE EventSearch::EventSearch(const HybridModel& model, Engine& engine, 
 RBDYN_INLINE void EventSearch::enter(const Mode& mode, std::vector<bool> handled, bool begins) {
     handled_ = std::move(handled);
     begins_ = begins;
+    begins_on_edge_.reset();
     sides_.assign(mode.equations->guards.size(), 0);
     ends_.assign(mode.equations->guards.size(), 0.0);
 }
@@ -198,15 +198,22 @@ RBDYN_INLINE void EventSearch::fire(const std::vector<Guard>& guards, const Foun
 
 RBDYN_INLINE bool EventSearch::begins_on_edge(const Mode& mode) {
     const auto& guards = mode.equations->guards;
-    return std::any_of(guards.begin(), guards.end(), [&](const Guard& g) {
-        return is_distinction(g) && g.output >= 0 && begins_at_zero(mode, g, 8.0 * epsilon);
-    });
+    if (!begins_on_edge_)
+        begins_on_edge_ = std::any_of(guards.begin(), guards.end(), [&](const Guard& g) {
+            return is_distinction(g) && g.output >= 0 && begins_at_zero(mode, g, 8.0 * epsilon);
+        });
+    return *begins_on_edge_;
 }
 
 RBDYN_INLINE bool EventSearch::begins_at_zero(const Mode& mode, const Guard& guard, double few) {
-    state_.resize(static_cast<std::size_t>(engine_.piece().variables));
-    engine_.piece().state(0.0, state_);
-    return is_zero_at(mode, engine_.piece().start.hi, state_, guard.output, few);
+    return is_zero_at(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output, few);
+}
+
+RBDYN_INLINE std::span<const double> EventSearch::state_of_piece(double tau) {
+    const Piece& piece = engine_.piece();
+    state_.resize(static_cast<std::size_t>(piece.variables));
+    piece.state(tau, state_);
+    return state_;
 }
 
 RBDYN_INLINE bool EventSearch::matches(const Guard& guard, const Found& f) {
@@ -311,7 +318,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     // level it has passed nothing until it leaves that
     if (fresh && guard.watch >= 0 && watched(guard).reached != 0) {
         arrival.at_zero = begins_at_zero(mode, guard, 1e-6);
-        if (arrival.at_zero && is_level_at(mode, engine_.piece().start.hi, state_, guard.output))
+        if (arrival.at_zero && is_level_at(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output))
             watched(guard).reached = 0;
     }
     // two pieces meet within the error of the first
@@ -328,10 +335,9 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         // a variable that begins with zero is told by its rate, which may be zero there but for the rounding of all it
         // is made of, that of the time included
         const Piece& piece = engine_.piece();
-        state_.resize(static_cast<std::size_t>(piece.variables));
-        piece.state(0.0, state_);
         const int rate = mode.equations->program.output(guard.output);
-        sizes[1] = std::max(sizes[1], size_of_terms(mode, piece.start.hi, state_, rate) * piece.duration());
+        sizes[1] =
+            std::max(sizes[1], size_of_terms(mode, piece.start.hi, state_of_piece(0.0), rate) * piece.duration());
     };
     passages_.find(q.data(), degree_, arrival, sizes_of_terms, [&] {
         return mode.equations->is_variable(guard) ? series::value(q.data(), degree_, 1.0)
@@ -339,7 +345,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     });
     // a watched function and the distinction that it has a corner by are seen alike
     if (is_watch || is_distinction(guard)) look_closer(mode, guard, sign, 0.0, 1.0, is_last);
-    take(guard, g, fresh, 0.0, 1.0);
+    take(guard, g, fresh, 0.0, 1.0, side);
     if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
     const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
     if (const auto x = passages_.touch(arrival, sizes_of_terms, passes)) touch_ = std::min(touch_, *x);
@@ -390,9 +396,8 @@ RBDYN_INLINE void EventSearch::look_closer(const Mode& mode, const Guard& guard,
 RBDYN_INLINE double EventSearch::value_rounding(const Mode& mode, const Guard& guard, double place) {
     if (guard.output < 0) return 0.0;
     const Piece& piece = engine_.piece();
-    state_.resize(static_cast<std::size_t>(piece.variables));
-    piece.state(place * piece.length, state_);
-    return 4.0 * epsilon * size_of_terms(mode, piece.at(place * piece.length).hi, state_, guard.output);
+    const double tau = place * piece.length;
+    return 4.0 * epsilon * size_of_terms(mode, piece.at(tau).hi, state_of_piece(tau), guard.output);
 }
 
 RBDYN_INLINE void EventSearch::fit_sizes(const series::Coefficients& q, double miss, double begin, double end,
@@ -401,10 +406,6 @@ RBDYN_INLINE void EventSearch::fit_sizes(const series::Coefficients& q, double m
     sizes[0] = std::max(sizes[0], begin / (4.0 * epsilon));
     // an error that is zero at 0 has a slope there; and it is seen at few places
     sizes[1] = std::max(sizes[1], std::max(64.0 * miss, end) / (4.0 * epsilon));
-}
-
-RBDYN_INLINE void EventSearch::take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi) {
-    take(guard, g, fresh, lo, hi, side_of(guard));
 }
 
 RBDYN_INLINE void EventSearch::take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi, int known) {

@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 

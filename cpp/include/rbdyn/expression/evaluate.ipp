@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
 

@@ -3,7 +3,6 @@
 
 #include "rbdyn/expression/given.hpp"
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/parameter.hpp"

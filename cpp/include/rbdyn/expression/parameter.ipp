@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

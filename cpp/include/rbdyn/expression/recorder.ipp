@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/parameter.hpp"

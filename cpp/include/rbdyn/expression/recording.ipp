@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/parameter.hpp"

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <span>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 

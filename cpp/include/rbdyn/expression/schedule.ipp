@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/program.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

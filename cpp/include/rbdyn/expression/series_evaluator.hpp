@@ -133,4 +133,31 @@ private:
     series::LaneOrder lane_order_ = series::lane_order();
 };
 
+inline void SeriesEvaluator::integrate(int k) {
+    const double factor = unit_ / (k + 1);
+    for (const auto& [input, rate] : motion_) input.set(k + 1, rate[k] * factor);
+}
+
+inline bool SeriesEvaluator::is_finite(int k) const {
+    double check = 0.0;
+    for (const Motion& m : motion_) check += 0.0 * m.rate[k];
+    return check == 0.0;
+}
+
+inline const double* SeriesEvaluator::coefficients(int slot_index) const {
+    return storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
+}
+
+inline series::View SeriesEvaluator::slot(int index) {
+    double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
+    return {start, start + stride_ - 1};
+}
+
+inline double SeriesEvaluator::linear(const Linear& part, int k) const {
+    const double* w = scalars_.data();
+    double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
+    for (const ResolvedTerm* t = part.first; t != part.last; ++t) sum += w[t->weight] * t->series[k];
+    return sum;
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -11,7 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
@@ -52,17 +51,6 @@ RBDYN_INLINE void SeriesEvaluator::begin(double t, double unit) {
     }
 }
 
-RBDYN_INLINE void SeriesEvaluator::integrate(int k) {
-    const double factor = unit_ / (k + 1);
-    for (const auto& [input, rate] : motion_) input.set(k + 1, rate[k] * factor);
-}
-
-RBDYN_INLINE bool SeriesEvaluator::is_finite(int k) const {
-    double check = 0.0;
-    for (const Motion& m : motion_) check += 0.0 * m.rate[k];
-    return check == 0.0;
-}
-
 RBDYN_INLINE void SeriesEvaluator::advance(int k) {
     for (const Stage& stage : stages_) {
         if (stage.sum != stage.sum_end) lane_order_(stage.series, stage.series_end, stage.sum, stage.sum_end, k);
@@ -74,22 +62,6 @@ RBDYN_INLINE void SeriesEvaluator::advance(int k) {
         }
         for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step) compute(*step, k);
     }
-}
-
-RBDYN_INLINE const double* SeriesEvaluator::coefficients(int slot_index) const {
-    return storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
-}
-
-RBDYN_INLINE series::View SeriesEvaluator::slot(int index) {
-    double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
-    return {start, start + stride_ - 1};
-}
-
-RBDYN_INLINE double SeriesEvaluator::linear(const Linear& part, int k) const {
-    const double* w = scalars_.data();
-    double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
-    for (const ResolvedTerm* t = part.first; t != part.last; ++t) sum += w[t->weight] * t->series[k];
-    return sum;
 }
 
 RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {

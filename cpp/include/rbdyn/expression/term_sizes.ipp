@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 

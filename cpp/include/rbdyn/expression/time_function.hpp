@@ -18,7 +18,7 @@ public:
     TimeFunction(Function function);
     /// Any callable over the number type: [](const auto& t) { return 0.5 * sin(t); }
     template <class F>
-    requires(std::is_invocable_v<F, const Expression&> && !std::is_same_v<std::decay_t<F>, Function> &&
+    requires(Takes<F, Expression> && !std::is_same_v<std::decay_t<F>, Function> &&
              !std::is_same_v<std::decay_t<F>, TimeFunction>) TimeFunction(F f)
         : TimeFunction(Function::record(
               1, [&](const std::vector<Expression>& x) { return std::vector<Expression>{f(x[0])}; })) {}

@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/function.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

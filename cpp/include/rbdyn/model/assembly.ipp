@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/rigid_body.hpp"

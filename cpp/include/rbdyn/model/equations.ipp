@@ -9,7 +9,6 @@
 #include <limits>
 #include <optional>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
 

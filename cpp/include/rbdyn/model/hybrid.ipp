@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"

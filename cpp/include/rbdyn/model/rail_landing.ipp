@@ -9,7 +9,6 @@
 #include <mutex>
 #include <optional>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/crossing.hpp"
 #include "rbdyn/curve/curve.hpp"

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/expression.hpp"

@@ -5,7 +5,6 @@
 
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_state.hpp"

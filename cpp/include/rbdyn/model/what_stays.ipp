@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/model/hybrid.hpp"

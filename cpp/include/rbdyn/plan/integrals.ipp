@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <variant>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/rigid_law.hpp"

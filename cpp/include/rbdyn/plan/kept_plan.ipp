@@ -10,7 +10,6 @@
 #include <utility>
 #include <variant>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/body/particle.hpp"
 #include "rbdyn/expression/function.hpp"

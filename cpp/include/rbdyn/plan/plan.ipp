@@ -7,48 +7,18 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <ostream>
 #include <string>
-#include <tuple>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
-#include "rbdyn/basics/double_double_vector.hpp"
-#include "rbdyn/basics/vector.hpp"
-#include "rbdyn/closed_form/closed_form.hpp"
-#include "rbdyn/curve/axes.hpp"
-#include "rbdyn/curve/checks.hpp"
-#include "rbdyn/curve/curve.hpp"
-#include "rbdyn/curve/one_side.hpp"
-#include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/callback.hpp"
-#include "rbdyn/expression/numbers.hpp"
-#include "rbdyn/expression/time_function.hpp"
-#include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/points.hpp"
-#include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/state_map.hpp"
-#include "rbdyn/plan/closed_motion.hpp"
-#include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
-#include "rbdyn/plan/linear_motion.hpp"
-#include "rbdyn/plan/simulated.hpp"
-#include "rbdyn/scene/couplings.hpp"
-#include "rbdyn/scene/effects.hpp"
-#include "rbdyn/scene/handles.hpp"
-#include "rbdyn/scene/joints.hpp"
-#include "rbdyn/scene/loads.hpp"
-#include "rbdyn/scene/parts.hpp"
-#include "rbdyn/scene/rigid_motion.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/scene/torque.hpp"
-#include "rbdyn/scene/watch.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 

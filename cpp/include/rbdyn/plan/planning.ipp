@@ -4,11 +4,8 @@
 #include "rbdyn/plan/planning.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
-#include <ostream>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -35,7 +32,6 @@
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/scene_model.hpp"
-#include "rbdyn/model/state_map.hpp"
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/plan/linear_motion.hpp"

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/model/point_laws.hpp"

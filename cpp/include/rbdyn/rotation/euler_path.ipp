@@ -8,7 +8,6 @@
 #include <numbers>
 #include <optional>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/quaternion.hpp"

@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"

@@ -33,8 +33,7 @@ public:
     explicit Force(std::shared_ptr<const Callback> callback, Frame frame = Frame::world);
     /// [](const auto& t, const auto& position, const auto& velocity) { return Vector3Of<...>{...}; }
     template <class F>
-    requires std::is_invocable_v < F, const Expression&, const Vector3Of<Expression>
-    &, const Vector3Of<Expression>& > Force(F f, Frame frame = Frame::world)
+    requires Takes<F, Expression, Vector3Of<Expression>, Vector3Of<Expression>> Force(F f, Frame frame = Frame::world)
         : Force(Function::record(7,
                                  [&](const std::vector<Expression>& x) {
                                      const Vector3Of<Expression> r = f(x[0], Vector3Of<Expression>{x[1], x[2], x[3]},
@@ -104,8 +103,7 @@ public:
     explicit Potential(Function function, std::string name = "function");
     /// [](const auto& position) { return ...; }
     template <class F>
-    requires std::is_invocable_v < F, const Vector3Of<Expression>
-    & > Potential(F f)
+    requires Takes<F, Vector3Of<Expression>> Potential(F f)
         : Potential(Function::record(3, [&](const std::vector<Expression>& x) {
               return std::vector<Expression>{f(Vector3Of<Expression>{x[0], x[1], x[2]})};
           })) {}

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
@@ -44,7 +43,7 @@ public:
     explicit RigidMotion(Function function);
     /// A displacement d(t) alone, from any callable over the number type: [](const auto& t) { return Vector3Of<...>; }
     template <class F>
-    requires std::is_invocable_v<F, const Expression&>
+    requires Takes<F, Expression>
     static RigidMotion translation(F f) {
         return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
             const Vector3Of<Expression> d = f(t[0]);
@@ -53,7 +52,7 @@ public:
     }
     /// A turn by angle(t) [rad] about an axis through a point, by Rodrigues' formula.
     template <class F>
-    requires std::is_invocable_v<F, const Expression&>
+    requires Takes<F, Expression>
     static RigidMotion rotation(F angle, const Vector3& axis, const Vector3& point = Vector3::Zero()) {
         require(axis.norm() > 0.0, "motion", "length of the axis", axis.norm(), "an axis has a direction");
         const curves::WideVector e = curves::wide_unit(axis);

@@ -39,8 +39,7 @@ public:
     explicit Torque(std::shared_ptr<const Callback> callback, Frame frame = Frame::body);
     /// [](const auto& t, const auto& rotation_matrix, const auto& angular_velocity) { return Vector3Of<...>{...}; }
     template <class F>
-    requires std::is_invocable_v < F, const Expression&, const RotationOf<Expression>
-    &, const Vector3Of<Expression>& > Torque(F f, Frame frame = Frame::body)
+    requires Takes<F, Expression, RotationOf<Expression>, Vector3Of<Expression>> Torque(F f, Frame frame = Frame::body)
         : Torque(Function::record(
                      inputs,
                      [&](const std::vector<Expression>& x) {

@@ -4,27 +4,15 @@
 #include "rbdyn/statics/ball_equilibria.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
-#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/curve/curve.hpp"
-#include "rbdyn/curve/point.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
-#include "rbdyn/scene/handles.hpp"
-#include "rbdyn/scene/joints.hpp"
-#include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
-#include "rbdyn/statics/path_equilibria.hpp"
-#include "rbdyn/statics/path_forces.hpp"
 #include "rbdyn/statics/search.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {

@@ -3,21 +3,15 @@
 
 #include "rbdyn/statics/equilibria.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
-#include "rbdyn/basics/vector.hpp"
-#include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
-#include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/scene.hpp"

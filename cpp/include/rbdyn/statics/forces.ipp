@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/statics/forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {

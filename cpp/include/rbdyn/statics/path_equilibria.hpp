@@ -71,6 +71,8 @@ private:
     /// Where a piece is rounding: a zero of high order has no sign that shows within a twentieth of the piece, one of
     /// lower order is told by the roots unless it is at an end or in the middle.
     static std::vector<double> flat_places(const Piece& p);
+    /// Where Q may be zero on a piece, those places among them.
+    static std::vector<double> zeros_of(const Piece& p);
     /// Halves a piece as long as the forces about its zeros of Q are small beside what they are elsewhere on it: there
     /// its polynomial knows them to few digits.
     void refine(const Piece& p, int depth, std::vector<Piece>& path);

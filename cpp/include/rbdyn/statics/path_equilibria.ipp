@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/point_laws.hpp"
@@ -131,21 +130,22 @@ RBDYN_INLINE std::vector<double> PathEquilibria::flat_places(const Piece& p) {
     return places;
 }
 
-RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<Piece>& path) {
-    bool splits = false;
-    if (depth < most_halvings) {
-        std::array<double, statics::order + 1> derivative = p.output[along];
-        for (int degree = statics::order; degree >= statics::order - 3; --degree) {
-            if (degree < statics::order)
-                for (int k = 0; k <= degree; ++k)
-                    derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
-            for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                if (degree == statics::order || p.may_vanish(x))
-                    splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
-        }
-        for (const double x : flat_places(p)) splits = splits || forces_.effort(p.place(x)) < 0x1p-6 * p.effort;
+RBDYN_INLINE std::vector<double> PathEquilibria::zeros_of(const Piece& p) {
+    std::array<double, statics::order + 1> q = p.output[along];
+    std::vector<double> places = statics::roots_about_middle(q.data(), statics::order);
+    // zeros without a change of sign, or too flat to show one: those of derivatives
+    for (int degree = statics::order - 1; degree >= statics::order - 3; --degree) {
+        for (int k = 0; k <= degree; ++k) q[static_cast<std::size_t>(k)] = (k + 1) * q[static_cast<std::size_t>(k) + 1];
+        for (const double x : statics::roots_about_middle(q.data(), degree))
+            if (p.may_vanish(x)) places.push_back(x);
     }
-    if (!splits) {
+    for (const double x : flat_places(p)) places.push_back(x);
+    return places;
+}
+
+RBDYN_INLINE void PathEquilibria::refine(const Piece& p, int depth, std::vector<Piece>& path) {
+    const auto is_small = [&](double x) { return forces_.effort(p.place(x)) < 0x1p-6 * p.effort; };
+    if (depth >= most_halvings || !std::ranges::any_of(zeros_of(p), is_small)) {
         path.push_back(p);
         return;
     }
@@ -183,24 +183,13 @@ RBDYN_INLINE bool PathEquilibria::adjoin(double end, const Piece& p) {
 RBDYN_INLINE void PathEquilibria::find_points() {
     for (std::size_t i = 0; i < path_.size(); ++i) {
         const Piece& p = path_[i];
-        const double noise = p.noise();
-        if (p.bound() <= noise) {
+        if (p.bound() <= p.noise()) {
             if (!is_pushed(p.middle)) continue;
             extend(flat_, i);
             if (is_felt(p)) felt_.push_back(p.middle);
             continue;
         }
-        const double* q = p.output[along].data();
-        for (const double x : statics::roots_about_middle(q, statics::order)) add(p, x);
-        // zeros without a change of sign, or too flat to show one: those of derivatives
-        std::array<double, statics::order + 1> derivative = p.output[along];
-        for (int degree = statics::order - 1; degree >= statics::order - 3; --degree) {
-            for (int k = 0; k <= degree; ++k)
-                derivative[static_cast<std::size_t>(k)] = (k + 1) * derivative[static_cast<std::size_t>(k) + 1];
-            for (const double x : statics::roots_about_middle(derivative.data(), degree))
-                if (p.may_vanish(x)) add(p, x);
-        }
-        for (const double x : flat_places(p)) add(p, x);
+        for (const double x : zeros_of(p)) add(p, x);
         if (i > 0) add_jump(path_[i - 1], p);
     }
     // pieces that grow ever shorter towards a zero do not reach it

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"

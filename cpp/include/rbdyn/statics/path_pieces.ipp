@@ -12,7 +12,6 @@
 #include <span>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/series_sizes.hpp"

@@ -10,7 +10,6 @@
 #include <optional>
 #include <utility>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/statics/path_forces.hpp"
 #include "rbdyn/statics/path_pieces.hpp"
 

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -22,8 +23,6 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/statics/path_forces.hpp"
-#include "rbdyn/statics/path_pieces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -32,20 +31,6 @@ namespace rbdyn::inline RBDYN_FORM {
 struct TurningPoints {
     std::optional<double> below, above;
     bool operator==(const TurningPoints&) const = default;
-};
-
-/// The work of a bead's recorded `Force` functions along its rail, of those that have a potential there
-/// (planning::has_potential_along_rail).
-class RailWork {
-public:
-    RailWork(const Scene& scene, BodyHandle bead);
-
-    /// The integral of their F_t from the origin of arc length to u [J].
-    double operator()(double u) const;
-
-private:
-    std::optional<PathForces> forces_;
-    double origin_ = 0.0;
 };
 
 /// The potential of one bead of a scene along its rail. Immutable.
@@ -101,10 +86,6 @@ private:
 
     /// The integral of Q from a to b.
     double gained(double a, double b) const;
-    static double gained(PathForces::Values& q, double a, double way, double effort);
-
-    /// Whether a polynomial force along the whole way pushes on from the end of a piece for ever.
-    static bool pushes_on(const statics::PathPiece& p, double way);
 
     /// The first turning point from `start`, where the kinetic energy is k, in one direction; or the equilibrium that
     /// it does not come past.
@@ -120,9 +101,8 @@ private:
     // a bead thrown up an endless helix turns within so many, or is not waited for
     static constexpr int most_stretches = 1000;
 
-    PathForces forces_;
-    RailWork work_;
-    double origin_ = 0.0;
+    struct Forces;
+    std::shared_ptr<const Forces> forces_;
 };
 
 std::ostream& operator<<(std::ostream& out, const RailPotential& u);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <ostream>
@@ -20,13 +21,11 @@
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/body/particle.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -37,47 +36,58 @@
 #include "rbdyn/statics/path_pieces.hpp"
 #include "rbdyn/statics/path_zero.hpp"
 #include "rbdyn/statics/quadrature.hpp"
+#include "rbdyn/statics/rail_work.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE RailWork::RailWork(const Scene& scene, BodyHandle bead) {
-    const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
-    Scene functions;
-    const BodyHandle one =
-        functions.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);
-    for (const Scene::AppliedLoad& load : scene.loads())
-        if (load.body == bead.index && planning::has_potential_along_rail(scene, load)) functions.apply(load.load, one);
-    if (functions.loads().empty()) return;
-    forces_.emplace(functions);
-    origin_ = arc_length_origin(forces_->curve());
+/// What acts on the bead.
+struct RailPotential::Forces {
+    PathForces path;
+    RailWork work;
+    double origin = arc_length_origin(path.curve());
+};
+
+namespace statics {
+
+/// The integral of Q over a way from a.
+inline double gained(PathForces::Values& q, double a, double way, double effort) {
+    return integral([&](double d) { return q(a + d); }, 0.0, way,
+                    std::numeric_limits<double>::epsilon() * std::abs(way) * effort);
 }
 
-RBDYN_INLINE double RailWork::operator()(double u) const {
-    if (!forces_) return 0.0;
-    PathForces::Values q(*forces_);
-    const double floor = 2.0 * std::numeric_limits<double>::epsilon() * std::abs(u - origin_) *
-                         std::max(forces_->effort(u), forces_->effort(origin_));
-    return statics::integral([&](double place) { return q(place); }, origin_, u, floor);
+/// Whether a polynomial force along the whole way pushes on from the end of a piece for ever.
+inline bool pushes_on(const PathPiece& p, double way) {
+    if (!p.endless) return false;
+    std::array<double, order + 1> q = p.output[PathForces::along];
+    series::shift(q.data(), order, way);
+    double size = 0.0, sign = way;
+    for (const double c : q) size += std::abs(c);
+    for (const double c : q) {
+        if (sign * c < -64.0 * std::numeric_limits<double>::epsilon() * size) return false;
+        sign *= way;
+    }
+    return true;
 }
+
+}  // namespace statics
 
 RBDYN_INLINE RailPotential::RailPotential(const Scene& scene, BodyHandle bead)
-    : forces_(checked(scene.frozen(), bead)), work_(scene.frozen(), bead) {
-    origin_ = arc_length_origin(curve());
-}
+    : forces_(std::make_shared<const Forces>(
+          Forces{.path = PathForces(checked(scene.frozen(), bead)), .work = RailWork(scene.frozen(), bead)})) {}
 
-RBDYN_INLINE const Curve& RailPotential::curve() const { return forces_.curve(); }
+RBDYN_INLINE const Curve& RailPotential::curve() const { return forces_->path.curve(); }
 
-RBDYN_INLINE const std::string& RailPotential::name() const { return forces_.name(); }
+RBDYN_INLINE const std::string& RailPotential::name() const { return forces_->path.name(); }
 
-RBDYN_INLINE double RailPotential::mass() const { return forces_.mass(); }
+RBDYN_INLINE double RailPotential::mass() const { return forces_->path.mass(); }
 
-RBDYN_INLINE double RailPotential::value(double u) const { return closed_form(u).first + work_(on_rail(u)); }
+RBDYN_INLINE double RailPotential::value(double u) const { return closed_form(u).first + forces_->work(on_rail(u)); }
 
-RBDYN_INLINE double RailPotential::work_of_forces(double u) const { return work_(on_rail(u)); }
+RBDYN_INLINE double RailPotential::work_of_forces(double u) const { return forces_->work(on_rail(u)); }
 
 RBDYN_INLINE double RailPotential::tangential_force(double u) const {
     curve().require_regular(on_rail(u));
-    return forces_.along_path(u) / curves::norm(curve().first(u));
+    return forces_->path.along_path(u) / curves::norm(curve().first(u));
 }
 
 RBDYN_INLINE double RailPotential::energy(double u, double speed) const {
@@ -97,7 +107,7 @@ RBDYN_INLINE double RailPotential::period(double energy, double start) const {
     const TurningPoints t = turning_points(energy, start);
     if (t.below && t.above) {
         if (*t.below < *t.above) return 2.0 * duration(*t.below, *t.above, 0.0, 0.0);
-        PathPieces pieces(forces_);
+        PathPieces pieces(forces_->path);
         const statics::PathPiece& p = pieces.about(start, pieces.natural(start));
         const double slope = p.output[PathForces::along][1] / p.half;
         return slope < 0.0 ? 2.0 * std::numbers::pi * std::sqrt(-mass() * curve().first(start).squaredNorm() / slope)
@@ -123,7 +133,7 @@ RBDYN_INLINE double RailPotential::time(double energy, double u0, double u1) con
     const double slack = 1e-12 * way;
     // not past an equilibrium that it only comes near
     if (turn_above && *turn_above < u1 - slack &&
-        std::abs(forces_.along_path(*turn_above)) <= 16.0 * epsilon * forces_.effort(*turn_above))
+        std::abs(forces_->path.along_path(*turn_above)) <= 16.0 * epsilon * forces_->path.effort(*turn_above))
         return std::numeric_limits<double>::infinity();
     if (turn_above && *turn_above < u1 - slack)
         throw InvalidInput(user() + ": the motion with energy " + text(energy) + " J turns round at parameter " +
@@ -164,9 +174,9 @@ RBDYN_INLINE double RailPotential::on_rail(double u) const {
 }
 
 RBDYN_INLINE std::pair<double, double> RailPotential::closed_form(double u) const {
-    const PointLaws& laws = forces_.laws();
-    const PointLaws::Body& b = forces_.body();
-    const Vector3 r = laws.curve_point(b, on_rail(u)).position, r0 = laws.curve_point(b, origin_).position;
+    const PointLaws& laws = forces_->path.laws();
+    const PointLaws::Body& b = forces_->path.body();
+    const Vector3 r = laws.curve_point(b, on_rail(u)).position, r0 = laws.curve_point(b, forces_->origin).position;
     const Vector3 force = rounded(b.force);
     double sum = 0.0, size = 0.0;
     for (int i = 0; i < 3; ++i) {
@@ -202,40 +212,23 @@ RBDYN_INLINE double RailPotential::kinetic(double energy, double u) const {
 
 RBDYN_INLINE std::pair<double, double> RailPotential::balance(double energy, double u) const {
     const auto [closed, size] = closed_form(u);
-    const double potential = closed + work_(u);
+    const double potential = closed + forces_->work(u);
     return {energy + potential, 16.0 * epsilon * (std::abs(energy) + size + std::abs(potential))};
 }
 
 RBDYN_INLINE double RailPotential::gained(double a, double b) const {
-    PathForces::Values q(forces_);
-    return gained(q, a, b - a, forces_.effort(a));
-}
-
-RBDYN_INLINE double RailPotential::gained(PathForces::Values& q, double a, double way, double effort) {
-    return statics::integral([&](double d) { return q(a + d); }, 0.0, way, epsilon * std::abs(way) * effort);
-}
-
-RBDYN_INLINE bool RailPotential::pushes_on(const statics::PathPiece& p, double way) {
-    if (!p.endless) return false;
-    std::array<double, statics::order + 1> q = p.output[PathForces::along];
-    series::shift(q.data(), statics::order, way);
-    double size = 0.0, sign = way;
-    for (const double c : q) size += std::abs(c);
-    for (const double c : q) {
-        if (sign * c < -64.0 * epsilon * size) return false;
-        sign *= way;
-    }
-    return true;
+    PathForces::Values q(forces_->path);
+    return statics::gained(q, a, b - a, forces_->path.effort(a));
 }
 
 RBDYN_INLINE std::optional<double> RailPotential::turn(double energy, double start, double k, double way) const {
-    const double q0 = way * forces_.along_path(start);
-    const double noise = 16.0 * epsilon * forces_.effort(start);
+    const double q0 = way * forces_->path.along_path(start);
+    const double noise = 16.0 * epsilon * forces_->path.effort(start);
     if (k == 0.0 && q0 <= noise) return start;
     const Domain d = curve().domain();
     const double end = way > 0.0 ? d.end : d.begin;
     const double round = curve().period();
-    PathPieces pieces(forces_), further(forces_);
+    PathPieces pieces(forces_->path), further(forces_->path);
     std::optional<double> found, nearest;
     bool grown = false;
     double now = k, size = k, turn_over = round;
@@ -286,7 +279,7 @@ RBDYN_INLINE std::optional<double> RailPotential::turn(double energy, double sta
             return false;
         }
         // never
-        if (now > 0.0 && pushes_on(p, way)) return false;
+        if (now > 0.0 && statics::pushes_on(p, way)) return false;
         grown = way * p.value(PathForces::along, way) > 0.0 && now > 0x1p200 * k;
         // round a closed curve without loss, it goes on for ever
         const double gone = way * ((way > 0.0 ? p.end() : p.begin()) - start);
@@ -306,12 +299,12 @@ RBDYN_INLINE std::optional<double> RailPotential::turn(double energy, double sta
 }
 
 RBDYN_INLINE double RailPotential::polished(double start, double k, double u, double half) const {
-    PathForces::Values q(forces_);
+    PathForces::Values q(forces_->path);
     const Domain d = curve().domain();
-    const double effort = forces_.effort(start);
+    const double effort = forces_->path.effort(start);
     double best = std::numeric_limits<double>::infinity(), place = u;
     for (int iteration = 0; iteration < 6; ++iteration) {
-        const double now = k + gained(q, start, place - start, effort);
+        const double now = k + statics::gained(q, start, place - start, effort);
         if (!(std::abs(now) < best)) break;
         best = std::abs(now);
         u = place;
@@ -329,16 +322,16 @@ RBDYN_INLINE double RailPotential::duration(double a, double b, double at_a, dou
 }
 
 RBDYN_INLINE double RailPotential::half_duration(double u, double way, double k) const {
-    PathForces::Values q(forces_);
+    PathForces::Values q(forces_->path);
     const double sign = way > 0.0 ? 1.0 : -1.0, reach = std::sqrt(std::abs(way));
-    const double force = std::abs(q(u)), effort = forces_.effort(u);
+    const double force = std::abs(q(u)), effort = forces_->path.effort(u);
     double noise = 0.0;
-    const PointLaws& laws = forces_.laws();
+    const PointLaws& laws = forces_->path.laws();
     const auto rate = [&](double x) {
         const double gone = x * x;
-        const double r = std::sqrt(laws.curve_point(forces_.body(), u + sign * gone).speed_squared);
+        const double r = std::sqrt(laws.curve_point(forces_->path.body(), u + sign * gone).speed_squared);
         if (x == 0.0) return k > 0.0 ? 0.0 : 2.0 * r / std::sqrt(2.0 * force / mass());
-        const double kinetic = k + gained(q, u, sign * gone, effort);
+        const double kinetic = k + statics::gained(q, u, sign * gone, effort);
         noise = std::max(noise, 4.0 * epsilon * (k + effort * gone) / std::abs(kinetic));
         return 2.0 * x * r / std::sqrt(2.0 * kinetic / mass());
     };

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/point_laws.hpp"

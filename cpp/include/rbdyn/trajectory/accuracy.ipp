@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/basics/vector.hpp"

@@ -7,7 +7,6 @@
 #include <array>
 #include <memory>
 #include <utility>
-#include <variant>
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/form.hpp"

@@ -11,7 +11,6 @@
 #include <utility>
 #include <variant>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"

@@ -94,7 +94,7 @@ struct Choice {
 };
 
 void put(Writer& w, const Mode& mode);
-/// A mode that a motion is in at a time, at a state. No model: without its equations.
+/// A mode that a motion is in at a time, at a state. No model: one that was put without its equations.
 Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x);
 
 /// What is kept of an entry, one by one: what lies between its fields in memory is nobody's.
@@ -108,9 +108,7 @@ void each_field(Entry& e, const Visit& visit) {
     visit(e.after_event);
 }
 void put(Writer& w, const Record& record);
-/// `has_equations`: of a model, whose modes are restored.
-Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed,
-                   bool has_equations = true);
+Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed);
 
 void put(Writer& w, const RunData& data);
 RunData take_run(Reader& r, Scene scene, Plan plan);

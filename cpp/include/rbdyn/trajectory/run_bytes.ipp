@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
@@ -30,7 +29,6 @@
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/series/piece.hpp"
-#include "rbdyn/simulate.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::run_bytes {
@@ -120,10 +118,11 @@ RBDYN_INLINE Mode take_mode(Reader& r, const SceneModel* model, double t, std::s
     r.take(mode.jumps);
     mode.memory = r.list<double>();
     if (!r.take<bool>()) return mode;
+    if (model == nullptr) Reader::refuse();
     Decisions decided;
     for (const Choice& c : r.list<Choice>()) decided.forced[c.id] = c.choice;
     for (const std::uint64_t surface : r.list<std::uint64_t>()) decided.sliding.insert(surface);
-    if (model != nullptr && !model->restore(mode, t, x, decided)) Reader::refuse();
+    if (!model->restore(mode, t, x, decided)) Reader::refuse();
     return mode;
 }
 
@@ -150,8 +149,7 @@ RBDYN_INLINE void put(Writer& w, const Record& record) {
     for (const Event& e : record.events) put(w, e);
 }
 
-RBDYN_INLINE Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed,
-                                bool has_equations) {
+RBDYN_INLINE Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed) {
     Record record;
     r.take(record.start);
     r.take(record.end);
@@ -178,19 +176,31 @@ RBDYN_INLINE Record take_record(Reader& r, const SceneModel* model, const std::s
                                         [&](const Record::Entry& e) { return e.mode == static_cast<int>(m); });
         std::vector<double> x = record.first_state;
         if (first != entries.end()) record.piece(static_cast<std::size_t>(first - entries.begin())).state(0.0, x);
-        if (has_equations && model == nullptr) Reader::refuse();
         record.modes.push_back(take_mode(r, model, first != entries.end() ? first->start.hi : record.start, x));
     }
     for (auto left = r.take<std::size_t>(); left > 0; --left) record.events.push_back(take_event(r));
     return record;
 }
 
+/// How accurate a run is.
+template <class Run>
+void put_accuracy(Writer& w, const Run& run) {
+    w.put(run.error.has_value());
+    w.put(run.error.value_or(0.0));
+    w.put(run.certain_until);
+}
+template <class Run>
+void take_accuracy(Reader& r, Run& run) {
+    const bool has_error = r.take<bool>();
+    const auto error = r.take<double>();
+    if (has_error) run.error = error;
+    r.take(run.certain_until);
+}
+
 RBDYN_INLINE void put(Writer& w, const RunData& data) {
     put(w, data.record);
     w.put(std::string_view(data.engine));
-    w.put(data.error.has_value());
-    w.put(data.error.value_or(0.0));
-    w.put(data.certain_until);
+    put_accuracy(w, data);
     put(w, data.statistics);
     w.put(data.parts.size());
     for (const RunData& part : data.parts) put(w, part);
@@ -204,10 +214,7 @@ RBDYN_INLINE RunData take_run(Reader& r, Scene scene, Plan plan) {
     data.record = take_record(r, data.model.get(), data.plan.closed);
     data.events = Events(data.record.events);
     data.engine = r.text();
-    const bool has_error = r.take<bool>();
-    const auto error = r.take<double>();
-    if (has_error) data.error = error;
-    r.take(data.certain_until);
+    take_accuracy(r, data);
     data.statistics = take_statistics(r);
     const auto parts = r.take<std::size_t>();
     if (parts != data.plan.parts.size()) Reader::refuse();
@@ -226,9 +233,7 @@ RBDYN_INLINE std::string bytes_of(const StateRun& run) {
     w.put(run_bytes::state_head);
     run_bytes::put(w, solution.record);
     w.put(std::string_view(run.engine()));
-    w.put(solution.error.has_value());
-    w.put(solution.error.value_or(0.0));
-    w.put(solution.certain_until);
+    run_bytes::put_accuracy(w, solution);
     return std::move(w.bytes);
 }
 
@@ -236,12 +241,9 @@ RBDYN_INLINE StateRun state_run_from(std::string_view bytes) {
     run_bytes::Reader r(bytes);
     if (r.text() != run_bytes::state_head) run_bytes::Reader::refuse();
     simulating::Solution solution;
-    solution.record = run_bytes::take_record(r, nullptr, nullptr, false);
+    solution.record = run_bytes::take_record(r, nullptr, nullptr);
     std::string engine = r.text();
-    const bool has_error = r.take<bool>();
-    const auto error = r.take<double>();
-    if (has_error) solution.error = error;
-    r.take(solution.certain_until);
+    run_bytes::take_accuracy(r, solution);
     return StateRun(std::move(solution), std::move(engine));
 }
 

@@ -5,18 +5,12 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
-#include <ostream>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
-#include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/plan/plan.hpp"
-#include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/parts.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

@@ -5,9 +5,6 @@
 // A trajectory owns all it needs and outlives its scene.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,6 +21,7 @@
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
+#include "rbdyn/trajectory/any_run.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/events.hpp"
 #include "rbdyn/trajectory/statistics.hpp"
@@ -33,17 +31,10 @@ namespace rbdyn::inline RBDYN_FORM {
 struct RunData;  // trajectory/run_data.hpp
 
 /// The result of simulate(): motion, events, error estimate, price.
-class Trajectory {
+class Trajectory : public AnyRun {
 public:
     explicit Trajectory(RunData data);
 
-    Status status() const;
-    double start() const;
-    double end() const;
-    double certain_until() const;
-    const std::string& engine() const;
-    /// Estimated global error, each quantity relative to its own scale in this motion; none with rtol.
-    std::optional<double> error() const;
     const Statistics& statistics() const;
     const Events& events() const&;
     Events events() &&;  // of a run that ends with the expression, they outlive it

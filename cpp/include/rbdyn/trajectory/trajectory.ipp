@@ -17,7 +17,6 @@
 #include <variant>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"
@@ -38,7 +37,7 @@
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
-#include "rbdyn/statics/rail_potential.hpp"
+#include "rbdyn/statics/rail_work.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 #include "rbdyn/trajectory/work.hpp"
@@ -90,7 +89,9 @@ Vector3 Trajectory::mean(const Bodies& of, double t, Side side, F&& f) const {
     return sum / mass;
 }
 
-RBDYN_INLINE Trajectory::Trajectory(RunData data) : data_(std::make_shared<const RunData>(std::move(data))) {
+RBDYN_INLINE Trajectory::Trajectory(RunData data)
+    : AnyRun(data.record.status, data.record.start, data.record.end.hi, data.certain_until, data.engine, data.error),
+      data_(std::make_shared<const RunData>(std::move(data))) {
     std::vector<BodyWork> works;
     std::vector<bool> has_work(data_->scene.bodies().size());
     for (const Scene::AppliedLoad& load : data_->scene.loads())
@@ -100,18 +101,6 @@ RBDYN_INLINE Trajectory::Trajectory(RunData data) : data_(std::make_shared<const
         if (has_work[static_cast<std::size_t>(body)]) works.push_back({body, RailWork(data_->scene, BodyHandle{body})});
     works_ = std::make_shared<const std::vector<BodyWork>>(std::move(works));
 }
-
-RBDYN_INLINE Status Trajectory::status() const { return data_->record.status; }
-
-RBDYN_INLINE double Trajectory::start() const { return data_->record.start; }
-
-RBDYN_INLINE double Trajectory::end() const { return data_->record.end.hi; }
-
-RBDYN_INLINE double Trajectory::certain_until() const { return data_->certain_until; }
-
-RBDYN_INLINE const std::string& Trajectory::engine() const { return data_->engine; }
-
-RBDYN_INLINE std::optional<double> Trajectory::error() const { return data_->error; }
 
 RBDYN_INLINE const Statistics& Trajectory::statistics() const { return data_->statistics; }
 

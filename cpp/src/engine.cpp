@@ -1,0 +1,15 @@
+// Compiled once: what integrates them, and the series it is made of.
+#include "exported.hpp"
+
+#include "rbdyn/engine/closed_form.ipp"
+#include "rbdyn/engine/dop853.ipp"
+#include "rbdyn/engine/engine.ipp"
+#include "rbdyn/engine/guard_fit.ipp"
+#include "rbdyn/engine/motion_scales.ipp"
+#include "rbdyn/engine/piece_guards.ipp"
+#include "rbdyn/engine/refined_taylor.ipp"
+#include "rbdyn/engine/taylor.ipp"
+#include "rbdyn/series/fit.ipp"
+#include "rbdyn/series/piece.ipp"
+#include "rbdyn/series/roots.ipp"
+#include "rbdyn/series/step_length.ipp"

@@ -1,0 +1,8 @@
+// Compiled once: what happens on the way.
+#include "exported.hpp"
+
+#include "rbdyn/event/driver.ipp"
+#include "rbdyn/event/event.ipp"
+#include "rbdyn/event/passages.ipp"
+#include "rbdyn/event/record.ipp"
+#include "rbdyn/event/search.ipp"
