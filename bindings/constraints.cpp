@@ -5,7 +5,7 @@
 
 namespace binding {
 
-using rbdyn::Ball, rbdyn::Hinge, rbdyn::Plane, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld;
+using rbdyn::Sphere, rbdyn::Ball, rbdyn::Hinge, rbdyn::Plane, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld;
 
 void bind_constraints(py::module_& m) {
     py::class_<Plane> plane(m, "Plane", "A plane through a point.");
@@ -28,6 +28,31 @@ void bind_constraints(py::module_& m) {
         plane, [](const Plane& p) { return py::make_tuple(tuple_of(p.normal), tuple_of(p.point)); },
         [](const py::tuple& d) {
             return Plane{vector_from(d[0]), vector_from(d[1])};
+        });
+
+    py::class_<Sphere> sphere(m, "Sphere", "A sphere as a surface: its outside, or its inside, a bowl.");
+    sphere
+        .def(py::init([](const ArrayLike& center, double radius, bool inside) {
+                 const Sphere s{vector3(center, "Sphere", "center"), radius, inside};
+                 s.validate();
+                 return s;
+             }),
+             py::arg("center"), py::arg("radius"), py::arg("inside") = false,
+             "center (3,) [m], radius [m]; inside: what touches is in it.")
+        .def_property_readonly(
+            "center", [](const Sphere& s) { return to_python(s.center); }, "[m] (3,).")
+        .def_property_readonly(
+            "radius", [](const Sphere& s) { return s.radius; }, "[m]")
+        .def_property_readonly(
+            "inside", [](const Sphere& s) { return s.inside; }, "Whether what touches is in it.")
+        .def("__repr__", [](const Sphere& s) {
+            return "Sphere(center=" + list_text(s.center) + ", radius=" + text(s.radius) +
+                   (s.inside ? ", inside=True)" : ")");
+        });
+    as_data(
+        sphere, [](const Sphere& s) { return py::make_tuple(tuple_of(s.center), s.radius, s.inside); },
+        [](const py::tuple& d) {
+            return Sphere{vector_from(d[0]), d[1].cast<double>(), d[2].cast<bool>()};
         });
 
     py::class_<Ball> ball(m, "Ball", "Two points coincide: a pin, a ball joint.");

@@ -186,6 +186,46 @@ ConstraintHandle constrain(BoundScene& self, const AnyConstraint& constraint, co
         ConstraintHandle{new_handle(Handle::Of::constraint, added.index, known)});
 }
 
+using AnyPart = std::variant<BodyHandle, BodyPoint, BodyShape>;
+using AnySurface = std::variant<rbdyn::Plane, rbdyn::Sphere, BodyShape>;
+
+rbdyn::ContactPart part_of(const BoundScene& self, const AnyPart& part) {
+    const char* verb = "Scene.contact";
+    if (const BodyHandle* body = std::get_if<BodyHandle>(&part)) return self.handles.body(*body, verb);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&part)) return self.handles.body(point->body, verb).point(point->point);
+    const BodyShape& shape = std::get<BodyShape>(part);
+    const int index = self.handles.body(shape.body, verb).index;
+    return std::visit(
+        [&](auto s) -> rbdyn::ContactPart {
+            if constexpr (std::is_same_v<decltype(s), rbdyn::BodyPlane>) {
+                throw InvalidInput("Scene.contact: a is a plane; give a point or a round part as a, and the plane as b");
+            } else {
+                s.body = index;
+                return s;
+            }
+        },
+        shape.shape);
+}
+rbdyn::ContactSurface surface_of(const BoundScene& self, const AnySurface& surface) {
+    if (const auto* plane = std::get_if<rbdyn::Plane>(&surface)) return *plane;
+    if (const auto* sphere = std::get_if<rbdyn::Sphere>(&surface)) return *sphere;
+    const BodyShape& shape = std::get<BodyShape>(surface);
+    const int index = self.handles.body(shape.body, "Scene.contact").index;
+    if (auto plane = std::get_if<rbdyn::BodyPlane>(&shape.shape)) return rbdyn::BodyPlane{index, plane->plane};
+    if (auto ball = std::get_if<rbdyn::BodySphere>(&shape.shape))
+        return rbdyn::BodySphere{index, ball->radius, ball->center};
+    throw InvalidInput("Scene.contact: b is a disc or an ellipsoid; it is a plane or a sphere, and those are a");
+}
+
+ContactHandle contact(BoundScene& self, const AnyPart& a, const AnySurface& b,
+                      const std::optional<rbdyn::Coulomb>& friction, double restitution,
+                      const std::optional<std::string>& name) {
+    const auto added = self.scene.contact(part_of(self, a), surface_of(self, b),
+                                          {.friction = friction, .restitution = restitution}, name.value_or(""));
+    const std::string& known = self.scene.contacts()[static_cast<std::size_t>(added.index)].name;
+    return self.handles.contacts.emplace_back(ContactHandle{new_handle(Handle::Of::contact, added.index, known)});
+}
+
 double assemble(BoundScene& self, const std::vector<BodyHandle>& keep) {
     std::vector<rbdyn::BodyHandle> kept;
     for (const BodyHandle& h : keep) kept.push_back(self.handles.body(h, "Scene.assemble"));
@@ -284,6 +324,51 @@ rbdyn::Attitude attitude_from(const py::handle& data) {
     return rbdyn::QuaternionOf<DoubleDouble>{q[0], q[1], q[2], q[3]};
 }
 
+/// Parts and surfaces of contacts, as data and back.
+py::tuple side_data(const rbdyn::ContactPart& part) {
+    if (const auto* body = std::get_if<rbdyn::BodyHandle>(&part)) return py::make_tuple("body", body->index);
+    if (const auto* p = std::get_if<rbdyn::BodyPoint>(&part)) return py::make_tuple("point", p->body, tuple_of(p->point));
+    if (const auto* s = std::get_if<rbdyn::BodySphere>(&part))
+        return py::make_tuple("sphere", s->body, s->radius, tuple_of(s->center));
+    if (const auto* d = std::get_if<rbdyn::BodyDisc>(&part))
+        return py::make_tuple("disc", d->body, d->radius, tuple_of(d->normal), tuple_of(d->center));
+    const auto& e = std::get<rbdyn::BodyEllipsoid>(part);
+    return py::make_tuple("ellipsoid", e.body, tuple_of(e.semi_axes), tuple_of(e.center), attitude_data(e.attitude));
+}
+rbdyn::ContactPart part_from(const py::tuple& d) {
+    const auto kind = d[0].cast<std::string>();
+    const int body = d[1].cast<int>();
+    if (kind == "body") return rbdyn::BodyHandle{body};
+    if (kind == "point") return rbdyn::BodyPoint{body, vector_from(d[2])};
+    if (kind == "sphere") return rbdyn::BodySphere{body, d[2].cast<double>(), vector_from(d[3])};
+    if (kind == "disc") return rbdyn::BodyDisc{body, d[2].cast<double>(), vector_from(d[3]), vector_from(d[4])};
+    return rbdyn::BodyEllipsoid{body, vector_from(d[2]), vector_from(d[3]), attitude_from(d[4])};
+}
+py::tuple side_data(const rbdyn::ContactSurface& surface) {
+    if (const auto* p = std::get_if<rbdyn::Plane>(&surface)) return py::make_tuple(-1, *p);
+    if (const auto* s = std::get_if<rbdyn::Sphere>(&surface)) return py::make_tuple(-1, *s);
+    if (const auto* p = std::get_if<rbdyn::BodyPlane>(&surface)) return py::make_tuple(p->body, p->plane);
+    const auto& s = std::get<rbdyn::BodySphere>(surface);
+    return py::make_tuple(s.body, rbdyn::Sphere{s.center, s.radius});
+}
+rbdyn::ContactSurface surface_from(const py::tuple& d) {
+    const int body = d[0].cast<int>();
+    if (py::isinstance<rbdyn::Plane>(d[1])) {
+        const auto plane = d[1].cast<rbdyn::Plane>();
+        if (body < 0) return plane;
+        return rbdyn::BodyPlane{body, plane};
+    }
+    const auto sphere = d[1].cast<rbdyn::Sphere>();
+    if (body < 0) return sphere;
+    return rbdyn::BodySphere{body, sphere.radius, sphere.center};
+}
+py::list contacts_data(const BoundScene& s) {
+    py::list contacts;
+    for (const auto& c : s.scene.contacts())
+        contacts.append(py::make_tuple(side_data(c.a), side_data(c.b), c.options.friction, c.options.restitution, c.name));
+    return contacts;
+}
+
 py::tuple scene_data(const BoundScene& s) {
     py::list bodies, loads, couplings, watches, integrals;
     for (const Scene::Body& b : s.scene.bodies()) {
@@ -330,8 +415,8 @@ py::tuple scene_data(const BoundScene& s) {
     return py::make_tuple(to_python(s.scene.gravity()), bodies, loads, couplings, watches, integrals,
                           py::make_tuple(data_of(s.handles.bodies), data_of(s.handles.loads),
                                          data_of(s.handles.couplings), data_of(s.handles.watches),
-                                         data_of(s.handles.constraints)),
-                          constraints);
+                                         data_of(s.handles.constraints), data_of(s.handles.contacts)),
+                          constraints, contacts_data(s));
 }
 
 /// Where a body starts as a scene keeps it, in the words of each joint.
@@ -426,13 +511,22 @@ BoundScene scene_from(const py::tuple& d) {
                 },
                 kind);
         }
+    if (d.size() > 8)
+        for (const py::handle item : d[8]) {
+            const auto c = item.cast<py::tuple>();
+            s.scene.contact(part_from(c[0]), surface_from(c[1]),
+                            {.friction = c[2].cast<std::optional<rbdyn::Coulomb>>(), .restitution = c[3].cast<double>()},
+                            c[4].cast<std::string>());
+        }
     const auto handles = d[6].cast<py::tuple>();
     s.handles = {handles_from<BodyHandle>(handles[0], Handle::Of::body),
                  handles_from<LoadHandle>(handles[1], Handle::Of::load),
                  handles_from<CouplingHandle>(handles[2], Handle::Of::coupling),
                  handles_from<WatchHandle>(handles[3], Handle::Of::watch),
                  handles.size() > 4 ? handles_from<ConstraintHandle>(handles[4], Handle::Of::constraint)
-                                    : std::vector<ConstraintHandle>()};
+                                    : std::vector<ConstraintHandle>(),
+                 handles.size() > 5 ? handles_from<ContactHandle>(handles[5], Handle::Of::contact)
+                                    : std::vector<ContactHandle>()};
     return s;
 }
 
@@ -488,6 +582,52 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
     py::class_<ConstraintHandle, Handle> constraint(m, "ConstraintHandle",
                                                     "The handle of a constraint; run[handle] is a ConstraintMotion.");
     pickled(constraint, Handle::Of::constraint);
+    py::class_<ContactHandle, Handle> touching(m, "ContactHandle",
+                                               "The handle of a contact; run[handle] is a ContactMotion.");
+    pickled(touching, Handle::Of::contact);
+    py::class_<BodyShape> shape(m, "BodyShape", "A part of a body that touches, or a surface of it.");
+    shape.def_readonly("body", &BodyShape::body, "The handle of its body.")
+        .def("__eq__",
+             [](const BodyShape& a, const py::object& b) {
+                 return py::isinstance<BodyShape>(b) && a == b.cast<const BodyShape&>();
+             })
+        .def("__repr__", [](const BodyShape& s) {
+            const char* kinds[] = {"sphere", "disc", "ellipsoid", "plane"};
+            return "<BodyShape: " + std::string(kinds[s.shape.index()]) + " of " + s.body.name + ">";
+        });
+    const std::vector<double> middle = {0.0, 0.0, 0.0};
+    body.def(
+            "sphere",
+            [](const BodyHandle& h, double radius, const ArrayLike& center) {
+                return BodyShape{h, rbdyn::BodySphere{-1, radius, vector3(center, h.name, "center")}};
+            },
+            py::arg("radius"), py::arg("center") = middle, "A sphere of the body: radius [m], center (3,) in body axes [m].")
+        .def(
+            "disc",
+            [](const BodyHandle& h, double radius, const ArrayLike& normal, const ArrayLike& center) {
+                return BodyShape{h, rbdyn::BodyDisc{-1, radius, vector3(normal, h.name, "normal"),
+                                                    vector3(center, h.name, "center")}};
+            },
+            py::arg("radius"), py::arg("normal"), py::arg("center") = middle,
+            "A disc of the body without thickness: radius [m], normal (3,) and center (3,) [m] in body axes.")
+        .def(
+            "ellipsoid",
+            [](const BodyHandle& h, const ArrayLike& semi_axes, const ArrayLike& center,
+               const std::optional<AttitudeLike>& attitude) {
+                return BodyShape{h, rbdyn::BodyEllipsoid{-1, vector3(semi_axes, h.name, "semi_axes"),
+                                                         vector3(center, h.name, "center"),
+                                                         attitude ? binding::attitude(*attitude, h.name)
+                                                                  : rbdyn::Attitude()}};
+            },
+            py::arg("semi_axes"), py::arg("center") = middle, py::arg("attitude") = py::none(),
+            "An ellipsoid of the body: semi_axes (3,) [m], center (3,) [m] in body axes, attitude of its axes in the body.")
+        .def(
+            "plane",
+            [](const BodyHandle& h, const ArrayLike& normal, const ArrayLike& place) {
+                return BodyShape{h, rbdyn::BodyPlane{-1, {vector3(normal, h.name, "normal"),
+                                                          vector3(place, h.name, "point")}}};
+            },
+            py::arg("normal"), py::arg("point") = middle, "A plane of the body: normal (3,), point (3,) [m], body axes.");
 
     py::class_<BoundScene>(m, "Scene",
                            R"(What there is, as data: bodies with their joints, loads, couplings, a uniform field.
@@ -544,6 +684,20 @@ refused; assemble() finds one from rough guesses.)")
             "assemble", &assemble, py::arg("keep") = std::vector<BodyHandle>{},
             R"(Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
 as they are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.)")
+        .def(
+            "contact", &contact, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("friction") = py::none(),
+            py::arg("restitution") = 0.0, py::arg("name") = py::none(),
+            R"(Lets a touch b: it does not go beyond it. Returns a handle.
+
+a: a particle, a point of a body, or handle.sphere(), .disc(), .ellipsoid(); b: a Plane or a Sphere of the world, or
+handle.plane(), handle.sphere() of another body. restitution: Newton's, 0 to 1: what is left of the speed of approach.
+friction: Coulomb(...); none: it is smooth.
+
+A start may be open, closed and at rest, or closed and moving; a gap within 1e-12 of the size of what it joins is none.
+run[handle] has gap, force, slip and state; events of kind land, impact, detach, accumulation name it.)")
+        .def_property_readonly(
+            "contacts", [](const BoundScene& s) { return s.handles.contacts; },
+            "Handles of the contacts, in order of addition.")
         .def_property_readonly(
             "constraints", [](const BoundScene& s) { return s.handles.constraints; },
             "Handles of the constraints, in order of addition.")

@@ -3,6 +3,7 @@
 #include <rbdyn/trajectory/run_bytes.hpp>
 #include <set>
 
+#include "data.hpp"
 #include "run.hpp"
 
 namespace binding {
@@ -24,6 +25,7 @@ struct BoundEvents {
     const Events& list() const { return *events; }
     BoundEvent at(std::size_t i) const {
         const Event& e = list()[i];
+        if (e.contact >= 0) return {e, handles->contacts[static_cast<std::size_t>(e.contact)]};
         if (e.subject < 0) return {e, std::nullopt};
         return {e, handles->bodies[static_cast<std::size_t>(e.subject)]};
     }
@@ -93,6 +95,8 @@ Parts parts_of(const BoundTrajectory& self, const Of& of) {
     const auto take = [&](const Handle& h) {
         self.handles->require(h, "Trajectory");
         switch (h.of) {
+            case Handle::Of::contact:
+                throw InvalidInput("Trajectory: \"" + h.name + "\" is a contact, and those have no power of their own here");
             case Handle::Of::constraint:
                 throw InvalidInput("Trajectory: \"" + h.name + "\" is a constraint, and those do no work on what they join");
             case Handle::Of::body: parts.bodies.push_back({h.index}); break;
@@ -125,10 +129,15 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
     for (const Event& e : self.list()) known.insert(e.name);
     for (const Handle& h : self.handles->bodies) known.insert(h.name);
     for (const Handle& h : self.handles->watches) known.insert(h.name);
+    for (const Handle& h : self.handles->contacts) known.insert(h.name);
     if (known.count(kind_or_name) == 0)
         throw InvalidInput("Events: \"" + kind_or_name +
                            "\" is no name in this run and no kind of event; the kinds are " + kinds);
     if (!subject) return self.list().times(kind_or_name);
+    if (subject->of == Handle::Of::contact) {
+        self.handles->require(*subject, "Events");
+        return self.list().times(kind_or_name, rbdyn::ContactHandle{subject->index});
+    }
     return self.list().times(kind_or_name, self.handles->body(*subject, "Events"));
 }
 
@@ -136,7 +145,7 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
 
 py::tuple data_of(const Event& e) {
     return py::make_tuple(e.time, static_cast<int>(e.kind), e.subject, e.name, static_cast<int>(e.direction), e.impulse,
-                          e.instant.hi, e.instant.lo);
+                          e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push));
 }
 Event event_from(const py::handle& data) {
     const auto d = py::reinterpret_borrow<py::tuple>(data);
@@ -148,6 +157,8 @@ Event event_from(const py::handle& data) {
     e.direction = static_cast<rbdyn::Direction>(d[4].cast<int>());
     e.impulse = d[5].cast<double>();
     e.instant = {d[6].cast<double>(), d[7].cast<double>()};
+    if (d.size() > 8) e.contact = d[8].cast<int>();
+    if (d.size() > 9) e.push = vector_from(d[9]);
     return e;
 }
 bool same(const BoundEvent& a, const BoundEvent& b) {
@@ -192,12 +203,17 @@ void bind_events(py::module_& m) {
         .def_property_readonly(
             "name", [](const BoundEvent& e) { return e.event.name; }, "Of the watch or of the subject.")
         .def_property_readonly(
-            "subject", [](const BoundEvent& e) { return e.subject; }, "Handle of the body, or None.")
+            "subject", [](const BoundEvent& e) { return e.subject; }, "Handle of the body or the contact, or None.")
         .def_property_readonly(
             "direction", [](const BoundEvent& e) { return name_of(e.event.direction); },
             "In which the watched quantity passed zero: rising, falling or either.")
         .def_property_readonly(
-            "impulse", [](const BoundEvent& e) { return e.event.impulse; }, "Of an impact [N s].")
+            "impulse",
+            [](const BoundEvent& e) {
+                return py::reinterpret_borrow<Values>(e.event.contact >= 0 ? to_python(e.event.push)
+                                                                           : to_python(e.event.impulse));
+            },
+            "Of an impact [N s]: of a contact a vector (3,) on its first side, world axes, else its size.")
         .def("__eq__",
              [](const BoundEvent& a, const py::object& b) {
                  return py::isinstance<BoundEvent>(b) && same(a, b.cast<const BoundEvent&>());
@@ -205,7 +221,7 @@ void bind_events(py::module_& m) {
         .def("__hash__", [](const BoundEvent& e) { return py::hash(data_of(e.event)); })
         .def(py::pickle([](const BoundEvent& e) { return py::make_tuple(data_of(e.event), e.subject); },
                         [](const py::tuple& d) {
-                            return BoundEvent{event_from(d[0]), d[1].cast<std::optional<BodyHandle>>()};
+                            return BoundEvent{event_from(d[0]), d[1].cast<std::optional<std::variant<BodyHandle, ContactHandle>>>()};
                         }))
         .def("__str__", [](const BoundEvent& e) { return printed(e.event); })
         .def("__repr__", [](const BoundEvent& e) { return "<Event: " + printed(e.event) + ">"; });
@@ -436,6 +452,40 @@ void bind_constraint_motion(py::module_& m) {
         .def("__repr__", [](const BoundConstraint& c) { return "<ConstraintMotion: " + c.name + ">"; });
 }
 
+struct BoundContact {
+    rbdyn::ContactMotion motion;
+    std::string name;
+};
+
+void bind_contact_motion(py::module_& m) {
+    using M = rbdyn::ContactMotion;
+    py::class_<BoundContact> contact(m, "ContactMotion", "What a contact of a run does, each a method of time [s].");
+    contact
+        .def("gap", of_time<BoundContact>(&M::gap), py::arg("t"), py::arg("side") = after(),
+             "The distance between the part and the surface [m], negative inside.")
+        .def("force", of_time<BoundContact>(&M::force), py::arg("t"), py::arg("side") = after(),
+             "On its first side, normal force and friction together [N], world axes.")
+        .def("slip", of_time<BoundContact>(&M::slip), py::arg("t"), py::arg("side") = after(),
+             "The velocity of the first side's point of contact relative to the second's, along the surface [m/s].")
+        .def(
+            "state",
+            [](const BoundContact& self, const ArrayLike& t, const SideName& name) -> py::object {
+                const Side side = side_of(name);
+                const py::array times = py::array::ensure(t);
+                if (times.ndim() == 0) return py::cast(self.motion.state(t.cast<double>(), side));
+                py::list all;
+                for (const double x : list_of_doubles(t, "Trajectory", "time")) all.append(self.motion.state(x, side));
+                return py::object(all);
+            },
+            py::arg("t"), py::arg("side") = after(), R"("open", "sticks" or "slides"; a list of them for several times.)")
+        .def("__repr__", [](const BoundContact& c) { return "<ContactMotion: " + c.name + ">"; });
+}
+
+BoundContact motion_of_contact(const BoundTrajectory& self, const ContactHandle& handle) {
+    self.handles->require(handle, "Trajectory");
+    return {self.run[rbdyn::ContactHandle{handle.index}], handle.name};
+}
+
 BoundConstraint motion_of_constraint(const BoundTrajectory& self, const ConstraintHandle& handle) {
     self.handles->require(handle, "Trajectory");
     return {self.run[rbdyn::ConstraintHandle{handle.index}], handle.name};
@@ -501,6 +551,7 @@ void bind_trajectory(py::module_& m) {
     bind_events(m);
     bind_motions(m);
     bind_constraint_motion(m);
+    bind_contact_motion(m);
     py::class_<BoundWatched>(m, "Watched", "A watched function of a run: its value at a time.")
         .def(
             "value",
@@ -566,6 +617,7 @@ size of its terms.)")
         .def("__getitem__", &motion_of_body, py::arg("handle"))
         .def("__getitem__", &motion_of_spring, py::arg("handle"))
         .def("__getitem__", &motion_of_constraint, py::arg("handle"))
+        .def("__getitem__", &motion_of_contact, py::arg("handle"))
         .def("__getitem__", &motion_of_watch, py::arg("handle"))
         .def("__getitem__", &motion_of_load, py::arg("handle"));
 

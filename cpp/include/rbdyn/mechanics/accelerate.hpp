@@ -85,7 +85,7 @@ public:
     /// A body: its parent, its motion, its inertia about P.
     struct Body {
         int parent;
-        const Moving<S>& moving;
+        Moving<S> moving;
         SixInertia<S> inertia;
     };
 

@@ -250,7 +250,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             for (const Guard& guard : free.equations->guards)
                 if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
             const double height = 0.5 * u * u / -w[i], next = 2.0 * u / -w[i];
-            const bool is_over = height <= 64.0 * std::numeric_limits<double>::epsilon() * gap_size ||
+            const bool is_over = height <= 1024.0 * std::numeric_limits<double>::epsilon() * gap_size ||
                                  next <= 64.0 * std::numeric_limits<double>::epsilon() * std::abs(t) ||
                                  u <= 1e-14 * after.memory[at(k)];
             if (!is_over || e >= 1.0) continue;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "rbdyn/basics/error.hpp"
@@ -19,6 +20,7 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+struct ContactReport;  // model/scene_model.hpp
 struct JointReport;  // model/scene_model.hpp
 struct PointReport;  // model/point_laws.hpp
 struct RigidReport;  // model/rigid_loads.hpp
@@ -123,6 +125,27 @@ public:
     double gap(double t, Side side = Side::after) const;
 
 private:
+    std::shared_ptr<const RunData> data_;
+    int index_;
+};
+
+/// What a contact of a run does. Vectors are in world axes.
+class ContactMotion {
+public:
+    ContactMotion(const std::shared_ptr<const RunData>& data, int index);
+
+    /// The distance between the part and the surface [m]; negative inside.
+    double gap(double t, Side side = Side::after) const;
+    /// On the first side, from the second: normal force and friction together [N], at the point of contact.
+    Vector3 force(double t, Side side = Side::after) const;
+    /// The velocity of the first side's point of contact relative to the second's, along the surface [m/s].
+    Vector3 slip(double t, Side side = Side::after) const;
+    /// "open", "sticks" or "slides".
+    std::string state(double t, Side side = Side::after) const;
+
+private:
+    ContactReport report(double t, Side side) const;
+
     std::shared_ptr<const RunData> data_;
     int index_;
 };

@@ -261,6 +261,23 @@ RBDYN_INLINE double ConstraintMotion::gap(double t, Side side) const {
     return data_->model->constraint(m.mode, index_, t, m.x).gap;
 }
 
+RBDYN_INLINE ContactMotion::ContactMotion(const std::shared_ptr<const RunData>& data, int index) {
+    std::tie(data_, index_) = part_of(data, &SceneParts::contacts, index);
+}
+
+RBDYN_INLINE ContactReport ContactMotion::report(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->contact(m.mode, index_, t, m.x);
+}
+
+RBDYN_INLINE double ContactMotion::gap(double t, Side side) const { return report(t, side).gap; }
+
+RBDYN_INLINE Vector3 ContactMotion::force(double t, Side side) const { return report(t, side).force; }
+
+RBDYN_INLINE Vector3 ContactMotion::slip(double t, Side side) const { return report(t, side).slip; }
+
+RBDYN_INLINE std::string ContactMotion::state(double t, Side side) const { return report(t, side).state; }
+
 RBDYN_INLINE SpringMotion::SpringMotion(const std::shared_ptr<const RunData>& data, int index) {
     std::tie(data_, index_) = part_of(data, &SceneParts::couplings, index);
 }

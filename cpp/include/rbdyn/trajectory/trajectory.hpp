@@ -48,6 +48,7 @@ public:
     BodyMotion operator[](BodyHandle body) const;
     SpringMotion operator[](CouplingHandle coupling) const;
     ConstraintMotion operator[](ConstraintHandle constraint) const;
+    ContactMotion operator[](ContactHandle contact) const;
 
     // --- of the whole system, or of some bodies (`of`; empty: all) ---
     using Bodies = std::vector<BodyHandle>;

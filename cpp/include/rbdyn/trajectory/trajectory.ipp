@@ -148,6 +148,12 @@ RBDYN_INLINE ConstraintMotion Trajectory::operator[](ConstraintHandle constraint
     return {data_, constraint.index};
 }
 
+RBDYN_INLINE ContactMotion Trajectory::operator[](ContactHandle contact) const {
+    require(contact.index >= 0 && contact.index < static_cast<int>(data_->scene.contacts().size()), "Trajectory",
+            "contact", contact.index, "a handle comes from the scene of this run");
+    return {data_, contact.index};
+}
+
 RBDYN_INLINE double Trajectory::kinetic_energy(double t, const Bodies& of, Side side) const {
     double sum = 0.0;
     each(of, t, side,
