@@ -110,8 +110,51 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
     projection.apply(x, low, 0.0, t);
 }
 
-RBDYN_INLINE std::vector<double> TreeModel::strike(Mode&, double t, std::span<double> x,
-                                                   const std::vector<int>& struck,
+RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of) const {
+    const auto all = moving(t, x);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    std::vector<int> used = rows_;
+    for (const int k : of) used.push_back(conditions_->constraint_rows() + k);
+    used = mechanics::independent_rows(*tree_, *conditions_, used, all);
+    std::vector<double> asked;
+    for (const int r : used) asked.push_back(-mechanics::Conditions::rate(rows[at(r)], all));
+    const std::vector<double> changes =
+        mechanics::closing::Responses(*tree_, *conditions_, used, all).changes(asked);
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double t, std::span<const double> x,
+                                                      const std::vector<int>& closed, double& remaining) const {
+    std::vector<int> bouncing, group;
+    for (const int k : closed)
+        if (after.slip[at(k)] == flies) bouncing.push_back(k);
+    if (bouncing.empty()) return group;
+    const auto [w, noise] = opening(after, t, x, bouncing);
+    const auto all = moving(t, x);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    RoundingSizes sizes(after.equations->program);
+    sizes.set_parameters(after.parameters);
+    sizes(t, x);
+    for (std::size_t i = 0; i < bouncing.size(); ++i) {
+        const int k = bouncing[i];
+        const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
+        if (u <= 0.0 || w[i] >= -noise[i]) return {};
+        double gap_size = 0.0;
+        for (const Guard& guard : after.equations->guards)
+            if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
+        const double height = 0.5 * u * u / -w[i], next = 2.0 * u / -w[i];
+        if (height > lowest_bounce * epsilon * gap_size && next > 64.0 * epsilon * std::abs(t)) return {};
+        // bounces get shorter by the coefficient of restitution, or as the last one did
+        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[at(contacts())];
+        const double ratio = e > 0.0 ? e : last > 0.0 ? next / last : 1.0;
+        if (ratio >= 1.0) return {};
+        remaining = std::max(remaining, next / (1.0 - ratio));
+        group.push_back(k);
+    }
+    return group;
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::strike(double t, std::span<double> x, const std::vector<int>& struck,
                                                    const std::vector<double>& restitution) const {
     const auto all = moving(t, x);
     const auto rows = conditions_->rows<double>(*tree_, all);
@@ -220,49 +263,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (is_there) landing.push_back(k);
         if (is_closed || has_fired || is_there) closed.push_back(k);
     }
-    std::vector<int> at_rest = closed;
-    std::vector<double> impulses(at(contacts()), 0.0), restitution;
-    std::vector<bool> accumulates(at(contacts()), false);
+    std::vector<int> at_rest = closed, group;
+    std::vector<double> impulses(at(contacts()), 0.0);
     double remaining = 0.0;
     if (!landing.empty()) {
+        std::vector<double> restitution;
         for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
-        std::vector<double> struck(x.begin(), x.end());
-        impulses = strike(after, t, struck, closed, restitution);
-        // bounces that doubles cannot tell from rest any more: lower than the rounding of the gap, or as short as that
-        // of the time; the sum of those to come is a geometric series
-        const auto bounced = moving(t, struck);
-        const auto later = conditions_->rows<double>(*tree_, bounced);
-        Mode free = after;
-        for (const int k : closed) free.slip[at(k)] = flies;
-        choose(free, t, struck, {}, true);
-        const auto [w, noise] = opening(free, t, struck, closed);
-        RoundingSizes sizes(free.equations->program);
-        sizes.set_parameters(free.parameters);
-        sizes(t, struck);
-        bool any = false;
-        for (std::size_t i = 0; i < closed.size(); ++i) {
-            const int k = closed[i];
-            const double u = rate(later, bounced, k), e = restitution[at(k)];
-            if (std::find(landing.begin(), landing.end(), k) == landing.end() || e <= 0.0) continue;
-            after.memory[at(k)] = std::max(after.memory[at(k)], std::abs(rate(before, all, k)));
-            if (u <= 0.0 || w[i] >= -noise[i]) continue;
-            double gap_size = 0.0;
-            for (const Guard& guard : free.equations->guards)
-                if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
-            const double height = 0.5 * u * u / -w[i], next = 2.0 * u / -w[i];
-            const bool is_over = height <= 1024.0 * std::numeric_limits<double>::epsilon() * gap_size ||
-                                 next <= 64.0 * std::numeric_limits<double>::epsilon() * std::abs(t) ||
-                                 u <= 1e-14 * after.memory[at(k)];
-            if (!is_over || e >= 1.0) continue;
-            accumulates[at(k)] = any = true;
-            remaining = std::max(remaining, next / (1.0 - e));
-            restitution[at(k)] = 0.0;
-        }
-        if (any) {
-            impulses = strike(after, t, x, closed, restitution);
-        } else {
-            std::copy(struck.begin(), struck.end(), x.begin());
-        }
+        impulses = strike(t, x, closed, restitution);
         ++after.jumps;
         const auto motion = moving(t, x);
         const auto rows = conditions_->rows<double>(*tree_, motion);
@@ -273,28 +280,40 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             if (opens) after.slip[at(k)] = flies;
             return opens;
         });
+        settle(after, t, x, at_rest, doubtful);
+        group = accumulating(after, t, x, closed, remaining);
+        after.memory[at(contacts())] = t;
+        if (!group.empty()) {
+            // what is left of their bounces is less than rounding: none of them moves any more
+            at_rest.insert(at_rest.end(), group.begin(), group.end());
+            stop(t, x, at_rest);
+            settle(after, t, x, at_rest, {});
+        }
+    } else {
+        settle(after, t, x, at_rest, doubtful);
     }
-    settle(after, t, x, at_rest, doubtful);
     hold(after, t, x);
+    const auto is_in = [](const std::vector<int>& list, int k) {
+        return std::find(list.begin(), list.end(), k) != list.end();
+    };
     for (const int k : closed) {
-        const bool was = mode.slip[at(k)] != flies, is = after.slip[at(k)] != flies;
-        const bool lands = std::find(landing.begin(), landing.end(), k) != landing.end();
-        Happening h{lands ? (accumulates[at(k)] ? EventKind::accumulation
-                             : is               ? EventKind::land
-                                                : EventKind::impact)
-                          : EventKind::detach,
+        const bool is = after.slip[at(k)] != flies;
+        // what is closed and struck from elsewhere tells of itself only if it opens; a group comes to rest once
+        const bool comes = is_in(landing, k), last = !group.empty() && k == group.front();
+        if (!comes && !last && is) continue;
+        if (!group.empty() && !last && is) continue;
+        Happening h{last    ? EventKind::accumulation
+                    : !comes ? EventKind::detach
+                    : is     ? EventKind::land
+                             : EventKind::impact,
                     -1,
                     Direction::falling,
                     {}};
         h.contact = k;
-        if (lands) {
-            const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
-            h.push = touching.normal * impulses[at(k)];
-            h.impulse = impulses[at(k)];
-            if (accumulates[at(k)]) h.later = remaining;
-        }
-        // an impact of what is closed, by what strikes elsewhere, that stays closed is none
-        if (lands || (was && !is)) happenings.push_back(std::move(h));
+        h.impulse = impulses[at(k)];
+        h.push = conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse;
+        if (last) h.later = remaining;
+        happenings.push_back(std::move(h));
     }
     std::sort(happenings.begin(), happenings.end(), [&](const Happening& a, const Happening& b) {
         if (a.kind != b.kind) return a.kind < b.kind;

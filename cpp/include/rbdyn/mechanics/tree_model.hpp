@@ -99,8 +99,16 @@ private:
     void settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                 const std::vector<int>& doubtful) const;
     /// The velocities after what strikes at an instant; returns the impulse of each contact.
-    std::vector<double> strike(Mode& mode, double t, std::span<double> x, const std::vector<int>& struck,
+    std::vector<double> strike(double t, std::span<double> x, const std::vector<int>& struck,
                                const std::vector<double>& restitution) const;
+    /// Takes from the velocities what moves contacts.
+    void stop(double t, std::span<double> x, const std::vector<int>& of) const;
+    /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are lower
+    /// than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to come.
+    std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x,
+                                  const std::vector<int>& closed, double& remaining) const;
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static constexpr double lowest_bounce = 1024.0;  // in units of the rounding of the gap
     /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
     std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
                                                                 const std::vector<int>& of) const;

@@ -324,7 +324,8 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
 RBDYN_INLINE Mode TreeModel::undecided() const {
     Mode mode;
     mode.slip.assign(at(contacts()), flies);
-    mode.memory.assign(at(contacts()), 0.0);
+    // when anything struck last
+    mode.memory.assign(at(contacts() + 1), -std::numeric_limits<double>::infinity());
     return mode;
 }
 
@@ -352,7 +353,7 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     std::vector<double> restitution;
     for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
     if (!closed.empty()) {
-        strike(mode, t, x, closed, restitution);
+        strike(t, x, closed, restitution);
         std::vector<int> at_rest;
         const auto then = moving(t, x);
         const auto later = conditions_->rows<double>(*tree_, then);
