@@ -59,6 +59,10 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                                ": beside bodies that are joined to bodies a Rail is smooth, holds on both sides and is "
                                "fixed in its parent in this version");
     }
+    for (const Scene::Touch& c : scene.contacts())
+        if (c.options.friction && c.options.friction->present())
+            throw InvalidInput(c.name + ": friction at contacts is not simulated in this version; leave it out, or guide "
+                                        "a Particle by a rough Rail");
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
     conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);

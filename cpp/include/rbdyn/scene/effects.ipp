@@ -80,6 +80,8 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
                                      : acting::turns(l.load)                          ? "user torque"
                                                                               : "user force");
     for (const Scene::Connection& c : scene.connections()) note_spring(std::get<Spring>(c.coupling));
+    note(!scene.contacts().empty(), "contact");
+    note(!scene.contacts().empty(), "impact");
     std::vector<std::string> result;
     for (const std::string_view name : acting::names)
         if (std::find(found.begin(), found.end(), name) != found.end()) result.emplace_back(name);
@@ -117,6 +119,9 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
                 throw InvalidInput("without: this scene has no " + name +
                                    (is_to_come ? ", and in this version none can" : "") + "; it has " +
                                    acting::listed(present));
+            if (name == "contact" || name == "impact")
+                throw InvalidInput("without: " + name +
+                                   " cannot be taken away in this version; make the scene without its contacts");
             gone.push_back(name);
         }
     }
