@@ -26,7 +26,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace mechanics {
 
-/// The bodies of a tree where they are, to accelerate.
+/// The bodies of a tree where they are, to accelerate. `all` is looked at, not copied: it outlives the result.
 template <class S>
 Accelerate<S> accelerate(const Tree& tree, const std::vector<Moving<S>>& all) {
     std::vector<typename Accelerate<S>::Body> bodies;
@@ -39,6 +39,8 @@ Accelerate<S> accelerate(const Tree& tree, const std::vector<Moving<S>>& all) {
     }
     return Accelerate<S>(std::move(bodies));
 }
+template <class S>
+Accelerate<S> accelerate(const Tree& tree, std::vector<Moving<S>>&& all) = delete;
 
 /// Changes of velocity variables from what accelerations make of the joints: of what turns freely its own turn.
 template <class S>

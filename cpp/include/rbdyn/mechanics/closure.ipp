@@ -21,9 +21,9 @@ public:
     using Sparse = Accelerate<double>::Sparse;
 
     Responses(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
-              const std::vector<Moving<double>>& all)
-        : tree_(tree), accelerate_(accelerate<double>(tree, all)) {
-        const auto every = conditions.rows<double>(tree, all);
+              std::vector<Moving<double>> all)
+        : tree_(tree), all_(std::move(all)), accelerate_(accelerate<double>(tree, all_)) {
+        const auto every = conditions.rows<double>(tree, all_);
         for (const int r : rows) responses_.push_back(accelerate_.response(every[static_cast<std::size_t>(r)]));
     }
     std::vector<std::vector<double>> matrix() const {
@@ -44,6 +44,7 @@ public:
 
 private:
     const Tree& tree_;
+    std::vector<Moving<double>> all_;  // what accelerate_ looks at
     Accelerate<double> accelerate_;
     std::vector<Sparse> responses_;
 };
@@ -57,7 +58,10 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
     auto a = closing::Responses(tree, conditions, every, all).matrix();
     const std::size_t n = a.size();
     std::vector<double> own(n);
-    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i];
+    double nothing = 0.0;
+    for (std::size_t i = 0; i < n; ++i) nothing = std::max(nothing, 1e-26 * a[i][i]);
+    // between bodies that cannot move against each other a row does nothing, but for the square of rounding
+    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i] > nothing ? a[i][i] : 0.0;
     std::vector<int> chosen;
     std::vector<bool> is_used(n, false);
     // Cholesky's decomposition, the row next that keeps most of itself; what is left of dependent ones is rounding
