@@ -173,15 +173,20 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     std::vector<double> asked;
     for (const auto& row : conditions.rows<DoubleDouble>(tree, now))
         asked.push_back(-static_cast<double>(mechanics::Conditions::rate(row, now)));
+    // of the rates that were given, too: what is held to stand still is left with rounding of them
+    double fastest = 0.0, off = 0.0;
+    const auto take = [&](const std::vector<mechanics::Moving<DoubleDouble>>& moving) {
+        for (const auto& m : moving)
+            fastest = std::max(fastest, rounded(m.velocity).norm() + rounded(m.omega).norm() * std::max(1.0, size));
+    };
+    take(now);
     const std::vector<double> change = mechanics::smallest_solution(locked(mechanics::jacobian(tree, rows, all)), asked);
     for (int k = 0; k < tree.velocities(); ++k)
         x[static_cast<std::size_t>(tree.positions() + k)] += change[static_cast<std::size_t>(k)];
     const auto then = wide();
-    double fastest = 0.0, off = 0.0;
     for (const auto& row : conditions.rows<DoubleDouble>(tree, then))
         off = std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(row, then))));
-    for (const auto& m : then)
-        fastest = std::max(fastest, rounded(m.velocity).norm() + rounded(m.omega).norm() * std::max(1.0, size));
+    take(then);
     require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
             "the rates that are kept can be kept by the constraints; keep fewer of them");
     double moved = 0.0;

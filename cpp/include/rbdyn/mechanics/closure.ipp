@@ -19,7 +19,10 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
     auto a = closing::Responses(tree, conditions, candidates, all).matrix();
     const std::size_t n = a.size();
     std::vector<double> own(n);
-    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i];
+    double nothing = 0.0;
+    for (std::size_t i = 0; i < n; ++i) nothing = std::max(nothing, 1e-26 * a[i][i]);
+    // between bodies that cannot move against each other a row does nothing, but for the square of rounding
+    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i] > nothing ? a[i][i] : 0.0;
     std::vector<int> chosen;
     std::vector<bool> is_used(n, false);
     // Cholesky's decomposition, the row next that keeps most of itself; what is left of dependent ones is rounding

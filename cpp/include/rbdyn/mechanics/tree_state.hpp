@@ -3,10 +3,11 @@
 // What acts and how it accelerates everything comes from the equations of the mode, as guards have it (see
 // model/acting.hpp). Layout of the values behind the rates of the state: of each body force [N] and moment about P
 // [N m] of what acts, its angular acceleration and the acceleration of P; of each coupling the force on its first end
-// [N]; of each load its power [W]; the multiplier of each row of the constraints that is used. World axes.
+// [N]; of each load its power [W]; along each velocity of the joints what is exerted [N or N m]; the multiplier of each
+// row of the constraints that is used. World axes.
 //
 // The reaction of a joint is what is left of the law of its body, m a_G and the rate of K_G, less what acts, less what
-// constraints and the joints of its children exert on it.
+// constraints and the joints of its children exert on it, and less what is exerted along the joint.
 #pragma once
 
 #include <cstddef>

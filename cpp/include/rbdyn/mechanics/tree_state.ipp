@@ -72,6 +72,8 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
     }
     for (int i = 0; i < coupled; ++i) couplings.push_back(vector());
     for (int i = 0; i < loads; ++i) powers.push_back(*next++);
+    const std::span<const double> along(next, at(tree.velocities()));
+    next += tree.velocities();
     std::vector<double> multipliers(at(conditions.rows()), 0.0);
     for (const int r : rows) multipliers[at(r)] = *next++;
     if (const auto loose = dependences(tree, conditions, rows, moving); !loose.empty()) {
@@ -142,6 +144,12 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             add<double>(bodies[at(parent)].reaction, about<double>(bodies[at(i)].reaction, r), 1.0);
             tree_states::add_sizes(bodies[at(parent)].effort, bodies[at(i)].effort, r);
         }
+    for (int i = 0; i < tree.size(); ++i) {
+        const Moving<double>& m = moving[at(i)];
+        for (std::size_t k = 0; k < m.joint.size(); ++k)
+            add<double>(bodies[at(i)].reaction, Wrench<double>{m.joint[k].move, m.joint[k].turn},
+                        -along[at(tree.node(i).v) + k]);
+    }
 }
 
 RBDYN_INLINE PointReport TreeState::point(int body) const {

@@ -44,8 +44,10 @@ private:
     /// A vector among what acts, by its place behind the rates.
     Vector3Of<S> acting(int first) const;
     Vector3Of<S> acceleration(int body, const Vector3Of<S>& arm) const;
-    /// What the joint of a body exerts on it, about P.
+    /// What the parent of a body exerts on it through and along the joint, about P.
     Wrench<S> reaction(int body) const;
+    /// The same without what is exerted along the joint: by a torsion spring, a joint torque or force.
+    Wrench<S> reaction_alone(int body) const;
 
     Recorder& r_;
     const Tree& tree_;

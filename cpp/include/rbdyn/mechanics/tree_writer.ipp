@@ -87,6 +87,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     }
     for (const auto& f : acts.couplings) put(f);
     values.insert(values.end(), acts.powers.begin(), acts.powers.end());
+    values.insert(values.end(), acts.joints.begin(), acts.joints.end());
     values.insert(values.end(), multipliers.begin(), multipliers.end());
     return values;
 }
@@ -172,6 +173,15 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction(int body) const {
     return w;
 }
 
+RBDYN_INLINE Wrench<Expression> TreeWriter::reaction_alone(int body) const {
+    Wrench<S> w = reaction(body);
+    const std::size_t first = values_.size() - rows_.size() - at(tree_.velocities());
+    const Moving<S>& m = moving_[at(body)];
+    for (std::size_t k = 0; k < m.joint.size(); ++k)
+        add<S>(w, Wrench<S>{m.joint[k].move, m.joint[k].turn}, S(-values_[first + at(tree_.node(body).v) + k]));
+    return w;
+}
+
 RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
     if (o.quantity == Quantity::time) return r_.time();
     if (is_of_coupling(o.quantity)) {
@@ -195,8 +205,8 @@ RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
         case Quantity::center_of_mass_velocity: return m.velocity_at(c)[o.component];
         case Quantity::center_of_mass_acceleration: return acceleration(body, c)[o.component];
         case Quantity::force: return acting(12 * body)[o.component];
-        case Quantity::reaction: return reaction(body).force[o.component];
-        case Quantity::reaction_torque: return reaction(body).moment[o.component];
+        case Quantity::reaction: return reaction_alone(body).force[o.component];
+        case Quantity::reaction_torque: return reaction_alone(body).moment[o.component];
         case Quantity::parameter: return rail != nullptr ? q_[at(n.q)] : S(0.0);
         case Quantity::speed:
             if (rail != nullptr)
