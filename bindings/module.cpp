@@ -50,6 +50,7 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_rails(m);
     binding::bind_joints(m);
     binding::bind_loads(m);
+    binding::bind_couplings(m);
     binding::bind_scene(m);
     binding::bind_watch(m);
     binding::bind_plan(m);

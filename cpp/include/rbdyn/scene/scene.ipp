@@ -185,6 +185,15 @@ RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
         throw InvalidInput("connect: both ends are points of the world; at least one is a body");
     if (a == b) throw InvalidInput("connect: both ends are the same body; a coupling joins two points");
     std::visit([](const auto& c) { c.validate(); }, coupling);
+    if (std::holds_alternative<Gravitation>(coupling))
+        for (const End* end : {&a, &b})
+            if (!std::holds_alternative<BodyHandle>(*end))
+                throw InvalidInput(
+                    std::string("connect: Gravitation acts between two bodies' centres of mass, and an end "
+                                "is ") +
+                    (std::holds_alternative<Vector3>(*end)
+                         ? "a point of the world, which has no mass; connect a Central to it"
+                         : "a point of a body; give the body's handle"));
     connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
     plan_.forget();
     return {static_cast<int>(connections_.size()) - 1};

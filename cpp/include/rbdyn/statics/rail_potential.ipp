@@ -24,6 +24,7 @@
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
+#include "rbdyn/curve/quadrature.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/plan/integrals.hpp"
@@ -36,7 +37,6 @@
 #include "rbdyn/statics/path_forces.hpp"
 #include "rbdyn/statics/path_pieces.hpp"
 #include "rbdyn/statics/path_zero.hpp"
-#include "rbdyn/statics/quadrature.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -57,7 +57,7 @@ RBDYN_INLINE double RailWork::operator()(double u) const {
     PathForces::Values q(*forces_);
     const double floor = 2.0 * std::numeric_limits<double>::epsilon() * std::abs(u - origin_) *
                          std::max(forces_->effort(u), forces_->effort(origin_));
-    return statics::integral([&](double place) { return q(place); }, origin_, u, floor);
+    return curves::integral([&](double place) { return q(place); }, origin_, u, floor);
 }
 
 RBDYN_INLINE RailPotential::RailPotential(const Scene& scene, BodyHandle bead)
@@ -149,7 +149,10 @@ RBDYN_INLINE Scene RailPotential::checked(const Scene& scene, BodyHandle bead) {
             refuse("force \"" + force->name() + "\", which depends on velocity, acts on");
     }
     for (const Scene::Connection& c : one.connections())
-        if (std::get<Spring>(c.coupling).damping != 0.0) refuse("a damper acts on");
+        if (!keeps_energy(c.coupling))
+            refuse(std::holds_alternative<Spring>(c.coupling)
+                       ? "a damper acts on"
+                       : "a pair force, of which no potential is known, acts on");
     return one;
 }
 
@@ -180,14 +183,23 @@ RBDYN_INLINE std::pair<double, double> RailPotential::closed_form(double u) cons
             sum += here - there;
             size += std::abs(here) + std::abs(there);
         }
-    for (const auto& c : laws.springs()) {
+    for (const int index : b.couplings) {
+        const PointLaws::Connected& c = laws.couplings()[static_cast<std::size_t>(index)];
         const Vector3 point = rounded(c.a.body >= 0 ? c.b.point : c.a.point);
-        const double l = (r - point).norm(), l0 = (r0 - point).norm(), k = c.spring.stiffness;
+        const double l = (r - point).norm(), l0 = (r0 - point).norm();
+        if (const Central* central = std::get_if<Central>(&c.coupling)) {
+            const double gain = central->gain(l0, l);
+            sum += gain;
+            size += std::abs(gain) + std::abs(central->magnitude<double>(l)) * (r.norm() + point.norm());
+            continue;
+        }
+        const Spring& spring = std::get<Spring>(c.coupling);
+        const double k = spring.stiffness;
         // l^2 - l0^2 by the places, which may be near each other
         const double squares = (r - r0).dot(r + r0 - 2.0 * point);
         sum -= 0.5 * k * squares;
-        if (l + l0 > 0.0) sum += k * c.spring.rest_length * squares / (l + l0);
-        size += k * (l + l0) * (l + l0 + c.spring.rest_length);
+        if (l + l0 > 0.0) sum += k * spring.rest_length * squares / (l + l0);
+        size += k * (l + l0) * (l + l0 + spring.rest_length);
     }
     return {sum, size};
 }
@@ -212,7 +224,7 @@ RBDYN_INLINE double RailPotential::gained(double a, double b) const {
 }
 
 RBDYN_INLINE double RailPotential::gained(PathForces::Values& q, double a, double way, double effort) {
-    return statics::integral([&](double d) { return q(a + d); }, 0.0, way, epsilon * std::abs(way) * effort);
+    return curves::integral([&](double d) { return q(a + d); }, 0.0, way, epsilon * std::abs(way) * effort);
 }
 
 RBDYN_INLINE bool RailPotential::pushes_on(const statics::PathPiece& p, double way) {
@@ -343,7 +355,7 @@ RBDYN_INLINE double RailPotential::half_duration(double u, double way, double k)
         return 2.0 * x * r / std::sqrt(2.0 * kinetic / mass());
     };
     if (k == 0.0 && force <= 16.0 * epsilon * effort) return std::numeric_limits<double>::infinity();
-    const double t = statics::integral(rate, 0.0, reach, 0.0, noise);
+    const double t = curves::integral(rate, 0.0, reach, 0.0, noise);
     if (std::isnan(t))
         throw Error(user() + ": the kinetic energy vanishes within rounding on the way from parameter " + text(u) +
                     " to " + text(u + way) + ": the energy is that of a separatrix");
