@@ -28,7 +28,18 @@ _Of3: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any, typin
 _Of7: typing.TypeAlias = collections.abc.Callable[
     [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
 ]
+_Of5: typing.TypeAlias = collections.abc.Callable[
+    [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
+]
+_Of13: typing.TypeAlias = collections.abc.Callable[
+    [
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any,
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any
+    ],
+    typing.Any,
+]
 _Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
+_Pole: typing.TypeAlias = numpy.typing.ArrayLike | _Of1 | Function | BodyHandle | BodyPoint
 _Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
 _Engine: typing.TypeAlias = typing.Literal['auto', 'closed form', 'taylor', 'dop853', 'cvode-adams', 'cvode-bdf']
 class Condition:
@@ -1558,7 +1569,7 @@ class Central:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, f: typing.Any, *, trace: bool | None = None) -> None:
+    def __init__(self, f: _Of1 | _Compiled, *, trace: bool | None = None) -> None:
         """
         f: f(distance) -> N; positive pushes apart. A C function is double (double distance).
 
@@ -1595,7 +1606,7 @@ class PairForce:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, f: typing.Any, *, trace: bool | None = None) -> None:
+    def __init__(self, f: _Of5 | _Of13 | _Compiled, *, trace: bool | None = None) -> None:
         """
         f: f(t, r_a, r_b, v_a, v_b) -> the force on the first end (3,) [N]; places and velocities in world axes. With
         thirteen parameters they are numbers. A C function is void (double t, double *r_a, double *r_b, double *v_a, double *v_b,
@@ -2639,14 +2650,14 @@ class Trajectory:
         ...
     def __str__(self) -> str:
         ...
-    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike | _Function | BodyHandle | BodyPoint = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         About a pole [kg m^2/s] (7.31).
 
         pole: a point of the world (3,), or one for each time (n, 3) [m]; a function of time; the handle of a body, for its centre
         of mass, or a point of a body.
         """
-    def cardinal_residuals(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike | _Function | BodyHandle | BodyPoint = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+    def cardinal_residuals(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
         """
         (R - dQ/dt, M - dK/dt - v x Q), v the velocity of the pole [N, N m] (7.38, 7.39).
 
@@ -2680,15 +2691,15 @@ class Trajectory:
 
         Loads, gravity, rails and joints, and couplings to the world and to other bodies.
         """
-    def external_moment(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike | _Function | BodyHandle | BodyPoint = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def external_moment(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         Moment about a pole, as of angular_momentum, of what acts on the bodies from outside them [N m].
         """
     @typing.overload
-    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'body'] | None = None, pole: numpy.typing.ArrayLike | _Function | BodyHandle | BodyPoint | None = None) -> numpy.typing.NDArray[numpy.float64]:
+    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'center of mass'] | None = None, pole: _Pole | None = None) -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'body'] | None = None, pole: numpy.typing.ArrayLike | _Function | BodyHandle | BodyPoint | None = None) -> float:
+    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'center of mass'] | None = None, pole: _Pole | None = None) -> float:
         """
         [J]
 
