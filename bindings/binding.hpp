@@ -79,6 +79,10 @@ class AttitudeLike : public py::object {
 class PoleLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(PoleLike, py::object, any_object)
 };
+/// A point or points, a function of time, a handle.
+class MovingPole : public py::object {
+    PYBIND11_OBJECT_DEFAULT(MovingPole, py::object, any_object)
+};
 /// A number, or a function of x, y, z.
 class DensityLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(DensityLike, py::object, any_object)
@@ -163,6 +167,12 @@ UserFunction user_force(const py::object& f, std::optional<bool> trace, const st
 UserFunction user_torque(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(position), or f(x, y, z) -> a number. 3 inputs, 1 result.
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(distance) -> a number. 1 input, 1 result.
+UserFunction user_central(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t, r_a, r_b, v_a, v_b) -> three components. 13 inputs, 3 results.
+UserFunction user_pair_force(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t) -> three components. 1 input, 3 results.
+UserFunction user_pole(const py::object& f, const std::string& user);
 /// f(t) -> a number.
 /// A load along a joint, of (t, q, rate).
 UserFunction user_joint_load(const py::object& f, std::optional<bool> trace, const std::string& user);
@@ -287,6 +297,7 @@ void bind_attitude(py::module_& m);
 void bind_poinsot(py::module_& m);
 void bind_bodies(py::module_& m);
 void bind_constraints(py::module_& m);
+void bind_couplings(py::module_& m);
 void bind_curves(py::module_& m);
 void bind_expressions(py::module_& m);
 void bind_functions(py::module_& m);
@@ -385,6 +396,11 @@ struct handle_type_name<binding::AttitudeLike> {
 template <>
 struct handle_type_name<binding::PoleLike> {
     static constexpr auto name = const_name("str | numpy.typing.ArrayLike");
+};
+template <>
+struct handle_type_name<binding::MovingPole> {
+    static constexpr auto name = const_name(
+        "numpy.typing.ArrayLike | collections.abc.Callable | rbdyn._core.BodyHandle | rbdyn._core.BodyPoint");
 };
 template <>
 struct handle_type_name<binding::DensityLike> {

@@ -1,6 +1,5 @@
-// Loads on a body, and couplings between two.
+// Loads on a body.
 #include <optional>
-#include <rbdyn/scene/couplings.hpp>
 #include <rbdyn/scene/loads.hpp>
 
 #include "data.hpp"
@@ -9,8 +8,8 @@ namespace binding {
 
 namespace {
 
-using rbdyn::Drag, rbdyn::Force, rbdyn::Frame, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Spring,
-    rbdyn::Torque, rbdyn::TorsionSpring;
+using rbdyn::Drag, rbdyn::Force, rbdyn::Frame, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Torque,
+    rbdyn::TorsionSpring;
 
 using Number = NumberOrParameter;
 
@@ -237,37 +236,6 @@ of three expressions. Raises InvalidInput if it cannot be; then a Force may take
         drag, [](const Drag& d) { return py::make_tuple(to_python(d.linear), to_python(d.quadratic)); },
         [](const py::tuple& d) {
             return Drag{given_from(d[0]), given_from(d[1])};
-        });
-
-    py::class_<Spring> spring(m, "Spring", R"(A spring with a damper along it.
-
--(stiffness (length - rest_length) + damping d(length)/dt) along the line of its ends.)");
-    spring
-        .def(py::init([](const Number& stiffness, const Number& rest_length, const Number& damping) {
-                 const Spring s{given(stiffness, "Spring", "stiffness"), given(rest_length, "Spring", "rest_length"),
-                                given(damping, "Spring", "damping")};
-                 s.validate();
-                 return s;
-             }),
-             py::arg("stiffness"), py::arg("rest_length") = 0.0, py::arg("damping") = 0.0,
-             "stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.")
-        .def_property_readonly(
-            "stiffness", [](const Spring& x) { return to_python(x.stiffness); }, "[N/m]")
-        .def_property_readonly(
-            "rest_length", [](const Spring& x) { return to_python(x.rest_length); }, "[m]")
-        .def_property_readonly(
-            "damping", [](const Spring& x) { return to_python(x.damping); }, "[kg/s]")
-        .def("__repr__", [](const Spring& s) {
-            return "Spring(stiffness=" + text(s.stiffness) + ", rest_length=" + text(s.rest_length) +
-                   ", damping=" + text(s.damping) + ")";
-        });
-    as_data(
-        spring,
-        [](const Spring& s) {
-            return py::make_tuple(to_python(s.stiffness), to_python(s.rest_length), to_python(s.damping));
-        },
-        [](const py::tuple& d) {
-            return Spring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
 }
 

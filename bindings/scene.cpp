@@ -161,12 +161,16 @@ rbdyn::End end_of(const BoundScene& self, const py::object& end, const char* whi
     return vector3(end, verb, which);
 }
 
-CouplingHandle connect(BoundScene& self, const rbdyn::Spring& coupling, const ArrayLike& a, const ArrayLike& b) {
+// the first of them can be made from nothing, as Python's arguments must
+using AnyCoupling = std::variant<rbdyn::Spring, rbdyn::Gravitation, rbdyn::Central, rbdyn::PairForce>;
+
+CouplingHandle connect(BoundScene& self, const AnyCoupling& given, const ArrayLike& a, const ArrayLike& b) {
+    const rbdyn::Coupling coupling = given;
     const auto added = self.scene.connect(coupling, end_of(self, a, "a"), end_of(self, b, "b"));
     const auto& bodies = self.handles.bodies;
     int number = added.index;
     std::string name;
-    do name = "spring " + std::to_string(++number);
+    do name = std::string(kind_of(coupling)) + " " + std::to_string(++number);
     while (has_coupling_named(self, name) ||
            std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) { return body.name == name; }));
     return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, added.index, name)});
@@ -387,8 +391,7 @@ py::tuple scene_data(const BoundScene& s) {
         const Vector3* place = of_body != nullptr ? &of_body->point : of_world;
         return py::make_tuple(body_of(e), place != nullptr ? py::object(tuple_of(*place)) : py::none());
     };
-    for (const auto& c : s.scene.connections())
-        couplings.append(py::make_tuple(std::get<rbdyn::Spring>(c.coupling), end(c.a), end(c.b)));
+    for (const auto& c : s.scene.connections()) couplings.append(py::make_tuple(c.coupling, end(c.a), end(c.b)));
     for (const auto& w : s.scene.watches()) {
         if (w.options.action.change)
             throw py::type_error("Scene: the action of watch \"" + w.name +
@@ -488,7 +491,7 @@ BoundScene scene_from(const py::tuple& d) {
     };
     for (const py::handle item : d[3]) {
         const auto c = item.cast<py::tuple>();
-        s.scene.connect(c[0].cast<rbdyn::Spring>(), end(c[1]), end(c[2]));
+        s.scene.connect(c[0].cast<AnyCoupling>(), end(c[1]), end(c[2]));
     }
     for (const py::handle item : d[4]) {
         const auto w = item.cast<py::tuple>();
@@ -572,7 +575,7 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
         py::arg("place"), "The point of the body at a place (3,) from the origin of its axes, body axes [m].");
     py::class_<LoadHandle, Handle> load(m, "LoadHandle", "The handle of a load.");
     py::class_<CouplingHandle, Handle> coupling(m, "CouplingHandle",
-                                                "The handle of a coupling; run[handle] is a SpringMotion.");
+                                                "The handle of a coupling; run[handle] is a CouplingMotion.");
     py::class_<WatchHandle, Handle> watched(m, "WatchHandle",
                                             "The handle of a watched function; run[handle] is a Watched.");
     pickled(body, Handle::Of::body);
@@ -670,7 +673,7 @@ Zero by default, body axes along the world's. Returns a handle. Raises InvalidIn
 a joint that cannot hold the body, TypeError for another keyword.)")
         .def(
             "connect", &connect, py::arg("coupling"), py::arg("a"), py::arg("b"),
-            R"(Joins two ends: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
+            R"(Joins two ends by a Spring, a Gravitation, a Central or a PairForce: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
 or one of them a point of the world (3,) [m]. Returns a handle.)")
         .def(
             "constrain", &constrain, py::arg("constraint"), py::arg("a"), py::arg("b") = py::none(), py::kw_only(),
@@ -710,7 +713,7 @@ of mass. Returns a handle.)")
              R"(Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
 
 function: function(now) -> number, with now.time [s] and now[handle].quantity for the quantities of BodyNow and, of a
-spring, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+coupling, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
 with numbers, and its zeros are located but not certain (trace as for Force).
 
 direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that

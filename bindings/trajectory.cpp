@@ -4,11 +4,12 @@
 #include <set>
 
 #include "data.hpp"
+#include "recording.hpp"
 #include "run.hpp"
 
 namespace binding {
 
-using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::SpringMotion, rbdyn::Statistics,
+using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::CouplingMotion, rbdyn::Statistics,
     rbdyn::Trajectory;
 
 namespace {
@@ -36,8 +37,8 @@ struct BoundMotion {
     const rbdyn::Scene::Body* body;  // of the run's scene, which the motion keeps
     std::string name;
 };
-struct BoundSpring {
-    SpringMotion motion;
+struct BoundCoupling {
+    CouplingMotion motion;
     std::string name;
 };
 
@@ -340,13 +341,17 @@ std::vector<std::string> quantities_of(const rbdyn::Scene::Body& body) {
 }
 
 /// A pair of vectors at each time, as a named tuple of python/rbdyn/frames.py.
-template <class Named, class F>
-Named pair_over(const char* name, const ArrayLike& t, F&& f) {
+template <class Pair, class F>
+Pair pair_over(const ArrayLike& t, F&& f) {
     std::vector<std::pair<Vector3, Vector3>> kept;
     const auto first = over(t, "Trajectory", "time", [&](double x) { return kept.emplace_back(f(x)).first; });
     auto next = kept.cbegin();
     const auto second = over(t, "Trajectory", "time", [&](double) { return (next++)->second; });
-    return Named(py::module_::import("rbdyn.frames").attr(name)(first, second));
+    return Pair(py::make_tuple(first, second));
+}
+template <class Named, class F>
+Named pair_over(const char* name, const ArrayLike& t, F&& f) {
+    return Named(py::module_::import("rbdyn.frames").attr(name)(*pair_over<py::tuple>(t, f)));
 }
 
 void bind_motions(py::module_& m) {
@@ -422,20 +427,20 @@ point: that of the axis nearest to the centre of mass [m]; direction: of unit le
             "Names of the quantities this body has.")
         .def("__repr__", [](const BoundMotion& b) { return "<BodyMotion: " + b.name + ">"; });
 
-    py::class_<BoundSpring> spring(m, "SpringMotion",
-                                   "Length and force of a spring of a run, each a method of time [s].");
+    py::class_<BoundCoupling> spring(m, "CouplingMotion",
+                                     "Length and force of a coupling of a run, each a method of time [s].");
     spring
-        .def("length", of_time<BoundSpring>(&SpringMotion::length), py::arg("t"), py::arg("side") = after(),
+        .def("length", of_time<BoundCoupling>(&CouplingMotion::length), py::arg("t"), py::arg("side") = after(),
              "Between its ends [m].")
-        .def("force", of_time<BoundSpring>(&SpringMotion::force), py::arg("t"), py::arg("side") = after(),
+        .def("force", of_time<BoundCoupling>(&CouplingMotion::force), py::arg("t"), py::arg("side") = after(),
              "On the first end [N], world axes.")
         .def_property_readonly(
             "quantities",
-            [](const BoundSpring&) {
+            [](const BoundCoupling&) {
                 return std::vector<std::string>{"length", "force"};
             },
-            "Names of the quantities a spring has.")
-        .def("__repr__", [](const BoundSpring& s) { return "<SpringMotion: " + s.name + ">"; });
+            "Names of the quantities a coupling has.")
+        .def("__repr__", [](const BoundCoupling& s) { return "<CouplingMotion: " + s.name + ">"; });
 }
 
 void bind_constraint_motion(py::module_& m) {
@@ -497,7 +502,7 @@ BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle
     return {self.run[rbdyn::BodyHandle{handle.index}], &body, handle.name};
 }
 
-BoundSpring motion_of_spring(const BoundTrajectory& self, const CouplingHandle& handle) {
+BoundCoupling motion_of_coupling(const BoundTrajectory& self, const CouplingHandle& handle) {
     self.handles->require(handle, "Trajectory");
     return {self.run[rbdyn::CouplingHandle{handle.index}], handle.name};
 }
@@ -528,12 +533,72 @@ auto of_bodies(R (Trajectory::*quantity)(double, const Trajectory::Bodies&, Side
         return over(t, "Trajectory", "time", [&](double x) { return (self.run.*quantity)(x, bodies, side); });
     };
 }
-template <class R>
-auto of_system(R (Trajectory::*quantity)(double, Side) const) {
-    return [quantity](const BoundTrajectory& self, const ArrayLike& t, const SideName& name) {
-        const Side side = side_of(name);
-        return over(t, "Trajectory", "time", [&](double x) { return (self.run.*quantity)(x, side); });
-    };
+
+/// Poles of moments at times: one for all of them, or a place for each.
+class Poles {
+public:
+    Poles(const BoundTrajectory& self, const MovingPole& given, const ArrayLike& t) {
+        if (py::isinstance<Handle>(given)) {
+            poles_.emplace_back(self.handles->body(given.cast<const Handle&>(), "Trajectory"));
+        } else if (py::isinstance<BodyPoint>(given)) {
+            const auto& p = given.cast<const BodyPoint&>();
+            poles_.emplace_back(self.handles->body(p.body, "Trajectory").point(p.point));
+        } else if (PyCallable_Check(given.ptr()) != 0) {
+            const UserFunction path = user_pole(given, "Trajectory: pole");
+            if (path.function)
+                poles_.emplace_back(path.function);
+            else
+                call(*path.callback, t);
+        } else {
+            read(doubles(given, "Trajectory", "pole"), t);
+        }
+    }
+    /// That of the next time, in order.
+    const rbdyn::Pole& next() { return is_one_a_time_ ? poles_[next_++] : poles_.front(); }
+    /// Throws InvalidInput where it is not known how the pole moves.
+    void require_velocity() const {
+        if (is_one_a_time_)
+            throw InvalidInput("Trajectory: the velocity of the pole is not known, for " + why_ +
+                               "; give a point, a function of time that can be recorded, or a handle");
+    }
+
+private:
+    void call(const rbdyn::Callback& path, const ArrayLike& t) {
+        is_one_a_time_ = true;
+        why_ = "its function is called back (" + path.reason + ")";
+        const Array times = doubles(t, "Trajectory", "time");
+        for (py::ssize_t i = 0; i < times.size(); ++i) {
+            double place[3];
+            path(times.data() + i, place);
+            poles_.emplace_back(Vector3(place[0], place[1], place[2]));
+        }
+    }
+    void read(const Array& places, const ArrayLike& t) {
+        const Array times = doubles(t, "Trajectory", "time");
+        std::vector<py::ssize_t> wanted(times.shape(), times.shape() + times.ndim()),
+            shape(places.shape(), places.shape() + places.ndim());
+        wanted.push_back(3);
+        is_one_a_time_ = shape != std::vector<py::ssize_t>{3};
+        if (is_one_a_time_ && shape != wanted)
+            throw InvalidInput("Trajectory: pole has shape " + shape_of(places) +
+                               "; it is a point (3,), or one for each time, in m");
+        why_ = "it is given by places";
+        for (const double* x = places.data(); x < places.data() + places.size(); x += 3)
+            poles_.emplace_back(Vector3(x[0], x[1], x[2]));
+    }
+
+    std::vector<rbdyn::Pole> poles_;
+    std::size_t next_ = 0;
+    bool is_one_a_time_ = false;
+    std::string why_;
+};
+
+/// The axes that a kinetic energy is seen from: none for those of the world.
+double kinetic_energy(const BoundTrajectory& self, double t, bool of_center, Poles* poles,
+                      const Trajectory::Bodies& bodies, Side side) {
+    if (of_center) return self.run.relative_kinetic_energy(t, std::nullopt, bodies, side);
+    if (poles != nullptr) return self.run.relative_kinetic_energy(t, poles->next(), bodies, side);
+    return self.run.kinetic_energy(t, bodies, side);
 }
 
 }  // namespace
@@ -567,7 +632,7 @@ void bind_trajectory(py::module_& m) {
 
     py::class_<BoundTrajectory> run(m, "Trajectory", R"(The result of simulate(): motion, events, error estimate, price.
 
-run[handle] is the motion of a body or a spring. Quantities of the whole system are methods of time: t [s] is a number
+run[handle] is the motion of a body or a coupling. Quantities of the whole system are methods of time: t [s] is a number
 or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
 bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.)");
     run.def_property_readonly(
@@ -615,7 +680,7 @@ size of its terms.)")
             },
             "The ends of the integrator's pieces (n,) [s].")
         .def("__getitem__", &motion_of_body, py::arg("handle"))
-        .def("__getitem__", &motion_of_spring, py::arg("handle"))
+        .def("__getitem__", &motion_of_coupling, py::arg("handle"))
         .def("__getitem__", &motion_of_constraint, py::arg("handle"))
         .def("__getitem__", &motion_of_contact, py::arg("handle"))
         .def("__getitem__", &motion_of_watch, py::arg("handle"))
@@ -624,19 +689,53 @@ size of its terms.)")
     const auto of_time_and_bodies = [&](const char* name, auto quantity, const char* doc) {
         run.def(name, of_bodies(quantity), py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), doc);
     };
-    of_time_and_bodies("kinetic_energy", &Trajectory::kinetic_energy, "[J]");
+    run.def(
+        "kinetic_energy",
+        [](const BoundTrajectory& self, const ArrayLike& t, const Of& of, const SideName& name,
+           const std::optional<std::string>& frame, const std::optional<MovingPole>& pole) {
+            const Side side = side_of(name);
+            const Trajectory::Bodies bodies = bodies_of(self, of);
+            if (frame && pole)
+                throw InvalidInput(
+                    "Trajectory: frame and pole are given; both say what moves with the axes that T is "
+                    "seen from, give one");
+            const bool of_center = frame && *frame == "center of mass";
+            if (frame && !of_center && *frame != "world")
+                throw InvalidInput("Trajectory: frame is \"" + *frame + "\"; it is \"world\" or \"center of mass\"");
+            std::optional<Poles> poles;
+            if (pole) {
+                poles.emplace(self, *pole, t);
+                poles->require_velocity();
+            }
+            return over(t, "Trajectory", "time", [&](double x) {
+                return kinetic_energy(self, x, of_center, poles ? &*poles : nullptr, bodies, side);
+            });
+        },
+        py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), py::kw_only(),
+        py::arg("frame") = py::none(), py::arg("pole") = py::none(),
+        R"([J]
+
+frame: "center of mass" for that of the motion relative to axes which do not turn and move with the centre of mass of the
+bodies asked for (Koenig, 7.37); "world" by default. pole: the same with axes that move with a pole, a function of time,
+a handle or a point of a body.)");
     of_time_and_bodies("momentum", &Trajectory::momentum, "[kg m/s]");
     of_time_and_bodies("center_of_mass", &Trajectory::center_of_mass, "[m]");
     of_time_and_bodies("center_of_mass_velocity", &Trajectory::center_of_mass_velocity, "[m/s]");
     of_time_and_bodies("center_of_mass_acceleration", &Trajectory::center_of_mass_acceleration, "[m/s^2]");
 
-    const auto of_time_alone = [&](const char* name, auto quantity, const char* doc) {
-        run.def(name, of_system(quantity), py::arg("t"), py::arg("side") = after(), doc);
-    };
-    of_time_alone("potential_energy", &Trajectory::potential_energy,
-                  "V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].");
-    of_time_alone("potential", &Trajectory::potential, "U, with F = +grad U (the chapter's sign) [J].");
-    of_time_alone("energy", &Trajectory::energy, "T + V = T - U [J].");
+    using OfBodies = double (Trajectory::*)(double, const Trajectory::Bodies&, Side) const;
+    of_time_and_bodies("potential_energy", static_cast<OfBodies>(&Trajectory::potential_energy),
+                       R"(V = -U of gravity, constant forces, potentials and couplings [J].
+
+Zero at the origin, at rest length, at infinity for gravitation, at the distance of the start for a central force. Of some
+bodies: with the couplings among them and to the world.)");
+    of_time_and_bodies("potential", static_cast<OfBodies>(&Trajectory::potential),
+                       "U, with F = +grad U (the chapter's sign) [J].");
+    of_time_and_bodies("energy", static_cast<OfBodies>(&Trajectory::energy), "T + V = T - U [J].");
+    of_time_and_bodies("external_force", &Trajectory::external_force,
+                       R"(Resultant of what acts on the bodies from outside them [N].
+
+Loads, gravity, rails and joints, and couplings to the world and to other bodies.)");
 
     run.def(
            "work",
@@ -646,7 +745,7 @@ size of its terms.)")
            py::arg("t0"), py::arg("t1"), py::arg("of") = py::none(),
            R"(Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
 
-of: bodies, or loads and springs for theirs alone. What jumps of the state (a landing, an action) make of the energy does
+of: bodies, or loads and couplings for theirs alone. What jumps of the state (a landing, an action) make of the energy does
 not count. Raises InvalidInput for times outside the run, and where it takes a motion that was not kept (keep=).)")
         .def(
             "power",
@@ -660,25 +759,60 @@ not count. Raises InvalidInput for times outside the run, and where it takes a m
             py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(),
             R"(Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
 
-of: bodies, or loads and springs for theirs alone; a spring's is that on both its ends.)")
+of: bodies, or loads and couplings for theirs alone; a coupling's is that on both its ends.)")
         .def(
             "angular_momentum",
-            [](const BoundTrajectory& self, const ArrayLike& t, const ArrayLike& pole, const Of& of,
+            [](const BoundTrajectory& self, const ArrayLike& t, const MovingPole& pole, const Of& of,
                const SideName& name) {
                 const Side side = side_of(name);
-                const Vector3 about = vector3(pole, "Trajectory", "pole");
                 const Trajectory::Bodies bodies = bodies_of(self, of);
+                Poles poles(self, pole, t);
                 return over(t, "Trajectory", "time",
-                            [&](double x) { return self.run.angular_momentum(x, about, bodies, side); });
+                            [&](double x) { return self.run.angular_momentum(x, poles.next(), bodies, side); });
             },
             py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
-            py::arg("side") = after(), "About a pole fixed in the world (3,) [m]: [kg m^2/s].")
+            py::arg("side") = after(),
+            R"(About a pole [kg m^2/s] (7.31).
+
+pole: a point of the world (3,), or one for each time (n, 3) [m]; a function of time; the handle of a body, for its centre
+of mass, or a point of a body.)")
+        .def(
+            "external_moment",
+            [](const BoundTrajectory& self, const ArrayLike& t, const MovingPole& pole, const Of& of,
+               const SideName& name) {
+                const Side side = side_of(name);
+                const Trajectory::Bodies bodies = bodies_of(self, of);
+                Poles poles(self, pole, t);
+                return over(t, "Trajectory", "time",
+                            [&](double x) { return self.run.external_moment(x, poles.next(), bodies, side); });
+            },
+            py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
+            py::arg("side") = after(),
+            "Moment about a pole, as of angular_momentum, of what acts on the bodies from outside them [N m].")
+        .def(
+            "cardinal_residuals",
+            [](const BoundTrajectory& self, const ArrayLike& t, const MovingPole& pole, const Of& of,
+               const SideName& name) {
+                const Side side = side_of(name);
+                const Trajectory::Bodies bodies = bodies_of(self, of);
+                Poles poles(self, pole, t);
+                poles.require_velocity();
+                return pair_over<py::typing::Tuple<Vectors, Vectors>>(
+                    t, [&](double x) { return self.run.cardinal_residuals(x, poles.next(), bodies, side); });
+            },
+            py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
+            py::arg("side") = after(),
+            R"((R - dQ/dt, M - dK/dt - v x Q), v the velocity of the pole [N, N m] (7.38, 7.39).
+
+Rounding, but for the moment of forces between the bodies that are not along their lines. Rates are from accelerations of
+the model, never from differences. pole: as of angular_momentum, but how it moves must be known: a point, a function of
+time that can be recorded, or a handle.)")
         .def(
             "sample",
             [](const py::object& self, const ArrayLike& times) {
                 return SampleObject(py::module_::import("rbdyn.sample").attr("Sample")(self, times));
             },
-            py::arg("times"), "All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.")
+            py::arg("times"), "All quantities of all bodies and couplings at times (n,) [s]: a rbdyn.sample.Sample.")
         .def(
             "plot",
             [](const py::object& self, const py::object& path, const py::object& handle) {

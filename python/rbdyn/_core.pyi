@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Central', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -28,7 +28,18 @@ _Of3: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any, typin
 _Of7: typing.TypeAlias = collections.abc.Callable[
     [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
 ]
+_Of5: typing.TypeAlias = collections.abc.Callable[
+    [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
+]
+_Of13: typing.TypeAlias = collections.abc.Callable[
+    [
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any,
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any
+    ],
+    typing.Any,
+]
 _Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
+_Pole: typing.TypeAlias = numpy.typing.ArrayLike | _Of1 | Function | BodyHandle | BodyPoint
 _Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
 _Engine: typing.TypeAlias = typing.Literal['auto', 'closed form', 'taylor', 'dop853', 'cvode-adams', 'cvode-bdf']
 class Condition:
@@ -1521,6 +1532,107 @@ class Spring:
         """
         [N/m]
         """
+class Gravitation:
+    """
+    The attraction of two bodies.
+
+    constant m_a m_b / r^2, between their centres of mass. A point of the world has no mass; it takes Central.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float | Parameter]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, constant: float | Parameter) -> None:
+        """
+        constant [m^3/(kg s^2)], zero or positive.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def constant(self) -> float | Parameter:
+        """
+        [m^3/(kg s^2)]
+        """
+class Central:
+    """
+    A force along the line of its ends, a function of their distance.
+
+    Its energy is found by quadrature, zero at the distance that the run starts with.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: _Of1 | _Compiled, *, trace: bool | None = None) -> None:
+        """
+        f: f(distance) -> N; positive pushes apart. A C function is double (double distance).
+
+        trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of the distance, if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
+class PairForce:
+    """
+    Any force between two bodies: one on the first, its opposite on the second.
+
+    It keeps momentum. It need not be along the line of its ends, and then does not keep angular momentum.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: _Of5 | _Of13 | _Compiled, *, trace: bool | None = None) -> None:
+        """
+        f: f(t, r_a, r_b, v_a, v_b) -> the force on the first end (3,) [N]; places and velocities in world axes. With
+        thirteen parameters they are numbers. A C function is void (double t, double *r_a, double *r_b, double *v_a, double *v_b,
+        double *force).
+
+        trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of (t, r_a, r_b, v_a, v_b), thirteen numbers, if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
 class Handle:
     """
     What a scene returns for a body, a load or a coupling it has taken.
@@ -1588,7 +1700,7 @@ class LoadHandle(Handle):
         ...
 class CouplingHandle(Handle):
     """
-    The handle of a coupling; run[handle] is a SpringMotion.
+    The handle of a coupling; run[handle] is a CouplingMotion.
     """
     def __getstate__(self) -> tuple[int, int, str]:
         ...
@@ -1645,9 +1757,9 @@ class Scene:
         Applies a load to a body. at (3,): the point of a rigid body where it acts, body axes [m]; by default the centre
         of mass. Returns a handle.
         """
-    def connect(self, coupling: Spring, a: _End, b: _End) -> CouplingHandle:
+    def connect(self, coupling: Spring | Gravitation | Central | PairForce, a: _End, b: _End) -> CouplingHandle:
         """
-        Joins two ends: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
+        Joins two ends by a Spring, a Gravitation, a Central or a PairForce: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
         or one of them a point of the world (3,) [m]. Returns a handle.
         """
     def integral(self, name: str, function: _Watched) -> None:
@@ -1660,7 +1772,7 @@ class Scene:
         Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
 
         function: function(now) -> number, with now.time [s] and now[handle].quantity for the quantities of BodyNow and, of a
-        spring, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+        coupling, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
         with numbers, and its zeros are located but not certain (trace as for Force).
 
         direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that
@@ -1829,7 +1941,7 @@ class BodyNow:
         """
 class CouplingNow:
     """
-    A spring at the present moment, for watched functions.
+    A coupling at the present moment, for watched functions.
     """
     def __getattr__(self, arg0: str) -> None:
         ...
@@ -2024,6 +2136,41 @@ class Equilibrium:
         """
         Whether U has a strict maximum there, or friction holds it. False where it is indifferent; turns about `axes`
         are left aside.
+        """
+class NormalModes:
+    """
+    Small oscillations about a state of rest.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[list[float], list[float], list[float]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def frequencies(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In ascending order (n,) [rad/s]; zero where nothing pushes back, not a number where the rest is unstable.
+        """
+    @property
+    def shapes(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        One a column (n, n), of unit length in the metric of the kinetic energy: s.M s = 1.
+
+        The component of largest size is positive. Rows, in order of addition: the parameter of a bead; x, y, z of a free particle;
+        the angle of a hinge; the displacement of a slide; of a body that turns freely the place of its centre of mass, if it is
+        free, and small turns about the body's axes [rad].
+        """
+    @property
+    def squares(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of the frequencies, in the same order (n,) [1/s^2]; negative where the rest is unstable.
         """
 class TurningPoints:
     """
@@ -2433,9 +2580,9 @@ class BodyMotion:
         """
         Names of the quantities this body has.
         """
-class SpringMotion:
+class CouplingMotion:
     """
-    Length and force of a spring of a run, each a method of time [s].
+    Length and force of a coupling of a run, each a method of time [s].
     """
     def __repr__(self) -> str:
         ...
@@ -2454,7 +2601,7 @@ class SpringMotion:
     @property
     def quantities(self) -> list[str]:
         """
-        Names of the quantities a spring has.
+        Names of the quantities a coupling has.
         """
 class Watched:
     """
@@ -2479,7 +2626,7 @@ class Trajectory:
     """
     The result of simulate(): motion, events, error estimate, price.
 
-    run[handle] is the motion of a body or a spring. Quantities of the whole system are methods of time: t [s] is a number
+    run[handle] is the motion of a body or a coupling. Quantities of the whole system are methods of time: t [s] is a number
     or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
     bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.
     """
@@ -2487,7 +2634,7 @@ class Trajectory:
     def __getitem__(self, handle: BodyHandle) -> BodyMotion:
         ...
     @typing.overload
-    def __getitem__(self, handle: CouplingHandle) -> SpringMotion:
+    def __getitem__(self, handle: CouplingHandle) -> CouplingMotion:
         ...
     @typing.overload
     def __getitem__(self, handle: WatchHandle) -> Watched:
@@ -2503,9 +2650,20 @@ class Trajectory:
         ...
     def __str__(self) -> str:
         ...
-    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        About a pole fixed in the world (3,) [m]: [kg m^2/s].
+        About a pole [kg m^2/s] (7.31).
+
+        pole: a point of the world (3,), or one for each time (n, 3) [m]; a function of time; the handle of a body, for its centre
+        of mass, or a point of a body.
+        """
+    def cardinal_residuals(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        (R - dQ/dt, M - dK/dt - v x Q), v the velocity of the pole [N, N m] (7.38, 7.39).
+
+        Rounding, but for the moment of forces between the bodies that are not along their lines. Rates are from accelerations of
+        the model, never from differences. pole: as of angular_momentum, but how it moves must be known: a point, a function of
+        time that can be recorded, or a handle.
         """
     def center_of_mass(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2520,20 +2678,34 @@ class Trajectory:
         [m/s]
         """
     @typing.overload
-    def energy(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def energy(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         T + V = T - U [J].
         """
+    def external_force(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Resultant of what acts on the bodies from outside them [N].
+
+        Loads, gravity, rails and joints, and couplings to the world and to other bodies.
+        """
+    def external_moment(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Moment about a pole, as of angular_momentum, of what acts on the bodies from outside them [N m].
+        """
     @typing.overload
-    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'center of mass'] | None = None, pole: _Pole | None = None) -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'center of mass'] | None = None, pole: _Pole | None = None) -> float:
         """
         [J]
+
+        frame: "center of mass" for that of the motion relative to axes which do not turn and move with the centre of mass of the
+        bodies asked for (Koenig, 7.37); "world" by default. pole: the same with axes that move with a pole, a function of time,
+        a handle or a point of a body.
         """
     def momentum(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2546,20 +2718,23 @@ class Trajectory:
         Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
         """
     @typing.overload
-    def potential(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def potential(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def potential(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def potential(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         U, with F = +grad U (the chapter's sign) [J].
         """
     @typing.overload
-    def potential_energy(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def potential_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def potential_energy(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def potential_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].
+        V = -U of gravity, constant forces, potentials and couplings [J].
+
+        Zero at the origin, at rest length, at infinity for gravitation, at the distance of the start for a central force. Of some
+        bodies: with the couplings among them and to the world.
         """
     @typing.overload
     def power(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
@@ -2569,17 +2744,17 @@ class Trajectory:
         """
         Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
 
-        of: bodies, or loads and springs for theirs alone; a spring's is that on both its ends.
+        of: bodies, or loads and couplings for theirs alone; a coupling's is that on both its ends.
         """
     def sample(self, times: numpy.typing.ArrayLike) -> rbdyn.sample.Sample:
         """
-        All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.
+        All quantities of all bodies and couplings at times (n,) [s]: a rbdyn.sample.Sample.
         """
     def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
         """
         Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
 
-        of: bodies, or loads and springs for theirs alone. What jumps of the state (a landing, an action) make of the energy does
+        of: bodies, or loads and couplings for theirs alone. What jumps of the state (a landing, an action) make of the energy does
         not count. Raises InvalidInput for times outside the run, and where it takes a motion that was not kept (keep=).
         """
     @property
@@ -2971,6 +3146,14 @@ def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list
     rails it is one among others.
     An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
     or are called back, or with rails that move.
+    """
+def normal_modes(scene: Scene, at: Equilibrium) -> NormalModes:
+    """
+    The small oscillations of a scene about one of its equilibria: K s = square M s.
+
+    M is the mass matrix of the kinetic energy, K the stiffness, exact derivatives of the recorded forces. Damping and all that
+    depends on velocity is left aside. Raises InvalidInput where `at` is no equilibrium, where friction holds a bead, and where
+    forces depend on time, are called back, or have no potential.
     """
 def parameter(value: float, name: str | None = None) -> Parameter:
     """

@@ -188,7 +188,8 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
         off = std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(row, then))));
     take(then);
     require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
-            "the rates that are kept can be kept by the constraints; keep fewer of them");
+            "rates that are kept or driven can be kept by the constraints; keep fewer bodies as they are, or give "
+            "those of `keep` and of driven joints rates that fit");
     double moved = 0.0;
     for (int i = 0; i < tree.size(); ++i)
         mechanics::assembling::put(tree, i, then, x, bodies_[static_cast<std::size_t>(i)]);

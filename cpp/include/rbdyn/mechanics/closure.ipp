@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -112,11 +113,19 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
     const std::vector<Real> before = wide;
     closing::normalize<Real>(*tree_, wide);
     if (!rows_.empty()) {
-        const auto all = closing::moving<Real>(*tree_, t, wide);
         const closing::Responses now(*tree_, *conditions_, rows_,
                                      closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
-        const auto gaps = conditions_->gaps<Real>(*tree_, all);
-        closing::move<Real>(*tree_, now.changes(closing::chosen(gaps, rows_)), wide);
+        // once is enough after a step of full accuracy
+        double before = std::numeric_limits<double>::infinity();
+        for (int pass = 0; pass < 3; ++pass) {
+            const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
+            const std::vector<double> asked = closing::chosen(gaps, rows_);
+            const double left = closing::largest(asked);
+            if (left == 0.0 || left > 1e-3 * before) break;
+            before = left;
+            closing::move<Real>(*tree_, now.changes(asked), wide);
+            if (left < 1e-9) break;
+        }
         const auto moved = closing::moving<Real>(*tree_, t, wide);
         std::vector<Real> rates;
         for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,13 +50,12 @@ public:
     std::vector<double> start_rest() const override;
 
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const override;
-    std::vector<PointReport> reports(const Mode& mode, double t, std::span<const double> x) const override;
+    SystemReport system_report(const Mode& mode, double t, std::span<const double> x, Asked asked) const override;
     RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const override;
     JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const override;
     ConstraintReport constraint(const Mode& mode, int index, double t, std::span<const double> x) const override;
     ContactReport contact(const Mode& mode, int index, double t, std::span<const double> x) const override;
-    std::optional<Vector3> spring_force(const Mode& mode, int spring, double t,
-                                        std::span<const double> x) const override;
+    Vector3 coupling_force(const Mode& mode, int coupling, double t, std::span<const double> x) const override;
     double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
                  std::span<const double> x) const override;
     double watched(const Mode& mode, int watch, double t, std::span<const double> x) const override;

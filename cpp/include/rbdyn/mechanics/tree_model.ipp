@@ -192,10 +192,30 @@ RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t,
     return r;
 }
 
-RBDYN_INLINE std::vector<PointReport> TreeModel::reports(const Mode& mode, double t, std::span<const double> x) const {
-    const mechanics::TreeState state = look(mode, t, x);
-    std::vector<PointReport> all;
-    for (int i = 0; i < bodies(); ++i) all.push_back(state.point(i));
+RBDYN_INLINE SystemReport TreeModel::system_report(const Mode& mode, double t, std::span<const double> x,
+                                                   Asked asked) const {
+    const mechanics::TreeState state =
+        asked == Asked::forces ? look(mode, t, x) : mechanics::TreeState(*tree_, moving(t, x));
+    SystemReport all;
+    for (int i = 0; i < bodies(); ++i) all.bodies.push_back(state.body_report(i, x));
+    for (std::size_t k = 0; k < exerted_->couplings().size(); ++k) {
+        const mechanics::Exerted::Coupled& c = exerted_->couplings()[k];
+        CouplingReport report{c.a.body, c.b.body, tree_->point<double>(c.a, state.moving).place,
+                              tree_->point<double>(c.b, state.moving).place};
+        if (asked == Asked::forces) {
+            report.force = state.couplings[k];
+            // of what is applied a body report has the rest
+            const auto take = [&](int body, const Vector3& place, const Vector3& force) {
+                if (body < 0) return;
+                BodyReport& b = all.bodies[at(body)];
+                b.applied -= force;
+                b.applied_moment -= (place - b.position).cross(force);
+            };
+            take(report.a, report.place_a, report.force);
+            take(report.b, report.place_b, -report.force);
+        }
+        all.couplings.push_back(report);
+    }
     return all;
 }
 
@@ -229,9 +249,9 @@ RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, doubl
     return report;
 }
 
-RBDYN_INLINE std::optional<Vector3> TreeModel::spring_force(const Mode& mode, int spring, double t,
-                                                            std::span<const double> x) const {
-    return look(mode, t, x).couplings[at(spring)];
+RBDYN_INLINE Vector3 TreeModel::coupling_force(const Mode& mode, int coupling, double t,
+                                               std::span<const double> x) const {
+    return look(mode, t, x).couplings[at(coupling)];
 }
 
 RBDYN_INLINE double TreeModel::power(const Mode& mode, const Scene::AppliedLoad&, int index, double t,

@@ -24,6 +24,7 @@
 #include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/model/scene_model.hpp"
+#include "rbdyn/model/system_report.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -54,6 +55,8 @@ struct TreeState {
     TreeState(const Tree& tree, std::vector<Moving<double>> moving);
 
     PointReport point(int body) const;
+    /// With couplings among what is applied.
+    BodyReport body_report(int body, std::span<const double> x) const;
     RigidReport rigid(int body, std::span<const double> x) const;
 
 private:

@@ -169,6 +169,36 @@ RBDYN_INLINE PointReport TreeState::point(int body) const {
     return r;
 }
 
+RBDYN_INLINE BodyReport TreeState::body_report(int body, std::span<const double> x) const {
+    const Body& b = bodies[at(body)];
+    const Moving<double>& m = moving[at(body)];
+    const Node& n = tree.node(body);
+    BodyReport r;
+    r.mass = static_cast<double>(n.mass);
+    r.position = r.origin = b.center;
+    r.velocity = b.velocity;
+    if (!n.is_point) {
+        r.origin = m.place - m.to_world(exactly<double>(n.joint.held().point));
+        r.attitude = rounded(quaternion(widened(tree_states::matrix(m.axes))));
+        r.angular_velocity = m.omega;
+    }
+    r.spin_momentum = b.spin_momentum;
+    r.spin_energy = 0.5 * m.omega.dot(b.spin_momentum);
+    if (const int k = turning_velocity(n.joint); k >= 0)
+        r.coordinate = x[at(n.q + k)];
+    else if (n.joint.positions() == 1)
+        r.coordinate = x[at(n.q)];
+    r.acceleration = b.acceleration;
+    r.spin_rate = b.spin_rate;
+    r.spin_power = m.omega.dot(b.spin_rate);
+    r.force = r.applied = b.acts.force;
+    r.applied_moment = b.acts.moment - cross<double>(b.arm, b.acts.force);
+    // of all that joints, constraints and contacts do
+    r.reaction = b.acceleration * r.mass - b.acts.force;
+    r.reaction_moment = b.spin_rate - r.applied_moment;
+    return r;
+}
+
 RBDYN_INLINE RigidReport TreeState::rigid(int body, std::span<const double> x) const {
     const Body& b = bodies[at(body)];
     const Moving<double>& m = moving[at(body)];

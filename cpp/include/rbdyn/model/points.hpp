@@ -29,6 +29,7 @@
 #include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/model/system_report.hpp"
 #include "rbdyn/model/within.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
@@ -72,12 +73,12 @@ public:
 
     /// Motion and reaction of a body in a mode.
     PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const override;
-    std::vector<PointReport> reports(const Mode& mode, double t, std::span<const double> x) const override;
     RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    /// All bodies and couplings in a mode.
+    SystemReport system_report(const Mode& mode, double t, std::span<const double> x, Asked asked) const override;
     JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const override;
-    /// The force of a spring on its first end in a mode, world axes; none where the state says it.
-    std::optional<Vector3> spring_force(const Mode& mode, int spring, double t,
-                                        std::span<const double> x) const override;
+    /// The force of a coupling on its first end in a mode, world axes.
+    Vector3 coupling_force(const Mode& mode, int coupling, double t, std::span<const double> x) const override;
     /// Power of a load of the scene in a mode.
     double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
                  std::span<const double> x) const override;
@@ -129,6 +130,9 @@ private:
 
     bool has_angles(int body) const { return laws_->body(body).rigid && laws_->body(body).rigid->turns_freely(); }
 
+    /// A state with quaternions of unit length: between bodies what they are short of it would show as a moment.
+    std::vector<double> with_unit_attitudes(std::span<const double> x) const;
+
     /// A variable that is simulated.
     double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
 
@@ -139,10 +143,10 @@ private:
     static std::string singular_at(const Curve& curve, double u);
 
     static std::string title(const Load& load);
+    std::string title(int coupling) const;
 
     /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
-    void observe_rigid(int i, const Within& state, const Mode& mode, const Acting* acts,
-                       std::vector<Observed>& out) const;
+    void observe_rigid(int i, const PointsNow& now, std::vector<Observed>& out) const;
 
     /// What a bead does at a speed along its rail.
     signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/model/system_report.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -73,16 +73,16 @@ public:
     /// The state the scene starts in.
     virtual std::vector<double> start(double t = 0.0) const = 0;
 
-    /// Motion and reaction of a body in a mode, and of all of them.
+    /// All bodies and couplings in a mode.
+    virtual SystemReport system_report(const Mode& mode, double t, std::span<const double> x, Asked asked) const = 0;
+    /// Motion and reaction of a body in a mode.
     virtual PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const = 0;
-    virtual std::vector<PointReport> reports(const Mode& mode, double t, std::span<const double> x) const = 0;
     virtual RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const = 0;
     virtual JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const = 0;
     virtual ConstraintReport constraint(const Mode&, int, double, std::span<const double>) const { return {}; }
     virtual ContactReport contact(const Mode&, int, double, std::span<const double>) const { return {}; }
-    /// The force of a coupling on its first end in a mode, world axes; none where the state says it.
-    virtual std::optional<Vector3> spring_force(const Mode& mode, int spring, double t,
-                                                std::span<const double> x) const = 0;
+    /// The force of a coupling on its first end in a mode, world axes.
+    virtual Vector3 coupling_force(const Mode& mode, int coupling, double t, std::span<const double> x) const = 0;
     /// Power of a load of the scene in a mode.
     virtual double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
                          std::span<const double> x) const = 0;

@@ -154,7 +154,7 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
     }
     plan.engine = first_of(engines, engines.size(), ", ");
     plan.reason = std::to_string(names.size()) + " parts, solved apart: " + first_of(names, 6, ", ") +
-                  "; a spring between two of them would join those";
+                  "; a coupling between two of them would join those";
     plan.apart = std::make_shared<const SceneParts>(std::move(apart));
 }
 
@@ -253,8 +253,20 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
                                       : "called back, located but not certain: " + watch.function.counter()->reason));
     }
     for (const auto& c : scene.connections()) {
-        const Spring& s = std::get<Spring>(c.coupling);
-        if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
+        if (const OwnFunction* own = own_function(c.coupling); own != nullptr && *own) {
+            const std::string what = std::string(kind_of(c.coupling)) + " \"" + own->name() + "\"";
+            if (own->callback()) {
+                plan.calls_back = true;
+                plan.callbacks.push_back(own->callback());
+                plan.functions.push_back(what + " called back: " + own->callback()->reason);
+            } else {
+                plan.functions.push_back(what + " traced, native");
+            }
+        }
+        if (is_present(c.coupling)) continue;
+        const bool is_spring = std::holds_alternative<Spring>(c.coupling);
+        leave_out("a " + std::string(kind_of(c.coupling)),
+                  is_spring ? "its stiffness and damping are zero" : "it is zero");
     }
     const bool any_rigid = beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
                                                        [](const Scene::Body& b) { return b.rigid() != nullptr; });

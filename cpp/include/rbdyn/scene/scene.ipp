@@ -257,6 +257,15 @@ RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
         throw InvalidInput("connect: both ends are points of the world; at least one is a body");
     if (a == b) throw InvalidInput("connect: both ends are the same body; a coupling joins two points");
     std::visit([](const auto& c) { c.validate(); }, coupling);
+    if (std::holds_alternative<Gravitation>(coupling))
+        for (const End* end : {&a, &b})
+            if (!std::holds_alternative<BodyHandle>(*end))
+                throw InvalidInput(
+                    std::string("connect: Gravitation acts between two bodies' centres of mass, and an end "
+                                "is ") +
+                    (std::holds_alternative<Vector3>(*end)
+                         ? "a point of the world, which has no mass; connect a Central to it"
+                         : "a point of a body; give the body's handle"));
     connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
     plan_.forget();
     return {static_cast<int>(connections_.size()) - 1};
@@ -265,7 +274,13 @@ RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
 RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std::optional<End> b, std::string name) {
     require_end(a, "constrain");
     if (b) require_end(*b, "constrain");
-    std::visit([](const auto& c) { c.validate(); }, constraint);
+    if (const Universal* joint = std::get_if<Universal>(&constraint)) {
+        // each in axes of its own body: how they lie to each other is what is held
+        joints::require_direction("constrain, Universal, first axis", joint->first);
+        joints::require_direction("constrain, Universal, second axis", joint->second);
+    } else {
+        std::visit([](const auto& c) { c.validate(); }, constraint);
+    }
     if (body_of(a) < 0)
         throw InvalidInput("constrain: a is a point of the world; what is held is a point of a body, and the world is "
                            "b");

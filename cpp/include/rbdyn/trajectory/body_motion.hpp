@@ -1,4 +1,4 @@
-// Motion of one body and of one spring of a run, computed when asked for.
+// Motion of one body and of one coupling of a run, computed when asked for.
 //
 // Conventions: times in s, world axes. At a jump a value is the one after it, unless side = before is asked for.
 // Accelerations and reactions come from the model at the state, never from differentiating a piece.
@@ -150,10 +150,10 @@ private:
     int index_;
 };
 
-/// Length and force of a spring of a run.
-class SpringMotion {
+/// Length and force of a coupling of a run.
+class CouplingMotion {
 public:
-    SpringMotion(const std::shared_ptr<const RunData>& data, int index);
+    CouplingMotion(const std::shared_ptr<const RunData>& data, int index);
 
     double length(double t, Side side = Side::after) const;  // m
     /// Force on the first end [N], world axes.

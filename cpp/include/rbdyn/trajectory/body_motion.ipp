@@ -278,22 +278,20 @@ RBDYN_INLINE Vector3 ContactMotion::slip(double t, Side side) const { return rep
 
 RBDYN_INLINE std::string ContactMotion::state(double t, Side side) const { return report(t, side).state; }
 
-RBDYN_INLINE SpringMotion::SpringMotion(const std::shared_ptr<const RunData>& data, int index) {
+RBDYN_INLINE CouplingMotion::CouplingMotion(const std::shared_ptr<const RunData>& data, int index) {
     std::tie(data_, index_) = part_of(data, &SceneParts::couplings, index);
 }
 
-RBDYN_INLINE double SpringMotion::length(double t, Side side) const { return relative(t, side).first.norm(); }
+RBDYN_INLINE double CouplingMotion::length(double t, Side side) const { return relative(t, side).first.norm(); }
 
-RBDYN_INLINE Vector3 SpringMotion::force(double t, Side side) const {
-    if (data_->model) {
-        const Moment m(*data_, t, side);
-        if (const auto force = data_->model->spring_force(m.mode, index_, t, m.x)) return *force;
-    }
-    const auto [d, v] = relative(t, side);
-    return std::get<Spring>(connection().coupling)(d, v);
+RBDYN_INLINE Vector3 CouplingMotion::force(double t, Side side) const {
+    // what is in no part does nothing
+    if (!data_->model || !is_present(connection().coupling)) return Vector3::Zero();
+    const Moment m(*data_, t, side);
+    return data_->model->coupling_force(m.mode, index_, t, m.x);
 }
 
-RBDYN_INLINE std::pair<Vector3, Vector3> SpringMotion::relative(double t, Side side) const {
+RBDYN_INLINE std::pair<Vector3, Vector3> CouplingMotion::relative(double t, Side side) const {
     const auto end = [&](const End& e) -> std::pair<Vector3, Vector3> {
         if (const Vector3* point = std::get_if<Vector3>(&e)) return {*point, Vector3::Zero()};
         const BodyMotion motion(data_, body_of(e));
@@ -306,7 +304,7 @@ RBDYN_INLINE std::pair<Vector3, Vector3> SpringMotion::relative(double t, Side s
     return {a.first - b.first, a.second - b.second};
 }
 
-RBDYN_INLINE const Scene::Connection& SpringMotion::connection() const {
+RBDYN_INLINE const Scene::Connection& CouplingMotion::connection() const {
     return data_->scene.connections()[static_cast<std::size_t>(index_)];
 }
 
