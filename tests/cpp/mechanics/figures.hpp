@@ -162,8 +162,7 @@ public:
     Comparison(const Case& of, const Trajectory& run) : case_(of), run_(run) {
         constexpr int times = 400;
         for (int k = 0; k <= times; ++k) widen(std::min(run.end(), run.end() * k / times));
-        for (auto& [what, s] : sizes_)
-            s.scale = what.second == Kind::place ? (s.high - s.low).norm() : s.size;
+        for (auto& [what, s] : sizes_) s.scale = what.second == Kind::place ? (s.high - s.low).norm() : s.size;
         for (auto& [what, s] : sizes_) {
             double& most = largest_[static_cast<std::size_t>(what.second)];
             most = std::max(most, s.scale);
@@ -208,7 +207,8 @@ private:
             take(name, Kind::place, m.center_of_mass(t));
             take(name, Kind::speed, m.center_of_mass_velocity(t));
             take(name, Kind::turning, m.angular_velocity_world(t));
-            if (std::holds_alternative<Free>(case_.scene.bodies()[static_cast<std::size_t>(handle.index)].joint)) continue;
+            if (std::holds_alternative<Free>(case_.scene.bodies()[static_cast<std::size_t>(handle.index)].joint))
+                continue;
             take(name, Kind::force, m.reaction(t));
             take(name, Kind::torque, m.reaction_torque(t));
         }

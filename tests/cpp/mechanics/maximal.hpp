@@ -23,7 +23,19 @@ public:
     using Real = long double;
     using Vec = Eigen::Matrix<Real, 3, 1>;
     using Mat = Eigen::Matrix<Real, 3, 3>;
-    enum class Kind { free, spherical, revolute, prismatic, universal, cylindrical, planar, fixed, turned, pushed, count };
+    enum class Kind {
+        free,
+        spherical,
+        revolute,
+        prismatic,
+        universal,
+        cylindrical,
+        planar,
+        fixed,
+        turned,
+        pushed,
+        count
+    };
 
     struct Draw {
         int least = 1, most = 12;  // bodies
@@ -198,8 +210,7 @@ private:
     }
     /// alpha of a - alpha of b is known.
     void add_turn(Rows& rows, int a, int b, const Vec& known) const {
-        for (int k = 0; k < 3; ++k)
-            rows.add(a, Vec::Zero(), Vec::Unit(k), b, Vec::Zero(), -Vec::Unit(k), known[k]);
+        for (int k = 0; k < 3; ++k) rows.add(a, Vec::Zero(), Vec::Unit(k), b, Vec::Zero(), -Vec::Unit(k), known[k]);
     }
     void add_joint(Rows& rows, const std::vector<Motion>& all, int i) const;
     void add_held(Rows& rows, const std::vector<Motion>& all, const Held& h) const;
@@ -236,7 +247,8 @@ inline void Maximal::add(Random& random, bool driven) {
         p.q[k] = q[k];
         p.v[k] = v[k];
     }
-    const Real w = attitude.w, x = attitude.x, y = attitude.y, z = attitude.z, s = 2.0L / (w * w + x * x + y * y + z * z);
+    const Real w = attitude.w, x = attitude.x, y = attitude.y, z = attitude.z,
+               s = 2.0L / (w * w + x * x + y * y + z * z);
     p.attitude << 1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), s * (x * y + w * z),
         1 - s * (x * x + z * z), s * (y * z - w * x), s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y);
     p.omega = wide(omega);
@@ -271,9 +283,9 @@ inline void Maximal::add(Random& random, bool driven) {
                                         {.angles = {q[0], q[1]}, .rates = {v[0], v[1]}, .parent = parent}));
             break;
         case Kind::cylindrical:
-            handles.push_back(
-                scene.add(body, Cylindrical{.axis = axis, .at = at, .point = point},
-                          {.angle = q[0], .rate = v[0], .displacement = q[1], .displacement_rate = v[1], .parent = parent}));
+            handles.push_back(scene.add(
+                body, Cylindrical{.axis = axis, .at = at, .point = point},
+                {.angle = q[0], .rate = v[0], .displacement = q[1], .displacement_rate = v[1], .parent = parent}));
             break;
         case Kind::planar: {
             p.point = Vec::Zero();
@@ -296,8 +308,9 @@ inline void Maximal::add(Random& random, bool driven) {
             break;
         default:
             p.drive = a;
-            handles.push_back(scene.add(
-                body, Prismatic{.axis = axis, .at = at, .point = point, .motion = way(q[0], v[0])}, {.parent = parent}));
+            handles.push_back(scene.add(body,
+                                        Prismatic{.axis = axis, .at = at, .point = point, .motion = way(q[0], v[0])},
+                                        {.parent = parent}));
     }
     parts_.push_back(p);
 }
@@ -364,9 +377,10 @@ inline void Maximal::load(Random& random, bool damped) {
         const int kind = damped ? random.whole(0, 3) : 3;
         Applied l{kind, body, wide(value), wide(point), in_body, 0, 0, 0};
         const Kind joint = parts_[static_cast<std::size_t>(body)].kind;
-        const bool turns = joint == Kind::revolute || joint == Kind::cylindrical || joint == Kind::universal ||
-                           joint == Kind::planar;
-        const double one = random.uniform(1, 8), two = random.uniform(-1, 1), three = damped ? random.uniform(0, 0.5) : 0.0;
+        const bool turns =
+            joint == Kind::revolute || joint == Kind::cylindrical || joint == Kind::universal || joint == Kind::planar;
+        const double one = random.uniform(1, 8), two = random.uniform(-1, 1),
+                     three = damped ? random.uniform(0, 0.5) : 0.0;
         l.one = one;
         l.two = two;
         l.three = three;
@@ -450,8 +464,7 @@ inline void Maximal::add_joint(Rows& rows, const std::vector<Motion>& all, int i
         for (int k = 0; k < 3; ++k) add_point(rows, all, i, p.point, p.parent, p.at, Vec::Unit(k), false);
     };
     const auto guide = [&](const Vec& axis) {
-        for (const Vec& u : across(axis))
-            add_point(rows, all, i, p.point, p.parent, p.at, parent.r * u, true);
+        for (const Vec& u : across(axis)) add_point(rows, all, i, p.point, p.parent, p.at, parent.r * u, true);
     };
     const auto swivel = [&](const Vec& axis) {
         for (const Vec& u : across(axis)) add_right_angle(rows, all, i, u, p.parent, axis);

@@ -1,6 +1,6 @@
-// Closed loops against reference motions known to 25 digits: four bars, a slider and its crank, Andrews' mechanism, rows
-// of four bars through their singular positions, Bricard's rods with a constraint too many, a governor, shafts joined by
-// a cross.
+// Closed loops against reference motions known to 25 digits: four bars, a slider and its crank, Andrews' mechanism,
+// rows of four bars through their singular positions, Bricard's rods with a constraint too many, a governor, shafts
+// joined by a cross.
 //
 // RBDYN_TEST_TABLE=1 prints true and estimated errors.
 #include <gtest/gtest.h>
@@ -35,15 +35,16 @@ struct Gaps {
             for (int k = 0; k <= 997; ++k) between = std::max(between, run[loop].gap(run.end() * k / 997));
         }
     }
-    /// Rounding of sums of a few lengths up to 2 m and of angles; one step of Newton's method squares what a step leaves.
+    /// Rounding of sums of a few lengths up to 2 m and of angles; one step of Newton's method squares what a step
+    /// leaves.
     double allowed(double error) const { return epsilon * (20.0 + 2.0 * angle) + 10.0 * error * error; }
 };
 
 void print(const std::string& id, double error, const Trajectory& run, double actual, const Gaps& gap) {
     if (table())
         std::cout << std::setprecision(2) << std::setw(24) << id << "  asked " << error << "  estimate " << *run.error()
-                  << "  true " << actual << "  ratio " << actual / *run.error() << "  gap " << gap.held << " " << gap.between << "  steps "
-                  << run.statistics().steps << "  " << run.engine() << '\n';
+                  << "  true " << actual << "  ratio " << actual / *run.error() << "  gap " << gap.held << " "
+                  << gap.between << "  steps " << run.statistics().steps << "  " << run.engine() << '\n';
 }
 
 // --- planar mechanisms, told by their files ---
@@ -104,8 +105,7 @@ INSTANTIATE_TEST_SUITE_P(of_bars, PlanarLoops,
 // --- others ---
 
 RigidBody rod(double mass, const Vector3& along) {
-    const Matrix3 inertia =
-        mass / 12.0 * (along.squaredNorm() * Matrix3::Identity() - along * along.transpose());
+    const Matrix3 inertia = mass / 12.0 * (along.squaredNorm() * Matrix3::Identity() - along * along.transpose());
     return {mass, inertia, {.com = 0.5 * along}};
 }
 
@@ -133,8 +133,8 @@ TEST_P(Loops, shafts_joined_by_a_cross_turn_as_cardan_says) {
                                    {.rate = reference.parameter("rate1_at_start")}, "driving"),
                      b = scene.add(RigidBody(1.0, {other, other, other}), Revolute{.axis = second}, {.rate = 1.0},
                                    "driven");
-    const ConstraintHandle cross = scene.constrain(Universal{.first = up, .second = up.cross(second)}, a.point({0, 0, 0}),
-                                                   b.point({0, 0, 0}));
+    const ConstraintHandle cross =
+        scene.constrain(Universal{.first = up, .second = up.cross(second)}, a.point({0, 0, 0}), b.point({0, 0, 0}));
     scene.apply(Torque(Vector3(first * reference.parameter("torque_on_shaft_1")), Frame::world), a);
     scene.assemble({a});
     const Trajectory run = simulate(scene, {.until = reference.until, .error = error()});
@@ -166,9 +166,8 @@ TEST_P(Loops, rods_of_bricards_move_though_a_constraint_is_too_many) {
                                  Revolute{.axis = figures::vector(reference.given("hinge_axes_at_start")[k - 1]),
                                           .at = k == 1 ? points[0] : Vector3(points[k - 1] - points[k - 2])},
                                  RevoluteStart{.parent = k == 1 ? BodyHandle{} : rods.back()}));
-    const ConstraintHandle loop =
-        scene.constrain(Hinge{figures::vector(reference.given("hinge_axes_at_start")[5])},
-                        rods.back().point(points[5] - points[4]), points[5]);
+    const ConstraintHandle loop = scene.constrain(Hinge{figures::vector(reference.given("hinge_axes_at_start")[5])},
+                                                  rods.back().point(points[5] - points[4]), points[5]);
     const Trajectory run = simulate(scene, {.until = reference.until, .error = error()});
     EXPECT_EQ(run.plan().freedom(), 1);
     double rate = 0.0;
@@ -192,8 +191,8 @@ struct Windows {
         const int n = static_cast<int>(reference.parameter("N"));
         const double rate = reference.parameter("B0_speed");
         for (int i = 0; i <= n; ++i)
-            rods.push_back(scene.add(rod(1.0, {0, 1, 0}),
-                                     Revolute{.axis = {0, 0, -1}, .at = Vector3(i, 0, 0)}, {.rate = rate}));
+            rods.push_back(
+                scene.add(rod(1.0, {0, 1, 0}), Revolute{.axis = {0, 0, -1}, .at = Vector3(i, 0, 0)}, {.rate = rate}));
         for (int i = 0; i < n; ++i) {
             const auto k = static_cast<std::size_t>(i);
             couplers.push_back(scene.add(rod(1.0, {1, 0, 0}), Revolute{.axis = {0, 0, 1}, .at = {0, 1, 0}},
@@ -230,8 +229,9 @@ TEST_P(Loops, windows_of_four_bars_move_until_they_lie_in_one_line) {
 }
 
 TEST_P(Loops, windows_of_four_bars_go_on_through_the_positions_where_they_lie_in_one_line) {
-    GTEST_SKIP() << "rows that lose their rank where all rods lie in one line are not passed yet: the run is certain up "
-                    "to that time only";
+    GTEST_SKIP()
+        << "rows that lose their rank where all rods lie in one line are not passed yet: the run is certain up "
+           "to that time only";
     const Case reference("m_n_four_bar");
     const Windows windows(reference);
     const Trajectory run = simulate(windows.scene, {.until = reference.until, .error = error()});
@@ -257,8 +257,9 @@ TEST_P(Loops, a_stiff_governor_swings_as_it_should) {
                  edge = reference.parameter("cube_edge");
     const double along = mass * thin * thin / 6.0, across = mass * (1.0 + thin * thin) / 12.0,
                  cube = heavy * edge * edge / 6.0;
-    const BodyHandle shaft = scene.add(RigidBody(mass, {across, across, along}, {.com = {0, 0, 0.5}}),
-                                       Revolute{.axis = {0, 0, 1}}, {.rate = reference.parameter("shaft_rate0")}, "shaft"),
+    const BodyHandle shaft =
+                         scene.add(RigidBody(mass, {across, across, along}, {.com = {0, 0, 0.5}}),
+                                   Revolute{.axis = {0, 0, 1}}, {.rate = reference.parameter("shaft_rate0")}, "shaft"),
                      slider = scene.add(RigidBody(heavy, {cube, cube, cube}), Prismatic{.axis = {0, 0, 1}},
                                         {.displacement = reference.parameter("slider_position0"), .parent = shaft},
                                         "slider");
@@ -266,11 +267,11 @@ TEST_P(Loops, a_stiff_governor_swings_as_it_should) {
     std::vector<CouplingHandle> springs;
     for (const double side : {1.0, -1.0}) {
         const double about = across + 0.25 * mass + ball;
-        const RigidBody arm(mass + ball, {along, about, about},
-                            {.com = {side * (0.5 * mass + ball) / (mass + ball), 0, 0},
-                             .inertia_about = InertiaAbout::origin});
-        rods.push_back(scene.add(arm, Revolute{.axis = {0, side, 0}, .at = {side * out, 0, 1}},
-                                 {.angle = beta, .parent = shaft}));
+        const RigidBody arm(
+            mass + ball, {along, about, about},
+            {.com = {side * (0.5 * mass + ball) / (mass + ball), 0, 0}, .inertia_about = InertiaAbout::origin});
+        rods.push_back(
+            scene.add(arm, Revolute{.axis = {0, side, 0}, .at = {side * out, 0, 1}}, {.angle = beta, .parent = shaft}));
         springs.push_back(scene.connect(Spring{.stiffness = reference.parameter("spring_stiffness"),
                                                .rest_length = reference.parameter("spring_rest_length"),
                                                .damping = reference.parameter("spring_damping")},
@@ -301,7 +302,8 @@ TEST_P(Loops, a_stiff_governor_swings_as_it_should) {
 
 INSTANTIATE_TEST_SUITE_P(of_rods, Loops, testing::Values(1e-6, 1e-9, 1e-12),
                          [](const testing::TestParamInfo<double>& given) {
-                             return "error_1e" + std::to_string(-static_cast<int>(std::lround(std::log10(given.param))));
+                             return "error_1e" +
+                                    std::to_string(-static_cast<int>(std::lround(std::log10(given.param))));
                          });
 
 }  // namespace

@@ -16,8 +16,8 @@ namespace {
 using figures::Case;
 using figures::Comparison;
 
-const char* const cases[] = {"l_branched",        "l_cardan_drive", "l_cart_pendulum",
-                             "l_chain5",          "l_double_pendulum", "l_free_pair",
+const char* const cases[] = {"l_branched",         "l_cardan_drive",         "l_cart_pendulum",
+                             "l_chain5",           "l_double_pendulum",      "l_free_pair",
                              "l_gyro_on_pendulum", "l_skew_double_pendulum", "l_triple_rods"};
 
 class Trees : public testing::TestWithParam<std::tuple<const char*, double>> {};

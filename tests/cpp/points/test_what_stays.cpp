@@ -20,7 +20,7 @@ double difference(const Scene& scene, double until, const std::string& engine = 
     const Plan plan = make_plan(scene);
     const PointsModel all(scene, plan.view);
     const SimulateOptions options{.until = until};
-    const auto run = [&](const PointsModel& model) {
+    const auto run = [&](const SceneModel& model) {
         return simulating::integrate(model, model.start(), options, engine, 1e-12, {}).record;
     };
     const Record reduced = run(*plan.model), whole = run(all);

@@ -116,13 +116,13 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
         const closing::Responses now(*tree_, *conditions_, rows_,
                                      closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
         // once is enough after a step of full accuracy
-        double before = std::numeric_limits<double>::infinity();
+        double last = std::numeric_limits<double>::infinity();
         for (int pass = 0; pass < 3; ++pass) {
             const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
             const std::vector<double> asked = closing::chosen(gaps, rows_);
             const double left = closing::largest(asked);
-            if (left == 0.0 || left > 1e-3 * before) break;
-            before = left;
+            if (left == 0.0 || left > 1e-3 * last) break;
+            last = left;
             closing::move<Real>(*tree_, now.changes(asked), wide);
             if (left < 1e-9) break;
         }
