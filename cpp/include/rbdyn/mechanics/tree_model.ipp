@@ -170,9 +170,8 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
     const std::span<const double> values(acting->values);
     return {*tree_,
             *conditions_,
+            *exerted_,
             rows_in(mode),
-            static_cast<int>(exerted_->couplings().size()),
-            exerted_->loads(),
             moving(state.t, state.x),
             values.subspan(at(variables()))};
 }

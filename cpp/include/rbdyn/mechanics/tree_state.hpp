@@ -48,7 +48,7 @@ struct TreeState {
     std::vector<ContactReport> contacts;
 
     /// `values`: as in the layout, without the rates. `rows`: those used.
-    TreeState(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, int couplings, int loads,
+    TreeState(const Tree& tree, const Conditions& conditions, const Exerted& exerted, const std::vector<int>& rows,
               std::vector<Moving<double>> moving, std::span<const double> values);
 
     /// Motion alone: no forces, no accelerations.

@@ -53,8 +53,8 @@ RBDYN_INLINE void TreeState::place() {
     }
 }
 
-RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& conditions, const std::vector<int>& rows,
-                                  int coupled, int loads, std::vector<Moving<double>> motion,
+RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& conditions, const Exerted& exerted,
+                                  const std::vector<int>& rows, std::vector<Moving<double>> motion,
                                   std::span<const double> values)
     : tree(given), moving(std::move(motion)) {
     place();
@@ -70,8 +70,15 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         b.angular_acceleration = vector();
         b.origin_acceleration = vector();
     }
-    for (int i = 0; i < coupled; ++i) couplings.push_back(vector());
-    for (int i = 0; i < loads; ++i) powers.push_back(*next++);
+    for (const Exerted::Coupled& c : exerted.couplings()) {
+        couplings.push_back(vector());
+        // each by itself: those that cancel leave their rounding
+        for (const Anchor* end : {&c.a, &c.b})
+            if (end->body >= 0)
+                tree_states::add_sizes(bodies[at(end->body)].effort, {couplings.back(), Vector3(Vector3::Zero())},
+                                       tree.point<double>(*end, moving).arm);
+    }
+    for (int i = 0; i < exerted.loads(); ++i) powers.push_back(*next++);
     const std::span<const double> along(next, at(tree.velocities()));
     next += tree.velocities();
     std::vector<double> multipliers(at(conditions.rows()), 0.0);

@@ -65,8 +65,8 @@ public:
     virtual bool turns(int body) const = 0;
     /// Degrees of freedom left by joints and constraints.
     virtual int freedom() const = 0;
-    /// Whether its motion is moved onto constraints after each step.
-    virtual bool is_held() const { return false; }
+    /// Whether it has contacts.
+    virtual bool touches() const { return false; }
     /// The same model with other numbers of the user's.
     virtual std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const = 0;
 
