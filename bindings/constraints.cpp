@@ -79,7 +79,8 @@ void bind_constraints(py::module_& m) {
     as_data(
         weld, [](const Weld&) { return py::tuple(); }, [](const py::tuple&) { return Weld{}; });
 
-    py::class_<Hinge> hinge(m, "Hinge", "Two points coincide, and the bodies turn against each other about an axis only.");
+    py::class_<Hinge> hinge(m, "Hinge",
+                            "Two points coincide, and the bodies turn against each other about an axis only.");
     hinge
         .def(py::init([](const ArrayLike& axis) {
                  const Hinge h{vector3(axis, "Hinge", "axis")};
@@ -101,7 +102,8 @@ void bind_constraints(py::module_& m) {
         .def_property_readonly(
             "plane", [](const PointOnPlane& p) { return p.plane; }, "In the axes of b.")
         .def("__repr__", [](const PointOnPlane& p) {
-            return "PointOnPlane(Plane(normal=" + list_text(p.plane.normal) + ", point=" + list_text(p.plane.point) + "))";
+            return "PointOnPlane(Plane(normal=" + list_text(p.plane.normal) + ", point=" + list_text(p.plane.point) +
+                   "))";
         });
     as_data(
         on_plane, [](const PointOnPlane& p) { return py::make_tuple(p.plane); },

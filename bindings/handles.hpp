@@ -74,9 +74,9 @@ struct Handles {
     /// Throws InvalidInput for a handle of another scene.
     void require(const Handle& h, const std::string& user) const {
         if (!has(h))
-            throw InvalidInput(
-                user + ": \"" + h.name +
-                "\" is a handle of another scene; use what add(), connect(), constrain(), contact(), apply() or watch() of this one returned");
+            throw InvalidInput(user + ": \"" + h.name +
+                               "\" is a handle of another scene; use what add(), connect(), constrain(), contact(), "
+                               "apply() or watch() of this one returned");
     }
     /// The body of a handle. Throws InvalidInput for any other handle.
     rbdyn::BodyHandle body(const Handle& h, const std::string& user) const {

@@ -42,7 +42,7 @@ void bind_axis_joint(py::module_& m, const char* name, const char* doc, const ch
     as_data(
         joint,
         [](const Joint& j) {
-            const py::object motion = !j.motion ? py::object(py::none())
+            const py::object motion = !j.motion                 ? py::object(py::none())
                                       : j.motion->is_constant() ? py::object(py::float_(j.motion->constant()))
                                                                 : py::cast(j.motion->function());
             return py::make_tuple(tuple_of(j.axis), tuple_of(j.at), tuple_of(j.point), motion);

@@ -89,7 +89,8 @@ void bind_joint_load(py::module_& m, const char* name, const char* doc, const ch
             "name", [](const Load& l) { return l.name(); }, "Of its function.")
         .def("__repr__", [kind](const Load& l) {
             return kind + "(" +
-                   (l.is_constant() ? text(l.constant()) : l.name() + (l.callback() ? ", called back" : ", traced")) + ")";
+                   (l.is_constant() ? text(l.constant()) : l.name() + (l.callback() ? ", called back" : ", traced")) +
+                   ")";
         });
     as_data(
         load,
@@ -137,7 +138,8 @@ frame: the axes the torque is in, "body" or "world". trace: as for Force.)");
     bind_vector_load(torque, "Torque", Frame::body,
                      "The recorded function of t, the matrix row by row, and the angular velocity, if there is one.");
 
-    py::class_<TorsionSpring> torsion(m, "TorsionSpring", R"(A spring about a hinge, with a damper, between the body and its parent.
+    py::class_<TorsionSpring> torsion(m, "TorsionSpring",
+                                      R"(A spring about a hinge, with a damper, between the body and its parent.
 
 Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)");
     torsion
@@ -169,12 +171,14 @@ Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)"
             return TorsionSpring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
 
-    bind_joint_load<rbdyn::JointTorque>(m, "JointTorque", R"(A torque about the axis of a joint: on the body, its opposite on its parent.
+    bind_joint_load<rbdyn::JointTorque>(
+        m, "JointTorque", R"(A torque about the axis of a joint: on the body, its opposite on its parent.
 
 Of a hinge, also one that slides or in a plane; of a universal joint about its first axis. No part of the reaction.)",
-                                        "f: a number [N m], or f(t, angle, rate) that returns one. trace: as for Force.");
-    bind_joint_load<rbdyn::JointForce>(m, "JointForce", R"(A force along a slide: on the body, its opposite on its parent. No part of the reaction.)",
-                                       "f: a number [N], or f(t, displacement, rate) that returns one. trace: as for Force.");
+        "f: a number [N m], or f(t, angle, rate) that returns one. trace: as for Force.");
+    bind_joint_load<rbdyn::JointForce>(
+        m, "JointForce", R"(A force along a slide: on the body, its opposite on its parent. No part of the reaction.)",
+        "f: a number [N], or f(t, displacement, rate) that returns one. trace: as for Force.");
 
     py::class_<Potential> potential(m, "Potential", R"(A force by its potential: F = +grad U (the chapter's sign).
 

@@ -12,8 +12,7 @@ using rbdyn::Plan;
 /// What a plan says; its equations stay behind.
 py::tuple plan_data(const Plan& p) {
     return py::make_tuple(p.coordinates, p.effects, p.guards, p.functions, p.engine, p.reason, p.integrator,
-                          p.omissions, p.integrals, p.parts, p.size(), p.variables(), p.freedom(),
-                          p.not_unique);
+                          p.omissions, p.integrals, p.parts, p.size(), p.variables(), p.freedom(), p.not_unique);
 }
 Plan plan_from(const py::tuple& d) {
     using Lines = std::vector<std::string>;
@@ -28,8 +27,8 @@ Plan plan_from(const py::tuple& d) {
     p.omissions = d[7].cast<std::vector<Plan::Omission>>();
     p.integrals = d[8].cast<Lines>();
     p.parts = d[9].cast<std::vector<Plan>>();
-    p.told = Plan::Told{d[10].cast<rbdyn::Size>(), d[11].cast<std::pair<int, int>>(),
-                        d.size() > 12 ? d[12].cast<int>() : 0};
+    p.told =
+        Plan::Told{d[10].cast<rbdyn::Size>(), d[11].cast<std::pair<int, int>>(), d.size() > 12 ? d[12].cast<int>() : 0};
     if (d.size() > 13) p.not_unique = d[13].cast<Lines>();
     return p;
 }

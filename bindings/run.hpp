@@ -3,8 +3,8 @@
 
 #include <memory>
 #include <optional>
-#include <variant>
 #include <rbdyn/trajectory/trajectory.hpp>
+#include <variant>
 
 #include "handles.hpp"
 

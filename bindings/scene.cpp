@@ -11,8 +11,9 @@
 namespace binding {
 
 using rbdyn::Ball, rbdyn::Hinge, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld, rbdyn::Cylindrical, rbdyn::Fixed,
-    rbdyn::Planar, rbdyn::Universal, rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint, rbdyn::Particle,
-    rbdyn::Prismatic, rbdyn::Rail, rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene, rbdyn::Spherical;
+    rbdyn::Planar, rbdyn::Universal, rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint,
+    rbdyn::Particle, rbdyn::Prismatic, rbdyn::Rail, rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene,
+    rbdyn::Spherical;
 
 namespace {
 
@@ -181,10 +182,11 @@ using AnyConstraint = std::variant<Ball, Rod, Weld, Hinge, PointOnPlane, Univers
 ConstraintHandle constrain(BoundScene& self, const AnyConstraint& constraint, const ArrayLike& a,
                            const std::optional<ArrayLike>& b, const std::optional<std::string>& name) {
     const auto end = b ? std::optional(end_of(self, *b, "b", "Scene.constrain")) : std::nullopt;
-    const auto added =
-        std::visit([&](const auto& c) { return self.scene.constrain(c, end_of(self, a, "a", "Scene.constrain"), end,
-                                                                    name.value_or("")); },
-                   constraint);
+    const auto added = std::visit(
+        [&](const auto& c) {
+            return self.scene.constrain(c, end_of(self, a, "a", "Scene.constrain"), end, name.value_or(""));
+        },
+        constraint);
     const std::string& known = self.scene.constraints()[static_cast<std::size_t>(added.index)].name;
     return self.handles.constraints.emplace_back(
         ConstraintHandle{new_handle(Handle::Of::constraint, added.index, known)});
@@ -196,13 +198,15 @@ using AnySurface = std::variant<rbdyn::Plane, rbdyn::Sphere, BodyShape>;
 rbdyn::ContactPart part_of(const BoundScene& self, const AnyPart& part) {
     const char* verb = "Scene.contact";
     if (const BodyHandle* body = std::get_if<BodyHandle>(&part)) return self.handles.body(*body, verb);
-    if (const BodyPoint* point = std::get_if<BodyPoint>(&part)) return self.handles.body(point->body, verb).point(point->point);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&part))
+        return self.handles.body(point->body, verb).point(point->point);
     const BodyShape& shape = std::get<BodyShape>(part);
     const int index = self.handles.body(shape.body, verb).index;
     return std::visit(
         [&](auto s) -> rbdyn::ContactPart {
             if constexpr (std::is_same_v<decltype(s), rbdyn::BodyPlane>) {
-                throw InvalidInput("Scene.contact: a is a plane; give a point or a round part as a, and the plane as b");
+                throw InvalidInput(
+                    "Scene.contact: a is a plane; give a point or a round part as a, and the plane as b");
             } else {
                 s.body = index;
                 return s;
@@ -237,9 +241,8 @@ double assemble(BoundScene& self, const std::vector<BodyHandle>& keep) {
 }
 
 // the first of them can be made from nothing, as Python's arguments must
-using AnyLoad =
-    std::variant<rbdyn::Drag, rbdyn::Force, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Torque, rbdyn::TorsionSpring,
-                 rbdyn::JointTorque, rbdyn::JointForce>;
+using AnyLoad = std::variant<rbdyn::Drag, rbdyn::Force, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Torque,
+                             rbdyn::TorsionSpring, rbdyn::JointTorque, rbdyn::JointForce>;
 
 rbdyn::Load load_from(const AnyLoad& load) {
     return std::visit([](const auto& l) { return rbdyn::Load(l); }, load);
@@ -249,8 +252,8 @@ LoadHandle apply(BoundScene& self, const AnyLoad& load, const Handle& handle, co
     const rbdyn::BodyHandle body = self.handles.body(handle, "Scene.apply");
     const auto place = at ? std::optional(vector3(*at, "Scene.apply", "at")) : std::nullopt;
     const auto added = self.scene.apply(load_from(load), body, place);
-    const char* kinds[] = {"drag ", "force ", "Lorentz force ", "potential ", "torque ", "torsion spring ", "joint torque ",
-                           "joint force "};
+    const char* kinds[] = {"drag ",   "force ",          "Lorentz force ", "potential ",
+                           "torque ", "torsion spring ", "joint torque ",  "joint force "};
     return self.handles.loads.emplace_back(
         LoadHandle{new_handle(Handle::Of::load, added.index, kinds[load.index()] + std::to_string(added.index + 1))});
 }
@@ -331,7 +334,8 @@ rbdyn::Attitude attitude_from(const py::handle& data) {
 /// Parts and surfaces of contacts, as data and back.
 py::tuple side_data(const rbdyn::ContactPart& part) {
     if (const auto* body = std::get_if<rbdyn::BodyHandle>(&part)) return py::make_tuple("body", body->index);
-    if (const auto* p = std::get_if<rbdyn::BodyPoint>(&part)) return py::make_tuple("point", p->body, tuple_of(p->point));
+    if (const auto* p = std::get_if<rbdyn::BodyPoint>(&part))
+        return py::make_tuple("point", p->body, tuple_of(p->point));
     if (const auto* s = std::get_if<rbdyn::BodySphere>(&part))
         return py::make_tuple("sphere", s->body, s->radius, tuple_of(s->center));
     if (const auto* d = std::get_if<rbdyn::BodyDisc>(&part))
@@ -369,7 +373,8 @@ rbdyn::ContactSurface surface_from(const py::tuple& d) {
 py::list contacts_data(const BoundScene& s) {
     py::list contacts;
     for (const auto& c : s.scene.contacts())
-        contacts.append(py::make_tuple(side_data(c.a), side_data(c.b), c.options.friction, c.options.restitution, c.name));
+        contacts.append(
+            py::make_tuple(side_data(c.a), side_data(c.b), c.options.friction, c.options.restitution, c.name));
     return contacts;
 }
 
@@ -378,8 +383,8 @@ py::tuple scene_data(const BoundScene& s) {
     for (const Scene::Body& b : s.scene.bodies()) {
         const auto& w = b.angular_velocity;
         bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
-                                     b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]}), b.parameter_rest, b.parent,
-                                     b.coordinates, b.rates));
+                                     b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]}), b.parameter_rest,
+                                     b.parent, b.coordinates, b.rates));
     }
     const auto point = [](const std::optional<Vector3>& p) -> py::object {
         return p ? py::object(tuple_of(*p)) : py::none();
@@ -415,11 +420,11 @@ py::tuple scene_data(const BoundScene& s) {
             c.constraint);
         constraints.append(py::make_tuple(kind, end(c.a), end(c.b), c.name));
     }
-    return py::make_tuple(to_python(s.scene.gravity()), bodies, loads, couplings, watches, integrals,
-                          py::make_tuple(data_of(s.handles.bodies), data_of(s.handles.loads),
-                                         data_of(s.handles.couplings), data_of(s.handles.watches),
-                                         data_of(s.handles.constraints), data_of(s.handles.contacts)),
-                          constraints, contacts_data(s));
+    return py::make_tuple(
+        to_python(s.scene.gravity()), bodies, loads, couplings, watches, integrals,
+        py::make_tuple(data_of(s.handles.bodies), data_of(s.handles.loads), data_of(s.handles.couplings),
+                       data_of(s.handles.watches), data_of(s.handles.constraints), data_of(s.handles.contacts)),
+        constraints, contacts_data(s));
 }
 
 /// Where a body starts as a scene keeps it, in the words of each joint.
@@ -508,18 +513,16 @@ BoundScene scene_from(const py::tuple& d) {
         for (const py::handle item : d[7]) {
             const auto c = item.cast<py::tuple>();
             const auto kind = c[0].cast<AnyConstraint>();
-            std::visit(
-                [&](const auto& one) {
-                    s.scene.constrain(one, end(c[1]), end(c[2]), c[3].cast<std::string>());
-                },
-                kind);
+            std::visit([&](const auto& one) { s.scene.constrain(one, end(c[1]), end(c[2]), c[3].cast<std::string>()); },
+                       kind);
         }
     if (d.size() > 8)
         for (const py::handle item : d[8]) {
             const auto c = item.cast<py::tuple>();
-            s.scene.contact(part_from(c[0]), surface_from(c[1]),
-                            {.friction = c[2].cast<std::optional<rbdyn::Coulomb>>(), .restitution = c[3].cast<double>()},
-                            c[4].cast<std::string>());
+            s.scene.contact(
+                part_from(c[0]), surface_from(c[1]),
+                {.friction = c[2].cast<std::optional<rbdyn::Coulomb>>(), .restitution = c[3].cast<double>()},
+                c[4].cast<std::string>());
         }
     const auto handles = d[6].cast<py::tuple>();
     s.handles = {handles_from<BodyHandle>(handles[0], Handle::Of::body),
@@ -604,7 +607,8 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
             [](const BodyHandle& h, double radius, const ArrayLike& center) {
                 return BodyShape{h, rbdyn::BodySphere{-1, radius, vector3(center, h.name, "center")}};
             },
-            py::arg("radius"), py::arg("center") = middle, "A sphere of the body: radius [m], center (3,) in body axes [m].")
+            py::arg("radius"), py::arg("center") = middle,
+            "A sphere of the body: radius [m], center (3,) in body axes [m].")
         .def(
             "disc",
             [](const BodyHandle& h, double radius, const ArrayLike& normal, const ArrayLike& center) {
@@ -617,20 +621,21 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
             "ellipsoid",
             [](const BodyHandle& h, const ArrayLike& semi_axes, const ArrayLike& center,
                const std::optional<AttitudeLike>& attitude) {
-                return BodyShape{h, rbdyn::BodyEllipsoid{-1, vector3(semi_axes, h.name, "semi_axes"),
-                                                         vector3(center, h.name, "center"),
-                                                         attitude ? binding::attitude(*attitude, h.name)
-                                                                  : rbdyn::Attitude()}};
+                return BodyShape{h, rbdyn::BodyEllipsoid{
+                                        -1, vector3(semi_axes, h.name, "semi_axes"), vector3(center, h.name, "center"),
+                                        attitude ? binding::attitude(*attitude, h.name) : rbdyn::Attitude()}};
             },
             py::arg("semi_axes"), py::arg("center") = middle, py::arg("attitude") = py::none(),
-            "An ellipsoid of the body: semi_axes (3,) [m], center (3,) [m] in body axes, attitude of its axes in the body.")
+            "An ellipsoid of the body: semi_axes (3,) [m], center (3,) [m] in body axes, attitude of its axes in the "
+            "body.")
         .def(
             "plane",
             [](const BodyHandle& h, const ArrayLike& normal, const ArrayLike& place) {
-                return BodyShape{h, rbdyn::BodyPlane{-1, {vector3(normal, h.name, "normal"),
-                                                          vector3(place, h.name, "point")}}};
+                return BodyShape{
+                    h, rbdyn::BodyPlane{-1, {vector3(normal, h.name, "normal"), vector3(place, h.name, "point")}}};
             },
-            py::arg("normal"), py::arg("point") = middle, "A plane of the body: normal (3,), point (3,) [m], body axes.");
+            py::arg("normal"), py::arg("point") = middle,
+            "A plane of the body: normal (3,), point (3,) [m], body axes.");
 
     py::class_<BoundScene>(m, "Scene",
                            R"(What there is, as data: bodies with their joints, loads, couplings, a uniform field.
@@ -687,10 +692,9 @@ refused; assemble() finds one from rough guesses.)")
             "assemble", &assemble, py::arg("keep") = std::vector<BodyHandle>{},
             R"(Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
 as they are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.)")
-        .def(
-            "contact", &contact, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("friction") = py::none(),
-            py::arg("restitution") = 0.0, py::arg("name") = py::none(),
-            R"(Lets a touch b: it does not go beyond it. Returns a handle.
+        .def("contact", &contact, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("friction") = py::none(),
+             py::arg("restitution") = 0.0, py::arg("name") = py::none(),
+             R"(Lets a touch b: it does not go beyond it. Returns a handle.
 
 a: a particle, a point of a body, or handle.sphere(), .disc(), .ellipsoid(); b: a Plane or a Sphere of the world, or
 handle.plane(), handle.sphere() of another body. restitution: Newton's, 0 to 1: what is left of the speed of approach.

@@ -97,9 +97,11 @@ Parts parts_of(const BoundTrajectory& self, const Of& of) {
         self.handles->require(h, "Trajectory");
         switch (h.of) {
             case Handle::Of::contact:
-                throw InvalidInput("Trajectory: \"" + h.name + "\" is a contact, and those have no power of their own here");
+                throw InvalidInput("Trajectory: \"" + h.name +
+                                   "\" is a contact, and those have no power of their own here");
             case Handle::Of::constraint:
-                throw InvalidInput("Trajectory: \"" + h.name + "\" is a constraint, and those do no work on what they join");
+                throw InvalidInput("Trajectory: \"" + h.name +
+                                   "\" is a constraint, and those do no work on what they join");
             case Handle::Of::body: parts.bodies.push_back({h.index}); break;
             case Handle::Of::load: parts.loads.push_back({h.index}); break;
             case Handle::Of::coupling: parts.couplings.push_back({h.index}); break;
@@ -222,7 +224,8 @@ void bind_events(py::module_& m) {
         .def("__hash__", [](const BoundEvent& e) { return py::hash(data_of(e.event)); })
         .def(py::pickle([](const BoundEvent& e) { return py::make_tuple(data_of(e.event), e.subject); },
                         [](const py::tuple& d) {
-                            return BoundEvent{event_from(d[0]), d[1].cast<std::optional<std::variant<BodyHandle, ContactHandle>>>()};
+                            return BoundEvent{event_from(d[0]),
+                                              d[1].cast<std::optional<std::variant<BodyHandle, ContactHandle>>>()};
                         }))
         .def("__str__", [](const BoundEvent& e) { return printed(e.event); })
         .def("__repr__", [](const BoundEvent& e) { return "<Event: " + printed(e.event) + ">"; });
@@ -333,8 +336,7 @@ std::vector<std::string> quantities_of(const rbdyn::Scene::Body& body) {
     const auto is_on = [&]<class J>(const J*) { return std::holds_alternative<J>(body.joint); };
     if (is_on(static_cast<rbdyn::Revolute*>(nullptr)) || is_on(static_cast<rbdyn::Planar*>(nullptr)))
         also({"angle", "rate"});
-    if (is_on(static_cast<rbdyn::Cylindrical*>(nullptr)))
-        also({"angle", "rate", "displacement", "displacement_rate"});
+    if (is_on(static_cast<rbdyn::Cylindrical*>(nullptr))) also({"angle", "rate", "displacement", "displacement_rate"});
     if (is_on(static_cast<rbdyn::Universal*>(nullptr))) also({"angles", "rates"});
     if (std::holds_alternative<rbdyn::Prismatic>(body.joint)) also({"displacement", "rate"});
     return names;
@@ -482,7 +484,8 @@ void bind_contact_motion(py::module_& m) {
                 for (const double x : list_of_doubles(t, "Trajectory", "time")) all.append(self.motion.state(x, side));
                 return py::object(all);
             },
-            py::arg("t"), py::arg("side") = after(), R"("open", "sticks" or "slides"; a list of them for several times.)")
+            py::arg("t"), py::arg("side") = after(),
+            R"("open", "sticks" or "slides"; a list of them for several times.)")
         .def("__repr__", [](const BoundContact& c) { return "<ContactMotion: " + c.name + ">"; });
 }
 

@@ -62,14 +62,15 @@ Also a constraint (Scene.constrain): then first is in the axes of a, second in t
 
 The body starts with angle [rad], rate [rad/s], displacement [m] and displacement_rate [m/s].)");
     cylindrical
-        .def(py::init([](const ArrayLike& axis, const ArrayLike& at, const ArrayLike& point) {
-                 const Cylindrical j{vector3(axis, "Cylindrical", "axis"), vector3(at, "Cylindrical", "at"),
-                                     vector3(point, "Cylindrical", "point")};
-                 j.validate();
-                 return j;
-             }),
-             py::arg("axis"), py::kw_only(), py::arg("at") = nowhere, py::arg("point") = nowhere,
-             R"(axis (3,): a direction, of any length; at (3,): where in the parent it passes; point (3,): which point of the
+        .def(
+            py::init([](const ArrayLike& axis, const ArrayLike& at, const ArrayLike& point) {
+                const Cylindrical j{vector3(axis, "Cylindrical", "axis"), vector3(at, "Cylindrical", "at"),
+                                    vector3(point, "Cylindrical", "point")};
+                j.validate();
+                return j;
+            }),
+            py::arg("axis"), py::kw_only(), py::arg("at") = nowhere, py::arg("point") = nowhere,
+            R"(axis (3,): a direction, of any length; at (3,): where in the parent it passes; point (3,): which point of the
 body is on it, body axes [m].)")
         .def_property_readonly(
             "axis", [](const Cylindrical& j) { return to_python(j.axis); }, "As given (3,), the parent's axes.")
@@ -85,7 +86,8 @@ body is on it, body axes [m].)")
             return Cylindrical{vector_from(d[0]), vector_from(d[1]), vector_from(d[2])};
         });
 
-    py::class_<Planar> planar(m, "Planar", R"(Motion along a plane: the origin of the body's axes moves in it, and the body turns across it.
+    py::class_<Planar> planar(
+        m, "Planar", R"(Motion along a plane: the origin of the body's axes moves in it, and the body turns across it.
 
 The body starts with position (2,) [m] of its origin from at, along x and y, velocity (2,) [m/s], angle [rad] from x to y,
 and rate [rad/s].)");
@@ -114,21 +116,21 @@ and rate [rad/s].)");
 
     py::class_<Fixed> fixed(m, "Fixed", "A weld: no motion against the parent, in an attitude relative to it.");
     fixed
-        .def(py::init([](const std::optional<AttitudeLike>& attitude, const ArrayLike& at, const ArrayLike& point) {
-                 const Fixed j{attitude ? binding::attitude(*attitude, "Fixed") : rbdyn::Attitude(),
-                               vector3(at, "Fixed", "at"), vector3(point, "Fixed", "point")};
-                 j.validate();
-                 return j;
-             }),
-             py::kw_only(), py::arg("attitude") = py::none(), py::arg("at") = nowhere, py::arg("point") = nowhere,
-             R"(attitude: of the body in its parent, that of the parent by default; at (3,): where in the parent; point (3,): which
+        .def(
+            py::init([](const std::optional<AttitudeLike>& attitude, const ArrayLike& at, const ArrayLike& point) {
+                const Fixed j{attitude ? binding::attitude(*attitude, "Fixed") : rbdyn::Attitude(),
+                              vector3(at, "Fixed", "at"), vector3(point, "Fixed", "point")};
+                j.validate();
+                return j;
+            }),
+            py::kw_only(), py::arg("attitude") = py::none(), py::arg("at") = nowhere, py::arg("point") = nowhere,
+            R"(attitude: of the body in its parent, that of the parent by default; at (3,): where in the parent; point (3,): which
 point of the body is held there, body axes [m].)")
         .def_property_readonly(
             "rotation_matrix", [](const Fixed& j) { return to_python(j.attitude.matrix()); },
             "Body axes to the parent's (3, 3).")
-        .def("__repr__", [](const Fixed& j) {
-            return "Fixed(at=" + list_text(j.at) + ", point=" + list_text(j.point) + ")";
-        });
+        .def("__repr__",
+             [](const Fixed& j) { return "Fixed(at=" + list_text(j.at) + ", point=" + list_text(j.point) + ")"; });
     bind_places(fixed);
     as_data(
         fixed,

@@ -27,11 +27,12 @@ bool double_pendulum() {
 
 bool linkage() {
     rbdyn::Scene scene(gravity);
-    const auto crank = scene.add(plate(1.0, {0.4, 0, 0}, 0.05), rbdyn::Revolute{.axis = z}, {.angle = 0.5, .rate = 3.0});
+    const auto crank =
+        scene.add(plate(1.0, {0.4, 0, 0}, 0.05), rbdyn::Revolute{.axis = z}, {.angle = 0.5, .rate = 3.0});
     const auto coupler = scene.add(plate(2.0, {1, 0, 0}, 0.7), rbdyn::Revolute{.axis = z, .at = {0.75, 0, 0}},
                                    {.angle = 0.1, .parent = crank});
-    const auto rocker = scene.add(plate(1.5, {0.75, 0, 0}, 0.3), rbdyn::Revolute{.axis = z, .at = {2, 0, 0}},
-                                  {.angle = 1.4});
+    const auto rocker =
+        scene.add(plate(1.5, {0.75, 0, 0}, 0.3), rbdyn::Revolute{.axis = z, .at = {2, 0, 0}}, {.angle = 1.4});
     const auto pin = scene.constrain(rbdyn::Ball{}, coupler.point({2, 0, 0}), rocker.point({1.5, 0, 0}));
     scene.assemble({crank});
     const rbdyn::Trajectory run = rbdyn::simulate(scene, {.until = 5.0, .error = 1e-10});
@@ -43,9 +44,9 @@ bool linkage() {
 bool ladder() {
     const double length = 4.0, theta = 1.2;
     rbdyn::Scene scene({0, 0, -9.81});
-    const auto rod = scene.add(rbdyn::shapes::rod(10.0, length, {1, 0, 0}), rbdyn::Planar{.x = {1, 0, 0}, .y = {0, 0, 1}},
-                               {.position = {length / 2 * std::cos(theta), length / 2 * std::sin(theta)},
-                                .angle = std::numbers::pi - theta});
+    const auto rod = scene.add(
+        rbdyn::shapes::rod(10.0, length, {1, 0, 0}), rbdyn::Planar{.x = {1, 0, 0}, .y = {0, 0, 1}},
+        {.position = {length / 2 * std::cos(theta), length / 2 * std::sin(theta)}, .angle = std::numbers::pi - theta});
     scene.contact(rod.point({-length / 2, 0, 0}), rbdyn::Plane{{0, 0, 1}});
     const auto wall = scene.contact(rod.point({length / 2, 0, 0}), rbdyn::Plane{{1, 0, 0}});
     const rbdyn::Trajectory run = rbdyn::simulate(scene, {.until = 1.0});

@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Central', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -1222,14 +1222,15 @@ class Revolute:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None) -> None:
         """
-        axis (3,): a direction, of any length; at (3,): where in the world it passes; point (3,): which
-        point of the body is held there, body axes [m].
+        axis (3,): a direction, of any length; at (3,): where it passes, both in the parent's axes (the world's by
+        default); point (3,): which point of the body is held there, body axes [m]; motion: the angle [rad] as a function of time
+        [s], if it is prescribed: then the start has none.
         """
     def __repr__(self) -> str:
         ...
@@ -1238,12 +1239,17 @@ class Revolute:
     @property
     def at(self) -> typing.Any:
         """
-        In the world (3,) [m].
+        In the parent's axes (3,) [m].
         """
     @property
     def axis(self) -> typing.Any:
         """
-        Its direction as given (3,), world axes.
+        Its direction as given (3,), the parent's axes.
+        """
+    @property
+    def driven(self) -> bool:
+        """
+        Whether its coordinate is prescribed.
         """
     @property
     def point(self) -> typing.Any:
@@ -1258,14 +1264,15 @@ class Prismatic:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None) -> None:
         """
-        axis (3,): a direction, of any length; at (3,): where in the world the point is at displacement
-        0; point (3,): that point of the body, body axes [m].
+        axis (3,): a direction, of any length; at (3,): where the point is at displacement 0, both in the parent's axes (the
+        world's by default); point (3,): that point of the body, body axes [m]; motion: the displacement [m] as a function of time
+        [s], if it is prescribed: then the start has none.
         """
     def __repr__(self) -> str:
         ...
@@ -1274,17 +1281,334 @@ class Prismatic:
     @property
     def at(self) -> typing.Any:
         """
-        In the world (3,) [m].
+        In the parent's axes (3,) [m].
         """
     @property
     def axis(self) -> typing.Any:
         """
-        Its direction as given (3,), world axes.
+        Its direction as given (3,), the parent's axes.
+        """
+    @property
+    def driven(self) -> bool:
+        """
+        Whether its coordinate is prescribed.
         """
     @property
     def point(self) -> typing.Any:
         """
         In body axes (3,) [m].
+        """
+class Universal:
+    """
+    Two hinges with a massless cross between them.
+
+    The body turns about first, fixed in its parent, and then about second, fixed in the body, at right angles at angles
+    zero. It starts with angles (2,) [rad] and rates (2,) [rad/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, first: numpy.typing.ArrayLike, second: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        first, second (3,): directions, of any length; at (3,): where in the parent the cross is; point (3,):
+        which point of the body is held there, body axes [m].
+
+        Also a constraint (Scene.constrain): then first is in the axes of a, second in those of b.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def first(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+    @property
+    def second(self) -> typing.Any:
+        """
+        As given (3,), body axes.
+        """
+class Cylindrical:
+    """
+    A hinge that slides along its axis.
+
+    The body starts with angle [rad], rate [rad/s], displacement [m] and displacement_rate [m/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        axis (3,): a direction, of any length; at (3,): where in the parent it passes; point (3,): which point of the
+        body is on it, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def axis(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+class Planar:
+    """
+    Motion along a plane: the origin of the body's axes moves in it, and the body turns across it.
+
+    The body starts with position (2,) [m] of its origin from at, along x and y, velocity (2,) [m/s], angle [rad] from x to y,
+    and rate [rad/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        x, y (3,): directions at right angles; at (3,): a point of the plane [m]; the parent's axes.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def x(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+    @property
+    def y(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+class Fixed:
+    """
+    A weld: no motion against the parent, in an attitude relative to it.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, *, attitude: _Attitude | None = None, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        attitude: of the body in its parent, that of the parent by default; at (3,): where in the parent; point (3,): which
+        point of the body is held there, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+    @property
+    def rotation_matrix(self) -> typing.Any:
+        """
+        Body axes to the parent's (3, 3).
+        """
+class Plane:
+    """
+    A plane through a point.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, normal: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        normal (3,): a direction, of any length; point (3,) [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def normal(self) -> typing.Any:
+        """
+        As given (3,).
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        [m] (3,).
+        """
+class Sphere:
+    """
+    A sphere as a surface: its outside, or its inside, a bowl.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], float, bool]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, center: numpy.typing.ArrayLike, radius: typing.SupportsFloat | typing.SupportsIndex, inside: bool = False) -> None:
+        """
+        center (3,) [m], radius [m]; inside: what touches is in it.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def center(self) -> typing.Any:
+        """
+        [m] (3,).
+        """
+    @property
+    def inside(self) -> bool:
+        """
+        Whether what touches is in it.
+        """
+    @property
+    def radius(self) -> float:
+        """
+        [m]
+        """
+class Ball:
+    """
+    Two points coincide: a pin, a ball joint.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class Rod:
+    """
+    Two points keep their distance: a massless rod.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, length: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        length [m], positive.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def length(self) -> float:
+        """
+        [m]
+        """
+class Weld:
+    """
+    Two bodies keep the pose to each other that they start with.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class Hinge:
+    """
+    Two points coincide, and the bodies turn against each other about an axis only.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, axis: numpy.typing.ArrayLike) -> None:
+        """
+        axis (3,): a direction in the axes of b; as the scene starts, its axis in a too.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def axis(self) -> typing.Any:
+        """
+        As given (3,), axes of b.
+        """
+class PointOnPlane:
+    """
+    A point stays on a plane.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[Plane]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, plane: Plane) -> None:
+        """
+        plane: in the axes of b.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def plane(self) -> Plane:
+        """
+        In the axes of b.
         """
 class Force:
     """
@@ -1377,7 +1701,7 @@ class Torque:
         """
 class TorsionSpring:
     """
-    A spring about a hinge, with a damper.
+    A spring about a hinge, with a damper, between the body and its parent.
 
     Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).
     """
@@ -1409,6 +1733,54 @@ class TorsionSpring:
     def stiffness(self) -> float | Parameter:
         """
         [N m/rad]
+        """
+class JointTorque:
+    """
+    A torque about the axis of a joint: on the body, its opposite on its parent.
+
+    Of a hinge, also one that slides or in a plane; of a universal joint about its first axis. No part of the reaction.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: float | _Function, *, trace: bool | None = None) -> None:
+        """
+        f: a number [N m], or f(t, angle, rate) that returns one. trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+class JointForce:
+    """
+    A force along a slide: on the body, its opposite on its parent. No part of the reaction.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: float | _Function, *, trace: bool | None = None) -> None:
+        """
+        f: a number [N], or f(t, displacement, rate) that returns one. trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
         """
 class Potential:
     """
@@ -1662,9 +2034,25 @@ class BodyHandle(Handle):
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
+    def disc(self, radius: typing.SupportsFloat | typing.SupportsIndex, normal: numpy.typing.ArrayLike, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> BodyShape:
+        """
+        A disc of the body without thickness: radius [m], normal (3,) and center (3,) [m] in body axes.
+        """
+    def ellipsoid(self, semi_axes: numpy.typing.ArrayLike, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], attitude: _Attitude | None = None) -> BodyShape:
+        """
+        An ellipsoid of the body: semi_axes (3,) [m], center (3,) [m] in body axes, attitude of its axes in the body.
+        """
+    def plane(self, normal: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> BodyShape:
+        """
+        A plane of the body: normal (3,), point (3,) [m], body axes.
+        """
     def point(self, place: numpy.typing.ArrayLike) -> BodyPoint:
         """
         The point of the body at a place (3,) from the origin of its axes, body axes [m].
+        """
+    def sphere(self, radius: typing.SupportsFloat | typing.SupportsIndex, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> BodyShape:
+        """
+        A sphere of the body: radius [m], center (3,) in body axes [m].
         """
 class BodyPoint:
     """
@@ -1714,6 +2102,36 @@ class WatchHandle(Handle):
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
+class ConstraintHandle(Handle):
+    """
+    The handle of a constraint; run[handle] is a ConstraintMotion.
+    """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class ContactHandle(Handle):
+    """
+    The handle of a contact; run[handle] is a ContactMotion.
+    """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class BodyShape:
+    """
+    A part of a body that touches, or a surface of it.
+    """
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def body(self) -> BodyHandle:
+        """
+        The handle of its body.
+        """
 class Scene:
     """
     What there is, as data: bodies with their joints, loads, couplings, a uniform field.
@@ -1737,30 +2155,58 @@ class Scene:
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
-    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic = ..., *, name: str | None = None, **kwargs: typing.Any) -> BodyHandle:
+    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic | Universal | Cylindrical | Planar | Fixed = ..., *, parent: BodyHandle | None = None, name: str | None = None, **kwargs: typing.Any) -> BodyHandle:
         """
-        Adds a body with the joint to the ground, and its initial state in the joint's words.
+        Adds a body with the joint to its parent, and its initial state in the joint's words.
+
+        parent: the handle of a rigid body, or the ground. With a parent, `at`, axes and curves of the joint are in its axes, and
+        the initial state is relative to it; at coordinates zero the axes of both coincide.
 
         A Particle, Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and
         speed = ds/dt [m/s].
 
         A RigidBody, Free(): position, velocity of the origin of its axes, attitude, and angular_velocity (3,) [rad/s] in body
         axes or angular_velocity_world. Spherical(): attitude, angular_velocity or angular_velocity_world. Revolute(): angle
-        [rad], rate [rad/s]. Prismatic(): displacement [m], rate [m/s]. An attitude is a quaternion (w, x, y, z), a rotation
+        [rad], rate [rad/s]. Prismatic(): displacement [m], rate [m/s]. Universal(): angles (2,), rates (2,). Cylindrical(): angle,
+        rate, displacement, displacement_rate. Planar(): position (2,), velocity (2,), angle, rate. Fixed(): nothing. An attitude is a quaternion (w, x, y, z), a rotation
         matrix (3, 3), EulerAngles or a SciPy Rotation.
 
         Zero by default, body axes along the world's. Returns a handle. Raises InvalidInput for numbers that break a rule and for
         a joint that cannot hold the body, TypeError for another keyword.
         """
-    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring, handle: BodyHandle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
+    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring | JointTorque | JointForce, handle: BodyHandle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
         """
         Applies a load to a body. at (3,): the point of a rigid body where it acts, body axes [m]; by default the centre
         of mass. Returns a handle.
+        """
+    def assemble(self, keep: collections.abc.Sequence[BodyHandle] = []) -> float:
+        """
+        Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
+        as they are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.
         """
     def connect(self, coupling: Spring | Gravitation | Central | PairForce, a: _End, b: _End) -> CouplingHandle:
         """
         Joins two ends by a Spring, a Gravitation, a Central or a PairForce: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
         or one of them a point of the world (3,) [m]. Returns a handle.
+        """
+    def constrain(self, constraint: Ball | Rod | Weld | Hinge | PointOnPlane | Universal, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike | None = None, *, name: str | None = None) -> ConstraintHandle:
+        """
+        Holds a to b beside their joints: closes a loop, holds a point. Ends as in connect(); axes, planes and curves are in
+        the axes of b. Without b: the world, and of two points that coincide the place where a starts. Returns a handle.
+
+        A start that does not satisfy it is moved to the nearest that does if it is within 1e-6 of the scene's size, else a run is
+        refused; assemble() finds one from rough guesses.
+        """
+    def contact(self, a: BodyHandle | BodyPoint | BodyShape, b: Plane | Sphere | BodyShape, *, friction: Coulomb | None = None, restitution: typing.SupportsFloat | typing.SupportsIndex = 0.0, name: str | None = None) -> ContactHandle:
+        """
+        Lets a touch b: it does not go beyond it. Returns a handle.
+
+        a: a particle, a point of a body, or handle.sphere(), .disc(), .ellipsoid(); b: a Plane or a Sphere of the world, or
+        handle.plane(), handle.sphere() of another body. restitution: Newton's, 0 to 1: what is left of the speed of approach.
+        friction: Coulomb(...); none: it is smooth.
+
+        A start may be open, closed and at rest, or closed and moving; a gap within 1e-12 of the size of what it joins is none.
+        run[handle] has gap, force, slip and state; events of kind land, impact, detach, accumulation name it.
         """
     def integral(self, name: str, function: _Watched) -> None:
         """
@@ -1797,6 +2243,16 @@ class Scene:
     def bodies(self) -> list[BodyHandle]:
         """
         Handles of the bodies, in order of addition.
+        """
+    @property
+    def constraints(self) -> list[ConstraintHandle]:
+        """
+        Handles of the constraints, in order of addition.
+        """
+    @property
+    def contacts(self) -> list[ContactHandle]:
+        """
+        Handles of the contacts, in order of addition.
         """
     @property
     def couplings(self) -> list[CouplingHandle]:
@@ -2051,6 +2507,11 @@ class Plan:
         The automatic choice; of several parts those of all, such as "closed form, taylor".
         """
     @property
+    def freedom(self) -> int:
+        """
+        Degrees of freedom: those that joints and constraints leave.
+        """
+    @property
     def functions(self) -> list[str]:
         """
         The user's own functions: traced, or called back and why.
@@ -2064,6 +2525,11 @@ class Plan:
     def integrals(self) -> list[str]:
         """
         First integrals of the scene.
+        """
+    @property
+    def not_unique(self) -> list[str]:
+        """
+        Constraints whose forces are not determined by the motion: those told have the least norm.
         """
     @property
     def omissions(self) -> list[Omission]:
@@ -2279,7 +2745,7 @@ class Event:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], BodyHandle | None]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], BodyHandle | ContactHandle | None]:
         ...
     def __hash__(self) -> int:
         ...
@@ -2295,9 +2761,9 @@ class Event:
         In which the watched quantity passed zero: rising, falling or either.
         """
     @property
-    def impulse(self) -> float:
+    def impulse(self) -> float | numpy.typing.NDArray[numpy.float64]:
         """
-        Of an impact [N s].
+        Of an impact [N s]: of a contact a vector (3,) on its first side, world axes, else its size.
         """
     @property
     def kind(self) -> str:
@@ -2310,9 +2776,9 @@ class Event:
         Of the watch or of the subject.
         """
     @property
-    def subject(self) -> BodyHandle | None:
+    def subject(self) -> BodyHandle | ContactHandle | None:
         """
-        Handle of the body, or None.
+        Handle of the body or the contact, or None.
         """
     @property
     def time(self) -> float:
@@ -2445,7 +2911,11 @@ class BodyMotion:
     @typing.overload
     def angle(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        Of a hinge [rad].
+        Of a hinge, also one that slides, or in a plane [rad].
+        """
+    def angles(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a universal joint, about its first axis and its second [rad]: (2,) or (n, 2).
         """
     def angular_acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2485,7 +2955,15 @@ class BodyMotion:
     @typing.overload
     def displacement(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        Of a slide [m].
+        Of a slide, also of a hinge that slides [m].
+        """
+    @typing.overload
+    def displacement_rate(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def displacement_rate(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        Of a hinge that slides [m/s].
         """
     def euler_angles(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2537,7 +3015,11 @@ class BodyMotion:
     @typing.overload
     def rate(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        Of a hinge [rad/s] or a slide [m/s].
+        Of the angle [rad/s], or of the displacement of a slide [m/s].
+        """
+    def rates(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of these angles [rad/s]: (2,) or (n, 2).
         """
     def reaction(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2603,6 +3085,54 @@ class CouplingMotion:
         """
         Names of the quantities a coupling has.
         """
+class ConstraintMotion:
+    """
+    What a constraint of a run does, each a method of time [s].
+    """
+    def __repr__(self) -> str:
+        ...
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        On its first end [N], world axes.
+        """
+    @typing.overload
+    def gap(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def gap(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        How far its points are from where they should be [m], angles of its axes [rad] taken for metres.
+        """
+    def torque(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        On its first end, about the point it holds [N m], world axes.
+        """
+class ContactMotion:
+    """
+    What a contact of a run does, each a method of time [s].
+    """
+    def __repr__(self) -> str:
+        ...
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        On its first side, normal force and friction together [N], world axes.
+        """
+    @typing.overload
+    def gap(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def gap(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        The distance between the part and the surface [m], negative inside.
+        """
+    def slip(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The velocity of the first side's point of contact relative to the second's, along the surface [m/s].
+        """
+    def state(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> typing.Any:
+        """
+        "open", "sticks" or "slides"; a list of them for several times.
+        """
 class Watched:
     """
     A watched function of a run: its value at a time.
@@ -2635,6 +3165,12 @@ class Trajectory:
         ...
     @typing.overload
     def __getitem__(self, handle: CouplingHandle) -> CouplingMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: ConstraintHandle) -> ConstraintMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: ContactHandle) -> ContactMotion:
         ...
     @typing.overload
     def __getitem__(self, handle: WatchHandle) -> Watched:

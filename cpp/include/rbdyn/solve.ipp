@@ -52,11 +52,11 @@ RBDYN_INLINE std::string engine_for(const Plan& plan, const std::string& wanted)
             "Taylor series; use \"auto\" or \"dop853\", or write it so that it can be recorded");
     const auto touches = [](const Plan& one) { return one.model && one.model->touches(); };
     if (engine != "taylor" && (touches(plan) || std::any_of(plan.parts.begin(), plan.parts.end(), touches)))
-        throw InvalidInput("simulate: engine is \"" + engine +
-                           "\", and this scene has contacts, which only \"taylor\" holds after each step in this version; "
-                           "use \"auto\"" +
-                           (plan.calls_back ? ", and write the function that is called back so that it can be recorded"
-                                            : ""));
+        throw InvalidInput(
+            "simulate: engine is \"" + engine +
+            "\", and this scene has contacts, which only \"taylor\" holds after each step in this version; "
+            "use \"auto\"" +
+            (plan.calls_back ? ", and write the function that is called back so that it can be recorded" : ""));
     return engine;
 }
 

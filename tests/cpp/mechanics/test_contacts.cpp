@@ -41,9 +41,9 @@ TEST_P(Ladder, slides_down_its_wall_leaves_it_and_goes_on) {
     const double m = given(file, "m"), l = given(file, "l"), theta = given(file, "theta0");
     for (const double error : {1e-6, 1e-9, 1e-12}) {
         Scene scene(Vector3{0, 0, -given(file, "g")});
-        const auto rod = scene.add(shapes::rod(m, l, {1, 0, 0}), Planar{.x = {1, 0, 0}, .y = {0, 0, 1}},
-                                   {.position = {l / 2 * std::cos(theta), l / 2 * std::sin(theta)},
-                                    .angle = std::numbers::pi - theta});
+        const auto rod = scene.add(
+            shapes::rod(m, l, {1, 0, 0}), Planar{.x = {1, 0, 0}, .y = {0, 0, 1}},
+            {.position = {l / 2 * std::cos(theta), l / 2 * std::sin(theta)}, .angle = std::numbers::pi - theta});
         const auto floor = scene.contact(rod.point({-l / 2, 0, 0}), Plane{{0, 0, 1}});
         const auto wall = scene.contact(rod.point({l / 2, 0, 0}), Plane{{1, 0, 0}});
         const auto& values = file["values"];
@@ -153,8 +153,8 @@ TEST(Contacts, balls_strike_each_other_off_centre_and_in_line) {
             Scene scene;
             std::vector<BodyHandle> balls(2);
             for (const std::size_t k : is_swapped ? std::vector<std::size_t>{1, 0} : std::vector<std::size_t>{0, 1})
-                balls[k] = scene.add(Particle{number(p["mass"][k])},
-                                     FreeStart{.position = vector(p["position0"][k]), .velocity = vector(p["velocity0"][k])});
+                balls[k] = scene.add(Particle{number(p["mass"][k])}, FreeStart{.position = vector(p["position0"][k]),
+                                                                               .velocity = vector(p["velocity0"][k])});
             scene.contact(balls[0].sphere(number(p["radius"][0])), balls[1].sphere(number(p["radius"][1])),
                           {.restitution = given(file, "restitution")});
             const Trajectory run = simulate(scene, {.until = 2.0, .error = 1e-12});
@@ -192,15 +192,16 @@ TEST(Contacts, a_ball_bounces_to_rest_on_a_slope_and_slides_on) {
     const auto value = [](const nlohmann::json& v) { return vector(v.is_object() ? v["value"] : v); };
     const auto ball = scene.add(Particle{given(file, "mass")},
                                 FreeStart{.position = value(p["position0"]), .velocity = value(p["velocity0"])});
-    const auto hit = scene.contact(ball, Plane{value(p["plane_normal_direction"])},
-                                   {.restitution = given(file, "restitution")});
+    const auto hit =
+        scene.contact(ball, Plane{value(p["plane_normal_direction"])}, {.restitution = given(file, "restitution")});
     const Trajectory run = simulate(scene, {.until = 40.0, .error = 1e-7});
     const std::vector<double> impacts = run.events().times("impact", hit);
     // those too low for doubles to tell them from rest are not listed
     EXPECT_GT(impacts.size(), 100u);
     for (const auto& landing : file["values"]["landings"])
-        if (const auto k = landing["k"].get<std::size_t>(); k < impacts.size())
+        if (const auto k = landing["k"].get<std::size_t>(); k < impacts.size()) {
             EXPECT_NEAR(impacts[k], number(landing["t"]), 1e-10 * number(landing["t"]));
+        }
     ASSERT_EQ(run.events().times("accumulation", hit).size(), 1u);
     EXPECT_NEAR(run.events().times("accumulation", hit)[0], 27.091427978515566, 3e-8);
     EXPECT_LT((run[ball].position(40.0) - vector(file["values"]["samples"].back()["position"])).norm(), 1e-9);
@@ -209,8 +210,10 @@ TEST(Contacts, a_ball_bounces_to_rest_on_a_slope_and_slides_on) {
 
 TEST(Contacts, what_starts_closed_stays_or_opens_and_nothing_fires) {
     Scene scene(down);
-    const auto lies = scene.add(Particle{2.0}), flies = scene.add(Particle{1.0}, FreeStart{.position = {1, 0, 0}, .velocity = {0, 0, 3}});
-    const auto a = scene.contact(lies, Plane{{0, 0, 1}}), b = scene.contact(flies, Plane{{0, 0, 1}}, {.restitution = 0.5});
+    const auto lies = scene.add(Particle{2.0}),
+               flies = scene.add(Particle{1.0}, FreeStart{.position = {1, 0, 0}, .velocity = {0, 0, 3}});
+    const auto a = scene.contact(lies, Plane{{0, 0, 1}}),
+               b = scene.contact(flies, Plane{{0, 0, 1}}, {.restitution = 0.5});
     const Trajectory run = simulate(scene, {.until = 0.5});
     EXPECT_TRUE(run.events().empty());
     EXPECT_LT((run[a].force(0.25) - Vector3(0, 0, 2 * gravity)).norm(), 1e-13);
@@ -240,7 +243,9 @@ TEST(Contacts, refuse_what_they_cannot_do) {
     const auto ball = scene.add(Particle{1.0}, FreeStart{.position = {0, 0, -1}});
     scene.contact(ball, Plane{{0, 0, 1}}, {}, "touch");
     EXPECT_NE(refusal([&] { simulate(scene, {.until = 1.0}); }).find("touch: gap is -1"), std::string::npos);
-    EXPECT_NE(refusal([&] { scene.contact(ball, Plane{{0, 0, 1}}, {.restitution = 1.5}); }).find("restitution is 1.5"),
+    EXPECT_NE(refusal([&] {
+                  scene.contact(ball, Plane{{0, 0, 1}}, {.restitution = 1.5});
+              }).find("restitution is 1.5"),
               std::string::npos);
     Scene rough(down);
     rough.contact(rough.add(Particle{1.0}), Plane{{0, 0, 1}}, {.friction = Coulomb{0.5}});

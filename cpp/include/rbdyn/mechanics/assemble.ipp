@@ -120,8 +120,9 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     for (const BodyHandle b : keep) require_body(b, "assemble");
     if (constraints_.empty())
-        throw InvalidInput("assemble: the scene has no constraints, so every start satisfies them; constrain() adds "
-                           "one");
+        throw InvalidInput(
+            "assemble: the scene has no constraints, so every start satisfies them; constrain() adds "
+            "one");
     const mechanics::Tree tree(*this);
     std::vector<DoubleDouble> x = tree.start(0.0);
     const std::vector<DoubleDouble> before = x;
@@ -144,13 +145,16 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
         for (const mechanics::Condition& c : conditions.all())
             for (const mechanics::Anchor* a : {&c.a, &c.b})
                 size = std::max(size, tree.point<double>(*a, all).place.norm());
-        const auto gaps = mechanics::closing::nearest(conditions.gaps<DoubleDouble>(tree, wide()));
+        const auto gaps = mechanics::closing::nearest(
+            mechanics::closing::of_constraints(conditions.gaps<DoubleDouble>(tree, wide()), conditions));
         left = mechanics::closing::largest(gaps);
         if (left <= 1e-15 * size) break;
         std::vector<double> asked;
         for (const double g : gaps) asked.push_back(-g);
         std::vector<double> step = mechanics::smallest_solution(
-            locked(mechanics::jacobian(tree, conditions.rows<double>(tree, all), all)), asked);
+            locked(mechanics::jacobian(
+                tree, mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions), all)),
+            asked);
         const double length = mechanics::closing::largest(step), allowed = longest * std::max(1.0, size);
         if (length > allowed)
             for (double& s : step) s *= allowed / length;
@@ -164,14 +168,14 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
         for (int k = 0; k < static_cast<int>(conditions.all().size()); ++k)
             gaps += (gaps.empty() ? "" : ", ") + conditions.all()[static_cast<std::size_t>(k)].name + " " +
                     text(conditions.gap(tree, k, all)) + " m";
-        throw InvalidInput("assemble: no start near the guesses satisfies the constraints; gaps that are left: " + gaps +
-                           "; give guesses nearer to one, or keep fewer bodies as they are");
+        throw InvalidInput("assemble: no start near the guesses satisfies the constraints; gaps that are left: " +
+                           gaps + "; give guesses nearer to one, or keep fewer bodies as they are");
     }
     const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
-    const auto rows = conditions.rows<double>(tree, all);
+    const auto rows = mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions);
     const auto now = mechanics::closing::moving<DoubleDouble>(tree, 0.0, x);
     std::vector<double> asked;
-    for (const auto& row : conditions.rows<DoubleDouble>(tree, now))
+    for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, now), conditions))
         asked.push_back(-static_cast<double>(mechanics::Conditions::rate(row, now)));
     // of the rates that were given, too: what is held to stand still is left with rounding of them
     double fastest = 0.0, off = 0.0;
@@ -180,11 +184,12 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
             fastest = std::max(fastest, rounded(m.velocity).norm() + rounded(m.omega).norm() * std::max(1.0, size));
     };
     take(now);
-    const std::vector<double> change = mechanics::smallest_solution(locked(mechanics::jacobian(tree, rows, all)), asked);
+    const std::vector<double> change =
+        mechanics::smallest_solution(locked(mechanics::jacobian(tree, rows, all)), asked);
     for (int k = 0; k < tree.velocities(); ++k)
         x[static_cast<std::size_t>(tree.positions() + k)] += change[static_cast<std::size_t>(k)];
     const auto then = wide();
-    for (const auto& row : conditions.rows<DoubleDouble>(tree, then))
+    for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, then), conditions))
         off = std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(row, then))));
     take(then);
     require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
@@ -194,8 +199,8 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     for (int i = 0; i < tree.size(); ++i)
         mechanics::assembling::put(tree, i, then, x, bodies_[static_cast<std::size_t>(i)]);
     for (int k = 0; k < tree.positions(); ++k)
-        moved = std::max(moved, std::abs(static_cast<double>(x[static_cast<std::size_t>(k)] -
-                                                             before[static_cast<std::size_t>(k)])));
+        moved = std::max(
+            moved, std::abs(static_cast<double>(x[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)])));
     plan_.forget();
     return moved;
 }

@@ -34,8 +34,9 @@ Accelerate<S> accelerate(const Tree& tree, const std::vector<Moving<S>>& all) {
     for (int i = 0; i < tree.size(); ++i) {
         const Node& n = tree.node(i);
         const Moving<S>& m = all[static_cast<std::size_t>(i)];
-        bodies.push_back({n.parent, m,
-                          SixInertia<S>(exactly<S>(n.mass), m.to_world(exactly<S>(n.center)), tree.inertia_of<S>(i, m))});
+        bodies.push_back(
+            {n.parent, m,
+             SixInertia<S>(exactly<S>(n.mass), m.to_world(exactly<S>(n.center)), tree.inertia_of<S>(i, m))});
     }
     return Accelerate<S>(std::move(bodies));
 }
@@ -65,6 +66,12 @@ std::vector<double> chosen(const std::vector<W>& all, const std::vector<int>& ro
     std::vector<double> result;
     for (const int r : rows) result.push_back(-static_cast<double>(all[static_cast<std::size_t>(r)]));
     return result;
+}
+/// Of something for each row what belongs to constraints.
+template <class T>
+std::vector<T> of_constraints(std::vector<T> all, const Conditions& conditions) {
+    all.erase(all.begin() + conditions.constraint_rows(), all.end());
+    return all;
 }
 inline double largest(const std::vector<double>& values) {
     double most = 0.0;
@@ -117,8 +124,7 @@ public:
     std::vector<std::vector<double>> matrix() const {
         std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
         for (std::size_t i = 0; i < a.size(); ++i)
-            for (std::size_t j = 0; j <= i; ++j)
-                a[i][j] = a[j][i] = accelerate_.between(responses_[i], responses_[j]);
+            for (std::size_t j = 0; j <= i; ++j) a[i][j] = a[j][i] = accelerate_.between(responses_[i], responses_[j]);
         return a;
     }
     /// The change of the velocities that changes each row by what is asked.

@@ -86,7 +86,8 @@ RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const 
     const auto doubles = [&] { return closing::moving<double>(tree, t, closing::nearest(x)); };
     double left = 0.0, before = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < most; ++pass) {
-        const auto gaps = conditions.gaps<DoubleDouble>(tree, closing::moving<DoubleDouble>(tree, t, x));
+        const auto gaps = closing::of_constraints(
+            conditions.gaps<DoubleDouble>(tree, closing::moving<DoubleDouble>(tree, t, x)), conditions);
         left = closing::largest(closing::nearest(gaps));
         if (left == 0.0 || (pass > 3 && left >= before)) break;
         before = left;
@@ -131,7 +132,8 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
         for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));
         const std::vector<double> changes = now.changes(closing::chosen(rates, rows_));
         for (int k = 0; k < tree_->velocities(); ++k)
-            wide[static_cast<std::size_t>(tree_->positions() + k)] += static_cast<Real>(changes[static_cast<std::size_t>(k)]);
+            wide[static_cast<std::size_t>(tree_->positions() + k)] +=
+                static_cast<Real>(changes[static_cast<std::size_t>(k)]);
     }
     for (std::size_t i = 0; i < x.size(); ++i)
         if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);

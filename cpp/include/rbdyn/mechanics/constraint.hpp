@@ -34,8 +34,8 @@ struct Condition {
     std::string name;
     Anchor a, b;
     Points points = Points::coincide;
-    DoubleDouble length;                // of a distance
-    Vector3Of<DoubleDouble> normal{};   // of a plane, axes of b; its point is that of b
+    DoubleDouble length;               // of a distance
+    Vector3Of<DoubleDouble> normal{};  // of a plane, axes of b; its point is that of b
     struct RightAngle {
         Vector3Of<DoubleDouble> in_a{}, in_b{};
     };
@@ -80,16 +80,16 @@ public:
                 // where a is, as a point of b
                 const Vector3Of<S> arm = ends.arm_b + ends.apart, n = ends.b.to_world(exactly<S>(c.normal)),
                                    sliding = ends.velocity_a - ends.b.velocity_at(arm);
-                const S bias = dot<S>(n, Vector3Of<S>(ends.bias_a - ends.b.bias_at(arm) -
-                                                      cross<S>(ends.b.omega, sliding) * S(2.0)));
+                const S bias = dot<S>(
+                    n, Vector3Of<S>(ends.bias_a - ends.b.bias_at(arm) - cross<S>(ends.b.omega, sliding) * S(2.0)));
                 rows.push_back(pushing(ends, n, arm, bias));
             }
             for (const Condition::RightAngle& angle : c.angles) {
                 const Vector3Of<S> u = ends.a.to_world(exactly<S>(angle.in_a)),
                                    e = ends.b.to_world(exactly<S>(angle.in_b)), m = cross<S>(u, e);
                 const Vector3Of<S> turning = ends.a.omega - ends.b.omega,
-                                   m_rate = cross<S>(cross<S>(ends.a.omega, u), e) +
-                                            cross<S>(u, cross<S>(ends.b.omega, e));
+                                   m_rate =
+                                       cross<S>(cross<S>(ends.a.omega, u), e) + cross<S>(u, cross<S>(ends.b.omega, e));
                 Row<S> row{c.a.body, c.b.body, {}, {}, S(0.0)};
                 row.on_a.moment = m;
                 row.on_b.moment = -m;
@@ -119,7 +119,8 @@ public:
             if (c.points == Condition::Points::plane)
                 gaps.push_back(dot<S>(ends.b.to_world(exactly<S>(c.normal)), ends.apart));
             for (const Condition::RightAngle& angle : c.angles)
-                gaps.push_back(dot<S>(ends.a.to_world(exactly<S>(angle.in_a)), ends.b.to_world(exactly<S>(angle.in_b))));
+                gaps.push_back(
+                    dot<S>(ends.a.to_world(exactly<S>(angle.in_a)), ends.b.to_world(exactly<S>(angle.in_b))));
         }
         for (const ContactLaw& c : contacts_) gaps.push_back(c.touching<S>(tree, all).gap);
         return gaps;

@@ -1,7 +1,7 @@
 // Where a part of a body is nearest to a surface, and how both move there.
 //
-// A convex part about a centre c reaches h(n) far against a direction n, at the point c - s, s = grad h: a sphere rho n,
-// a disc across m the rim, r w/|w| with w = n - (n.m) m, an ellipsoid Q n/h with Q = sum a_i^2 e_i e_i^T. On a plane
+// A convex part about a centre c reaches h(n) far against a direction n, at the point c - s, s = grad h: a sphere rho
+// n, a disc across m the rim, r w/|w| with w = n - (n.m) m, an ellipsoid Q n/h with Q = sum a_i^2 e_i e_i^T. On a plane
 // with normal n the gap is n.(c - c0) - h; on a sphere with centre c0, n = (c - c0)/|c - c0|, it is |c - c0| - R - rho,
 // in a bowl R - |c - c0| - rho with the opposite n.
 //
@@ -33,9 +33,9 @@ namespace mechanics {
 template <class S>
 struct Touching {
     int a = -1, b = -1;
-    Vector3Of<S> place, arm_a, arm_b;      // of the point; from P of each body, or from the world's origin
-    Vector3Of<S> normal, normal_rate;      // from the surface to the part
-    Vector3Of<S> velocity, bias;           // u, and what of its rate is not linear in accelerations of joints
+    Vector3Of<S> place, arm_a, arm_b;  // of the point; from P of each body, or from the world's origin
+    Vector3Of<S> normal, normal_rate;  // from the surface to the part
+    Vector3Of<S> velocity, bias;       // u, and what of its rate is not linear in accelerations of joints
     S gap = S(0.0);
 
     /// The condition on accelerations along a direction that turns at a rate.
@@ -56,10 +56,10 @@ struct ContactLaw {
     std::string name;
     Part part = Part::ball;
     Surface surface = Surface::plane;
-    Anchor a, b;                             // centre of the part; a point of the plane, or the surface's centre
-    DoubleDouble radius, surface_radius;     // of a ball or a disc; of a ball or a bowl
+    Anchor a, b;                               // centre of the part; a point of the plane, or the surface's centre
+    DoubleDouble radius, surface_radius;       // of a ball or a disc; of a ball or a bowl
     Vector3Of<DoubleDouble> axis{}, normal{};  // of a disc, axes of a; of a plane, axes of b
-    Vector3Of<DoubleDouble> own[3] = {};     // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
+    Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
     double restitution = 0.0;
 
     template <class S>
@@ -83,8 +83,7 @@ struct ContactLaw {
             const S sign(surface == Surface::bowl ? -1.0 : 1.0);
             const Vector3Of<S> moving = center.velocity - foot.velocity;
             result.normal = apart * (sign / far);
-            result.normal_rate =
-                Vector3Of<S>(moving - result.normal * dot<S>(result.normal, moving)) * (sign / far);
+            result.normal_rate = Vector3Of<S>(moving - result.normal * dot<S>(result.normal, moving)) * (sign / far);
             result.gap = (far - exactly<S>(surface_radius)) * sign - reach;
         }
         const Vector3Of<S>&n = result.normal, &n_rate = result.normal_rate;

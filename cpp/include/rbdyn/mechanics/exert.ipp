@@ -104,10 +104,10 @@ RBDYN_INLINE Acts Exerted::all(const Tree& tree, const S& t, const std::vector<M
             continue;
         }
         const auto a = tree.point<S>(c.a, all), b = tree.point<S>(c.b, all);
-        const S masses = c.a.body >= 0 && c.b.body >= 0
-                             ? exactly<S>(tree.node(c.a.body).mass * tree.node(c.b.body).mass)
-                             : S(0.0);
-        const Vector3Of<S> force = force_of<S>(c.coupling, PairState<S>{t, a.place, b.place, a.velocity, b.velocity, masses});
+        const S masses =
+            c.a.body >= 0 && c.b.body >= 0 ? exactly<S>(tree.node(c.a.body).mass * tree.node(c.b.body).mass) : S(0.0);
+        const Vector3Of<S> force =
+            force_of<S>(c.coupling, PairState<S>{t, a.place, b.place, a.velocity, b.velocity, masses});
         acts.couplings.push_back(force);
         if (c.a.body >= 0) {
             acts.wrenches[at(c.a.body)].force += force;

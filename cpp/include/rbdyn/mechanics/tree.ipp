@@ -214,7 +214,8 @@ RBDYN_INLINE std::string Tree::coordinates(int body) const {
     if (joint.as<UniversalLaw>() != nullptr) return "two angles of its universal joint" + on;
     if (joint.as<CylindricalLaw>() != nullptr) return "angle and displacement of its cylindrical joint" + on;
     if (joint.as<PlanarLaw>() != nullptr) return "place and angle in its plane" + on;
-    if (joint.as<FixedLaw>() != nullptr) return "none, it is welded" + (on.empty() ? std::string(" to the ground") : on);
+    if (joint.as<FixedLaw>() != nullptr)
+        return "none, it is welded" + (on.empty() ? std::string(" to the ground") : on);
     return "none, its joint is driven" + on;
 }
 

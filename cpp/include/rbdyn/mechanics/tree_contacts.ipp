@@ -118,8 +118,7 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
     used = mechanics::independent_rows(*tree_, *conditions_, used, all);
     std::vector<double> asked;
     for (const int r : used) asked.push_back(-mechanics::Conditions::rate(rows[at(r)], all));
-    const std::vector<double> changes =
-        mechanics::closing::Responses(*tree_, *conditions_, used, all).changes(asked);
+    const std::vector<double> changes = mechanics::closing::Responses(*tree_, *conditions_, used, all).changes(asked);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
 }
 
@@ -302,7 +301,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         const bool comes = is_in(landing, k), last = !group.empty() && k == group.front();
         if (!comes && !last && is) continue;
         if (!group.empty() && !last && is) continue;
-        Happening h{last    ? EventKind::accumulation
+        Happening h{last     ? EventKind::accumulation
                     : !comes ? EventKind::detach
                     : is     ? EventKind::land
                              : EventKind::impact,

@@ -93,8 +93,8 @@ private:
     double size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
     /// How fast they move at most [m/s].
     double speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
-    /// Which of some contacts, all at rest against each other, push and which open: by the accelerations they would have
-    /// if all were open. `doubtful`: those whose force is at zero, however rounding has it.
+    /// Which of some contacts, all at rest against each other, push and which open: by the accelerations they would
+    /// have if all were open. `doubtful`: those whose force is at zero, however rounding has it.
     void settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                 const std::vector<int>& doubtful) const;
     /// The velocities after what strikes at an instant; returns the impulse of each contact.
@@ -102,8 +102,9 @@ private:
                                const std::vector<double>& restitution) const;
     /// Takes from the velocities what moves contacts.
     void stop(double t, std::span<double> x, const std::vector<int>& of) const;
-    /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are lower
-    /// than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to come.
+    /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are
+    /// lower than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to
+    /// come.
     std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x,
                                   const std::vector<int>& closed, double& remaining) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();

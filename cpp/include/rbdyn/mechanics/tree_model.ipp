@@ -61,8 +61,9 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     }
     for (const Scene::Touch& c : scene.contacts())
         if (c.options.friction && c.options.friction->present())
-            throw InvalidInput(c.name + ": friction at contacts is not simulated in this version; leave it out, or guide "
-                                        "a Particle by a rough Rail");
+            throw InvalidInput(c.name +
+                               ": friction at contacts is not simulated in this version; leave it out, or guide "
+                               "a Particle by a rough Rail");
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
     conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
@@ -74,8 +75,8 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
             double least = 0.0;
             for (const mechanics::Node& other : tree_->nodes())
                 least = std::max(least, static_cast<double>(other.mass));
-            require(accelerate.mass(n.v + k) > 1e-28 * least, n.name, "inertia along velocity " + std::to_string(k) +
-                    " of its joint", accelerate.mass(n.v + k),
+            require(accelerate.mass(n.v + k) > 1e-28 * least, n.name,
+                    "inertia along velocity " + std::to_string(k) + " of its joint", accelerate.mass(n.v + k),
                     "what a joint leaves free has inertia: of the body, or of those joined to it; hold it otherwise, "
                     "or give it a thickness");
         }
@@ -122,8 +123,8 @@ RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
 }
 
 RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
-    const auto loose = mechanics::dependences(
-        *tree_, *conditions_, rows_, mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
+    const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
+                                              mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
     std::vector<std::string> names;
     for (const mechanics::Condition& c : conditions_->all())
         for (const auto& one : loose) {
@@ -168,12 +169,7 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
     const auto acting = acting_in(mode, 0, 0, state.t, state.x);
     if (!acting) return {*tree_, moving(t, x)};
     const std::span<const double> values(acting->values);
-    return {*tree_,
-            *conditions_,
-            *exerted_,
-            rows_in(mode),
-            moving(state.t, state.x),
-            values.subspan(at(variables()))};
+    return {*tree_, *conditions_, *exerted_, rows_in(mode), moving(state.t, state.x), values.subspan(at(variables()))};
 }
 
 RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t, std::span<const double> x) const {
@@ -241,8 +237,7 @@ RBDYN_INLINE ConstraintReport TreeModel::constraint(const Mode& mode, int index,
     return look(mode, t, x).constraints[at(index)];
 }
 
-RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, double t,
-                                              std::span<const double> x) const {
+RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, double t, std::span<const double> x) const {
     ContactReport report = look(mode, t, x).contacts[at(index)];
     if (mode.slip[at(index)] != flies) report.state = "slides";
     return report;
@@ -276,9 +271,7 @@ RBDYN_INLINE Observe TreeModel::observing(const Mode& mode, double t, std::span<
         mechanics::TreeState state;
     };
     const auto now = std::make_shared<const Present>(Present{{x.begin(), x.end()}, look(mode, t, x)});
-    return [this, now, t](const Observable& o) {
-        return mechanics::observed(now->state, *exerted_, o, t, now->x);
-    };
+    return [this, now, t](const Observable& o) { return mechanics::observed(now->state, *exerted_, o, t, now->x); };
 }
 
 RBDYN_INLINE Turning TreeModel::turning(int body, double t, std::span<const double> x) const {
@@ -365,9 +358,10 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     for (int k = 0; k < contacts(); ++k) {
         const auto row = at(conditions_->constraint_rows() + k);
         const double size = size_of(k, all), gap = gaps[row];
-        require(gap >= -1e-12 * size, conditions_->contacts()[at(k)].name, "gap", gap,
-                "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
-                "surface");
+        require(
+            gap >= -1e-12 * size, conditions_->contacts()[at(k)].name, "gap", gap,
+            "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
+            "surface");
         if (gap > 1e-12 * size) continue;
         const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
         if (speed <= noise) closed.push_back(k);
@@ -440,8 +434,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) out.push_back({*axis, false, 1.0, 1.0});
             out.push_back({m.omega, false, 0.0, m.omega.norm(), Alike::turning});
         }
-        const bool is_free = n.joint.as<mechanics::FreePointLaw>() != nullptr ||
-                             n.joint.as<mechanics::FreeBodyLaw>() != nullptr;
+        const bool is_free =
+            n.joint.as<mechanics::FreePointLaw>() != nullptr || n.joint.as<mechanics::FreeBodyLaw>() != nullptr;
         if (is_free || mode.equations == nullptr) continue;
         out.push_back({b.reaction.force, false, 0.0, b.effort.force.norm(), Alike::force});
         if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)

@@ -51,7 +51,8 @@ RBDYN_INLINE double observed(const TreeState& now, const Exerted& exerted, const
         case Quantity::position: return r.position[o.component];
         case Quantity::velocity: return r.velocity[o.component];
         case Quantity::acceleration: return r.acceleration[o.component];
-        case Quantity::quaternion: return o.component == 0 ? q.w : o.component == 1 ? q.x : o.component == 2 ? q.y : q.z;
+        case Quantity::quaternion:
+            return o.component == 0 ? q.w : o.component == 1 ? q.x : o.component == 2 ? q.y : q.z;
         case Quantity::rotation_matrix: return rotation_matrix(q)(o.component / 3, o.component % 3);
         case Quantity::euler_angles: {
             const EulerAngles a = euler_angles(q);

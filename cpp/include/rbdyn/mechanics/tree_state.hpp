@@ -32,11 +32,11 @@ namespace mechanics {
 
 struct TreeState {
     struct Body {
-        Vector3 arm, center, velocity, acceleration;  // of G; arm from P
-        Vector3 spin_momentum, spin_rate;             // K_G and its rate
+        Vector3 arm, center, velocity, acceleration;        // of G; arm from P
+        Vector3 spin_momentum, spin_rate;                   // K_G and its rate
         Vector3 angular_acceleration, origin_acceleration;  // the latter of P
-        Wrench<double> acts, reaction;                // about P
-        Wrench<double> effort;                        // sizes of what the reaction is a difference of
+        Wrench<double> acts, reaction;                      // about P
+        Wrench<double> effort;                              // sizes of what the reaction is a difference of
     };
 
     const Tree& tree;

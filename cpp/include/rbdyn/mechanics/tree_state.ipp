@@ -29,8 +29,8 @@ inline Matrix3 matrix(const AxesOf<double>& axes) { return columns(axes.e1, axes
 inline void add_sizes(Wrench<double>& sum, const Wrench<double>& w, const Vector3& r = Vector3::Zero()) {
     const Vector3 f = sizes(w.force), a = sizes(r);
     sum.force += f;
-    sum.moment += sizes(w.moment) +
-                  Vector3(a[1] * f[2] + a[2] * f[1], a[2] * f[0] + a[0] * f[2], a[0] * f[1] + a[1] * f[0]);
+    sum.moment +=
+        sizes(w.moment) + Vector3(a[1] * f[2] + a[2] * f[1], a[2] * f[0] + a[0] * f[2], a[0] * f[1] + a[1] * f[0]);
 }
 
 }  // namespace tree_states

@@ -209,8 +209,7 @@ RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
         case Quantity::reaction_torque: return reaction_alone(body).moment[o.component];
         case Quantity::parameter: return rail != nullptr ? q_[at(n.q)] : S(0.0);
         case Quantity::speed:
-            if (rail != nullptr)
-                return sqrt(rail->curve->at<S>(q_[at(n.q)], Placement{}).speed_squared) * v_[at(n.v)];
+            if (rail != nullptr) return sqrt(rail->curve->at<S>(q_[at(n.q)], Placement{}).speed_squared) * v_[at(n.v)];
             return length(m.velocity, std::string());
         case Quantity::kinetic_energy: {
             const Vector3Of<S> v = m.velocity_at(c);

@@ -235,7 +235,8 @@ RBDYN_INLINE HingeProjection::HingeProjection(const RigidLaw& law, int q, int v,
     for (const bool from_lowest : {false, true}) energy_[from_lowest] = energy(x, low, from_lowest);
 }
 
-RBDYN_INLINE void HingeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/, double /*t*/) const {
+RBDYN_INLINE void HingeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/,
+                                         double /*t*/) const {
     const Real turn = value(x, low, angle_) - lowest_, rate = value(x, low, rate_);
     const bool from_lowest = std::cos(turn) > 0.0L;
     const Real off = energy_[from_lowest] - energy(x, low, from_lowest);

@@ -40,10 +40,11 @@ struct ConstraintReport {
 
 /// What a contact does at a time, world axes.
 struct ContactReport {
-    double gap = 0.0;                                             // [m]
-    Vector3 force = Vector3::Zero(), slip = Vector3::Zero();      // on its first side [N]; of it relative to the other [m/s]
-    Vector3 place = Vector3::Zero(), normal = Vector3::Zero();    // where they touch, or are nearest
-    const char* state = "open";                                   // or "sticks", "slides"
+    double gap = 0.0;  // [m]
+    Vector3 force = Vector3::Zero(),
+            slip = Vector3::Zero();  // on its first side [N]; of it relative to the other [m/s]
+    Vector3 place = Vector3::Zero(), normal = Vector3::Zero();  // where they touch, or are nearest
+    const char* state = "open";                                 // or "sticks", "slides"
 };
 
 class SceneModel : public RecordedModel {

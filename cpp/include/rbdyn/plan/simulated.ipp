@@ -131,7 +131,8 @@ RBDYN_INLINE void Simulated::take(const SceneModel& model) {
 
 RBDYN_INLINE void Simulated::take(const SceneModel& model, int body) {
     const PointLaws* laws = model.special();
-    coordinates.push_back(model.name(body) + ": " + (laws != nullptr ? coordinates_of(*laws, body) : model.coordinates(body)));
+    coordinates.push_back(model.name(body) + ": " +
+                          (laws != nullptr ? coordinates_of(*laws, body) : model.coordinates(body)));
     if (laws != nullptr && model.why_all().empty()) leave_out_body(*laws, body, omissions);
 }
 

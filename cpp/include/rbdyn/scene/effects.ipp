@@ -76,9 +76,9 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
         if (const auto* torsion = std::get_if<TorsionSpring>(&l.load))
             note_spring(*torsion);
         else
-            note(is_present(l.load), std::holds_alternative<Drag>(l.load)     ? "drag"
-                                     : acting::turns(l.load)                          ? "user torque"
-                                                                              : "user force");
+            note(is_present(l.load), std::holds_alternative<Drag>(l.load) ? "drag"
+                                     : acting::turns(l.load)              ? "user torque"
+                                                                          : "user force");
     for (const Scene::Connection& c : scene.connections())
         for (const std::string_view effect : couplings::effects_of(c.coupling)) found.push_back(effect);
     note(!scene.contacts().empty(), "contact");
@@ -144,7 +144,7 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
             take_spring(*torsion);
         else if (is_gone(std::holds_alternative<Drag>(l.load) ? "drag"
                          : acting::turns(l.load)              ? "user torque"
-                                                                  : "user force"))
+                                                              : "user force"))
             l.load = acting::nothing_of(l.load);
     if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))
         for (Body& b : result.bodies_)

@@ -29,9 +29,9 @@ public:
     /// [](const auto& t, const auto& q, const auto& rate) { return ...; }
     template <class F>
     requires std::is_invocable_v<F, const Expression&, const Expression&, const Expression&> JointLoad(F f)
-        : JointLoad(Function::record(inputs, [&](const std::vector<Expression>& x) {
-              return std::vector<Expression>{f(x[0], x[1], x[2])};
-          })) {}
+        : JointLoad(Function::record(
+              inputs, [&](const std::vector<Expression>& x) { return std::vector<Expression>{f(x[0], x[1], x[2])}; })) {
+    }
 
     bool is_constant() const { return !function_ && !callback_; }
     const Given& constant() const { return constant_; }

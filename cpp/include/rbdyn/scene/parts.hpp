@@ -1,9 +1,10 @@
 // The parts of a scene: bodies that nothing joins, each part a scene of its own that is solved apart.
 //
-// Two bodies are joined by a joint, a coupling or a constraint between them and by a recorded watched function that asks for both. Nobody knows
-// what a function that is called back looks at, nor what an action that changes the state does: one of them joins all
-// bodies. Functions of time, numbers that several bodies share and integrals of the user's, which are looked at when
-// the motion is known, join nothing. A function of the time alone is watched with the first body.
+// Two bodies are joined by a joint, a coupling or a constraint between them and by a recorded watched function that
+// asks for both. Nobody knows what a function that is called back looks at, nor what an action that changes the state
+// does: one of them joins all bodies. Functions of time, numbers that several bodies share and integrals of the user's,
+// which are looked at when the motion is known, join nothing. A function of the time alone is watched with the first
+// body.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +20,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 struct SceneParts {
     struct Part {
-        Scene scene;              // without integrals
+        Scene scene;                // without integrals
         std::vector<int> bodies;    // by order of addition, as the rest of it
         std::vector<int> contacts;  // of the whole
     };

@@ -282,8 +282,9 @@ RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std
         std::visit([](const auto& c) { c.validate(); }, constraint);
     }
     if (body_of(a) < 0)
-        throw InvalidInput("constrain: a is a point of the world; what is held is a point of a body, and the world is "
-                           "b");
+        throw InvalidInput(
+            "constrain: a is a point of the world; what is held is a point of a body, and the world is "
+            "b");
     if (b && body_of(*b) == body_of(a))
         throw InvalidInput("constrain: both ends are on " + bodies_[static_cast<std::size_t>(body_of(a))].name +
                            "; a constraint joins two bodies, or one and the world");
@@ -294,7 +295,9 @@ RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std
                             std::holds_alternative<Universal>(constraint);
     if (needs_axes && !(turns(a) && (!b || turns(*b))))
         throw InvalidInput("constrain: a particle has no axes to be held; Ball() holds two points together");
-    const auto taken = [&](const std::string& n) { return has(constraints_, n) || has(bodies_, n) || has(watches_, n); };
+    const auto taken = [&](const std::string& n) {
+        return has(constraints_, n) || has(bodies_, n) || has(watches_, n);
+    };
     if (!name.empty() && taken(name))
         throw InvalidInput("constrain: there is a body, a watch or a constraint named \"" + name +
                            "\" already; names differ");
@@ -312,12 +315,14 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
     if (second >= 0) require_body(BodyHandle{second}, "contact");
     const Body& body = bodies_[static_cast<std::size_t>(first)];
     if (first == second)
-        throw InvalidInput("contact: both sides are on " + body.name + "; a contact is between two bodies, or one and "
+        throw InvalidInput("contact: both sides are on " + body.name +
+                           "; a contact is between two bodies, or one and "
                            "the world");
     const bool has_axes = std::holds_alternative<BodyPoint>(a) || std::holds_alternative<BodyDisc>(a) ||
                           std::holds_alternative<BodyEllipsoid>(a);
     if (body.rigid() == nullptr && has_axes)
-        throw InvalidInput("contact: " + body.name + " is a particle, which has no other points and no shape but a "
+        throw InvalidInput("contact: " + body.name +
+                           " is a particle, which has no other points and no shape but a "
                            "sphere; give its handle, or .sphere(radius)");
     const auto positive = [](double x, const std::string& what) {
         require(std::isfinite(x) && x > 0.0, "contact", what, x, "it is positive and finite, in m");
@@ -349,7 +354,8 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
                on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
     if (is_round && !on_plane)
         throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
-    if (second >= 0 && std::holds_alternative<BodyPlane>(b) && bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
+    if (second >= 0 && std::holds_alternative<BodyPlane>(b) &&
+        bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
         throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
                            " is a particle, which has no plane");
     const auto taken = [&](const std::string& n) {
@@ -500,16 +506,17 @@ RBDYN_INLINE void Scene::require_fitting(const Load& load, const Body& body, con
         if (const Prismatic* slide = std::get_if<Prismatic>(&body.joint)) return slide->motion.has_value();
         return false;
     }();
-    const bool turns_about_axis = !is_driven && (std::holds_alternative<Revolute>(body.joint) ||
-                                                 std::holds_alternative<Cylindrical>(body.joint) ||
-                                                 std::holds_alternative<Universal>(body.joint) ||
-                                                 std::holds_alternative<Planar>(body.joint)),
+    const bool turns_about_axis =
+                   !is_driven &&
+                   (std::holds_alternative<Revolute>(body.joint) || std::holds_alternative<Cylindrical>(body.joint) ||
+                    std::holds_alternative<Universal>(body.joint) || std::holds_alternative<Planar>(body.joint)),
                slides = !is_driven && (std::holds_alternative<Prismatic>(body.joint) ||
                                        std::holds_alternative<Cylindrical>(body.joint));
     if (std::holds_alternative<JointTorque>(load) && (!turns_about_axis || at))
-        throw InvalidInput("apply: a JointTorque acts about the axis of a Revolute, Cylindrical, Universal or Planar "
-                           "joint that is not driven, " +
-                           std::string(at ? "at no point" : "which " + body.name + " is not on"));
+        throw InvalidInput(
+            "apply: a JointTorque acts about the axis of a Revolute, Cylindrical, Universal or Planar "
+            "joint that is not driven, " +
+            std::string(at ? "at no point" : "which " + body.name + " is not on"));
     if (std::holds_alternative<JointForce>(load) && (!slides || at))
         throw InvalidInput("apply: a JointForce acts along a Prismatic or Cylindrical joint that is not driven, " +
                            std::string(at ? "at no point" : "which " + body.name + " is not on"));

@@ -52,7 +52,7 @@ namespace statics {
 /// The integral of Q over a way from a.
 inline double gained(PathForces::Values& q, double a, double way, double effort) {
     return curves::integral([&](double d) { return q(a + d); }, 0.0, way,
-                    std::numeric_limits<double>::epsilon() * std::abs(way) * effort);
+                            std::numeric_limits<double>::epsilon() * std::abs(way) * effort);
 }
 
 /// Whether a polynomial force along the whole way pushes on from the end of a piece for ever.

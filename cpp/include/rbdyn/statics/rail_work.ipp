@@ -11,11 +11,11 @@
 
 #include "rbdyn/body/particle.hpp"
 #include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/quadrature.hpp"
 #include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/path_forces.hpp"
-#include "rbdyn/curve/quadrature.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 

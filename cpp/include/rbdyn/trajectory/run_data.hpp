@@ -26,8 +26,8 @@ namespace rbdyn::inline RBDYN_FORM {
 struct RunData {
     Scene scene;
     Plan plan;
-    std::vector<RunData> parts;                // those of the plan, which then have the motion and this has none
-    std::shared_ptr<const SceneModel> model;   // none if there are parts
+    std::vector<RunData> parts;               // those of the plan, which then have the motion and this has none
+    std::shared_ptr<const SceneModel> model;  // none if there are parts
     Record record;
     Events events;
     std::string engine;

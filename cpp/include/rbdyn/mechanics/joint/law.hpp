@@ -82,8 +82,7 @@ public:
     void rates(const S* q, const S* v, S* rate) const {
         const int first = attitude();
         for (int k = 0; k < (first < 0 ? positions() : first); ++k) rate[k] = v[k];
-        if (first >= 0)
-            quaternion_rate<S>(q + first, Vector3Of<S>(v[first], v[first + 1], v[first + 2]), rate + first);
+        if (first >= 0) quaternion_rate<S>(q + first, Vector3Of<S>(v[first], v[first + 1], v[first + 2]), rate + first);
     }
 
 private:
