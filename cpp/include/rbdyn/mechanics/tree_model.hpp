@@ -108,7 +108,7 @@ private:
     std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x,
                                   const std::vector<int>& closed, double& remaining) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    static constexpr double lowest_bounce = 1024.0;  // in units of the rounding of the gap
+    static constexpr double lowest_bounce = 65536.0;  // in units of the rounding of the gap
     /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
     std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
                                                                 const std::vector<int>& of) const;
