@@ -79,6 +79,10 @@ class AttitudeLike : public py::object {
 class PoleLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(PoleLike, py::object, any_object)
 };
+/// A point or points, a function of time, a handle.
+class MovingPole : public py::object {
+    PYBIND11_OBJECT_DEFAULT(MovingPole, py::object, any_object)
+};
 /// A number, or a function of x, y, z.
 class DensityLike : public py::object {
     PYBIND11_OBJECT_DEFAULT(DensityLike, py::object, any_object)
@@ -163,7 +167,15 @@ UserFunction user_force(const py::object& f, std::optional<bool> trace, const st
 UserFunction user_torque(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(position), or f(x, y, z) -> a number. 3 inputs, 1 result.
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(distance) -> a number. 1 input, 1 result.
+UserFunction user_central(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t, r_a, r_b, v_a, v_b) -> three components. 13 inputs, 3 results.
+UserFunction user_pair_force(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t) -> three components. 1 input, 3 results.
+UserFunction user_pole(const py::object& f, const std::string& user);
 /// f(t) -> a number.
+/// A load along a joint, of (t, q, rate).
+UserFunction user_joint_load(const py::object& f, std::optional<bool> trace, const std::string& user);
 UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user);
 /// f(u) -> three components.
 UserFunction user_curve(const py::object& f, std::optional<bool> trace, const std::string& user);
@@ -209,6 +221,8 @@ inline const std::vector<py::ssize_t> shape_in_python = {};
 template <>
 inline const std::vector<py::ssize_t> shape_in_python<Vector3> = {3};
 template <>
+inline const std::vector<py::ssize_t> shape_in_python<std::array<double, 2>> = {2};
+template <>
 inline const std::vector<py::ssize_t> shape_in_python<rbdyn::EulerAngles> = {3};
 template <>
 inline const std::vector<py::ssize_t> shape_in_python<rbdyn::Quaternion> = {4};
@@ -221,6 +235,9 @@ py::array_t<double> to_array(const rbdyn::Matrix3& m);
 inline void write(double*& out, double value) { *out++ = value; }
 inline void write(double*& out, const Vector3& v) {
     for (int i = 0; i < 3; ++i) *out++ = v[i];
+}
+inline void write(double*& out, const std::array<double, 2>& pair) {
+    for (const double x : pair) *out++ = x;
 }
 inline void write(double*& out, const rbdyn::EulerAngles& a) {
     for (const double x : {a.theta, a.psi, a.phi}) *out++ = x;
@@ -279,6 +296,8 @@ py::array_t<double> rows_of(const std::vector<Vector3>& vectors);
 void bind_attitude(py::module_& m);
 void bind_poinsot(py::module_& m);
 void bind_bodies(py::module_& m);
+void bind_constraints(py::module_& m);
+void bind_couplings(py::module_& m);
 void bind_curves(py::module_& m);
 void bind_expressions(py::module_& m);
 void bind_functions(py::module_& m);
@@ -290,6 +309,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
+void bind_tree_joints(py::module_& m);
 void bind_euler_top(py::module_& m);
 void bind_verbs(py::module_& m);
 void bind_watch(py::module_& m);
@@ -376,6 +396,11 @@ struct handle_type_name<binding::AttitudeLike> {
 template <>
 struct handle_type_name<binding::PoleLike> {
     static constexpr auto name = const_name("str | numpy.typing.ArrayLike");
+};
+template <>
+struct handle_type_name<binding::MovingPole> {
+    static constexpr auto name = const_name(
+        "numpy.typing.ArrayLike | collections.abc.Callable | rbdyn._core.BodyHandle | rbdyn._core.BodyPoint");
 };
 template <>
 struct handle_type_name<binding::DensityLike> {

@@ -263,6 +263,13 @@ std::function<void(const double*, double*)> caller(const std::string& kind, cons
             std::copy(x + 1, x + count, a.begin());
             f(*x, a.data(), a.data() + size, y, tail...);
         };
+    if (kind == "void(double,double*,double*,double*,double*,double*)")
+        return [f = reinterpret_cast<void (*)(double, double*, double*, double*, double*, double*, Tail...)>(address),
+                held, tail...](const double* x, double* y) {
+            std::array<double, 12> a{};
+            std::copy(x + 1, x + 13, a.begin());
+            f(*x, a.data(), a.data() + 3, a.data() + 6, a.data() + 9, y, tail...);
+        };
     return {};
 }
 

@@ -277,6 +277,18 @@ UserFunction user_torque(const py::object& f, std::optional<bool> trace, const s
 UserFunction user_potential(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{3}, 1, "it returns one number, in J"});
 }
+UserFunction user_joint_load(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1, 1, 1}, 1, "it returns one number"});
+}
+UserFunction user_central(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1}, 1, "it returns one number, in N"});
+}
+UserFunction user_pair_force(const py::object& f, std::optional<bool> trace, const std::string& user) {
+    return user_function(f, trace, user, {{1, 3, 3, 3, 3}, 3, "a force has three components, in N"});
+}
+UserFunction user_pole(const py::object& f, const std::string& user) {
+    return user_function(f, std::nullopt, user, {{1}, 3, "a pole has three coordinates, in m"});
+}
 UserFunction user_time_function(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{1}, 1, "it returns one number"});
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <rbdyn/scene/scene.hpp>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "binding.hpp"
@@ -15,7 +16,7 @@
 namespace binding {
 
 struct Handle {
-    enum class Of { body, load, coupling, watch } of = Of::body;
+    enum class Of { body, load, coupling, watch, constraint, contact } of = Of::body;
     int index = -1;
     std::uint64_t id = 0;
     std::string name;
@@ -28,6 +29,8 @@ struct BodyHandle : Handle {};
 struct LoadHandle : Handle {};
 struct CouplingHandle : Handle {};
 struct WatchHandle : Handle {};
+struct ConstraintHandle : Handle {};
+struct ContactHandle : Handle {};
 
 /// A point of a body, in body axes.
 struct BodyPoint {
@@ -36,12 +39,23 @@ struct BodyPoint {
     bool operator==(const BodyPoint& other) const { return body.id == other.body.id && point == other.point; }
 };
 
+/// A part of a body that touches, or a surface of it, in body axes.
+struct BodyShape {
+    using Shape = std::variant<rbdyn::BodySphere, rbdyn::BodyDisc, rbdyn::BodyEllipsoid, rbdyn::BodyPlane>;
+
+    BodyHandle body;
+    Shape shape;
+    bool operator==(const BodyShape& other) const { return body.id == other.body.id && shape == other.shape; }
+};
+
 /// The handles of a scene, by order of addition.
 struct Handles {
     std::vector<BodyHandle> bodies;
     std::vector<LoadHandle> loads;
     std::vector<CouplingHandle> couplings;
     std::vector<WatchHandle> watches;
+    std::vector<ConstraintHandle> constraints = {};
+    std::vector<ContactHandle> contacts = {};
 
     bool has(const Handle& h) const {
         const auto among = [&](const auto& known) {
@@ -52,15 +66,17 @@ struct Handles {
             case Handle::Of::body: return among(bodies);
             case Handle::Of::load: return among(loads);
             case Handle::Of::coupling: return among(couplings);
+            case Handle::Of::constraint: return among(constraints);
+            case Handle::Of::contact: return among(contacts);
             default: return among(watches);
         }
     }
     /// Throws InvalidInput for a handle of another scene.
     void require(const Handle& h, const std::string& user) const {
         if (!has(h))
-            throw InvalidInput(
-                user + ": \"" + h.name +
-                "\" is a handle of another scene; use what add(), connect(), apply() or watch() of this one returned");
+            throw InvalidInput(user + ": \"" + h.name +
+                               "\" is a handle of another scene; use what add(), connect(), constrain(), contact(), "
+                               "apply() or watch() of this one returned");
     }
     /// The body of a handle. Throws InvalidInput for any other handle.
     rbdyn::BodyHandle body(const Handle& h, const std::string& user) const {

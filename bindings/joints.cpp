@@ -18,17 +18,21 @@ void bind_axis_joint(py::module_& m, const char* name, const char* doc, const ch
     const std::string called = name;
     py::class_<Joint> joint(m, name, doc);
     joint
-        .def(py::init([called](const ArrayLike& axis, const ArrayLike& at, const ArrayLike& point) {
-                 const Joint j{vector3(axis, called, "axis"), vector3(at, called, "at"),
-                               vector3(point, called, "point")};
+        .def(py::init([called](const ArrayLike& axis, const ArrayLike& at, const ArrayLike& point,
+                               const MotionOrNone& motion) {
+                 Joint j{vector3(axis, called, "axis"), vector3(at, called, "at"), vector3(point, called, "point")};
+                 if (!motion.is_none()) j.motion = recorded_time_function(motion, called + ": motion");
                  j.validate();
                  return j;
              }),
-             py::arg("axis"), py::kw_only(), py::arg("at") = origin, py::arg("point") = origin, at_doc)
+             py::arg("axis"), py::kw_only(), py::arg("at") = origin, py::arg("point") = origin,
+             py::arg("motion") = py::none(), at_doc)
         .def_property_readonly(
-            "axis", [](const Joint& j) { return to_python(j.axis); }, "Its direction as given (3,), world axes.")
+            "axis", [](const Joint& j) { return to_python(j.axis); }, "Its direction as given (3,), the parent's axes.")
         .def_property_readonly(
-            "at", [](const Joint& j) { return to_python(j.at); }, "In the world (3,) [m].")
+            "at", [](const Joint& j) { return to_python(j.at); }, "In the parent's axes (3,) [m].")
+        .def_property_readonly(
+            "driven", [](const Joint& j) { return j.motion.has_value(); }, "Whether its coordinate is prescribed.")
         .def_property_readonly(
             "point", [](const Joint& j) { return to_python(j.point); }, "In body axes (3,) [m].")
         .def("__repr__", [called](const Joint& j) {
@@ -36,9 +40,19 @@ void bind_axis_joint(py::module_& m, const char* name, const char* doc, const ch
                    ")";
         });
     as_data(
-        joint, [](const Joint& j) { return py::make_tuple(tuple_of(j.axis), tuple_of(j.at), tuple_of(j.point)); },
+        joint,
+        [](const Joint& j) {
+            const py::object motion = !j.motion                 ? py::object(py::none())
+                                      : j.motion->is_constant() ? py::object(py::float_(j.motion->constant()))
+                                                                : py::cast(j.motion->function());
+            return py::make_tuple(tuple_of(j.axis), tuple_of(j.at), tuple_of(j.point), motion);
+        },
         [](const py::tuple& d) {
-            return Joint{vector_from(d[0]), vector_from(d[1]), vector_from(d[2])};
+            Joint j{vector_from(d[0]), vector_from(d[1]), vector_from(d[2])};
+            if (d.size() > 3 && py::isinstance<py::float_>(d[3])) j.motion = rbdyn::TimeFunction(d[3].cast<double>());
+            if (d.size() > 3 && py::isinstance<rbdyn::Function>(d[3]))
+                j.motion = rbdyn::TimeFunction(d[3].cast<rbdyn::Function>());
+            return j;
         });
 }
 
@@ -98,14 +112,16 @@ The body starts with attitude, and angular_velocity (body axes) or angular_veloc
 
 The body starts with angle [rad] and rate [rad/s], right-handed about the axis. At angle 0 body axes and world axes
 coincide, so that the axis is the same direction in both.)",
-        R"(axis (3,): a direction, of any length; at (3,): where in the world it passes; point (3,): which
-point of the body is held there, body axes [m].)");
+        R"(axis (3,): a direction, of any length; at (3,): where it passes, both in the parent's axes (the world's by
+default); point (3,): which point of the body is held there, body axes [m]; motion: the angle [rad] as a function of time
+[s], if it is prescribed: then the start has none.)");
     bind_axis_joint<Prismatic>(
         m, "Prismatic", R"(A slide: a rigid body moves along an axis without turning.
 
 The body starts with displacement [m] and rate [m/s] along the axis. Body axes are those of the world.)",
-        R"(axis (3,): a direction, of any length; at (3,): where in the world the point is at displacement
-0; point (3,): that point of the body, body axes [m].)");
+        R"(axis (3,): a direction, of any length; at (3,): where the point is at displacement 0, both in the parent's axes (the
+world's by default); point (3,): that point of the body, body axes [m]; motion: the displacement [m] as a function of time
+[s], if it is prescribed: then the start has none.)");
 }
 
 }  // namespace binding

@@ -1,6 +1,5 @@
-// Loads on a body, and couplings between two.
+// Loads on a body.
 #include <optional>
-#include <rbdyn/scene/couplings.hpp>
 #include <rbdyn/scene/loads.hpp>
 
 #include "data.hpp"
@@ -9,8 +8,8 @@ namespace binding {
 
 namespace {
 
-using rbdyn::Drag, rbdyn::Force, rbdyn::Frame, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Spring,
-    rbdyn::Torque, rbdyn::TorsionSpring;
+using rbdyn::Drag, rbdyn::Force, rbdyn::Frame, rbdyn::Function, rbdyn::Lorentz, rbdyn::Potential, rbdyn::Torque,
+    rbdyn::TorsionSpring;
 
 using Number = NumberOrParameter;
 
@@ -75,6 +74,39 @@ void bind_vector_load(py::class_<Load>& load, const std::string& kind, Frame usu
         });
 }
 
+template <class Load>
+void bind_joint_load(py::module_& m, const char* name, const char* doc, const char* f_doc) {
+    const std::string kind = name;
+    py::class_<Load> load(m, name, doc);
+    load.def(py::init([kind](const NumberOrFunction& f, std::optional<bool> trace) {
+                 if (!is_function(f)) return Load(rbdyn::JointLoad(given(f, kind, "f")));
+                 const UserFunction user = user_joint_load(f, trace, kind);
+                 return user.callback ? Load(rbdyn::JointLoad(user.callback))
+                                      : Load(rbdyn::JointLoad(user.function, user.name));
+             }),
+             py::arg("f"), py::kw_only(), py::arg("trace") = py::none(), f_doc)
+        .def_property_readonly(
+            "name", [](const Load& l) { return l.name(); }, "Of its function.")
+        .def("__repr__", [kind](const Load& l) {
+            return kind + "(" +
+                   (l.is_constant() ? text(l.constant()) : l.name() + (l.callback() ? ", called back" : ", traced")) +
+                   ")";
+        });
+    as_data(
+        load,
+        [kind](const Load& l) -> py::tuple {
+            if (l.callback())
+                throw py::type_error(kind + ": function \"" + l.name() +
+                                     "\" is called back, and only what is traced can be hashed or pickled");
+            if (l.is_constant()) return py::make_tuple(to_python(l.constant()));
+            return py::make_tuple(l.function(), l.name());
+        },
+        [](const py::tuple& d) {
+            if (d.size() == 1) return Load(rbdyn::JointLoad(given_from(d[0])));
+            return Load(rbdyn::JointLoad(d[0].cast<Function>(), d[1].cast<std::string>()));
+        });
+}
+
 }  // namespace
 
 void bind_loads(py::module_& m) {
@@ -106,7 +138,8 @@ frame: the axes the torque is in, "body" or "world". trace: as for Force.)");
     bind_vector_load(torque, "Torque", Frame::body,
                      "The recorded function of t, the matrix row by row, and the angular velocity, if there is one.");
 
-    py::class_<TorsionSpring> torsion(m, "TorsionSpring", R"(A spring about a hinge, with a damper.
+    py::class_<TorsionSpring> torsion(m, "TorsionSpring",
+                                      R"(A spring about a hinge, with a damper, between the body and its parent.
 
 Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)");
     torsion
@@ -137,6 +170,15 @@ Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).)"
         [](const py::tuple& d) {
             return TorsionSpring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
+
+    bind_joint_load<rbdyn::JointTorque>(
+        m, "JointTorque", R"(A torque about the axis of a joint: on the body, its opposite on its parent.
+
+Of a hinge, also one that slides or in a plane; of a universal joint about its first axis. No part of the reaction.)",
+        "f: a number [N m], or f(t, angle, rate) that returns one. trace: as for Force.");
+    bind_joint_load<rbdyn::JointForce>(
+        m, "JointForce", R"(A force along a slide: on the body, its opposite on its parent. No part of the reaction.)",
+        "f: a number [N], or f(t, displacement, rate) that returns one. trace: as for Force.");
 
     py::class_<Potential> potential(m, "Potential", R"(A force by its potential: F = +grad U (the chapter's sign).
 
@@ -198,37 +240,6 @@ of three expressions. Raises InvalidInput if it cannot be; then a Force may take
         drag, [](const Drag& d) { return py::make_tuple(to_python(d.linear), to_python(d.quadratic)); },
         [](const py::tuple& d) {
             return Drag{given_from(d[0]), given_from(d[1])};
-        });
-
-    py::class_<Spring> spring(m, "Spring", R"(A spring with a damper along it.
-
--(stiffness (length - rest_length) + damping d(length)/dt) along the line of its ends.)");
-    spring
-        .def(py::init([](const Number& stiffness, const Number& rest_length, const Number& damping) {
-                 const Spring s{given(stiffness, "Spring", "stiffness"), given(rest_length, "Spring", "rest_length"),
-                                given(damping, "Spring", "damping")};
-                 s.validate();
-                 return s;
-             }),
-             py::arg("stiffness"), py::arg("rest_length") = 0.0, py::arg("damping") = 0.0,
-             "stiffness [N/m], rest_length [m], damping [kg/s]; zero or positive.")
-        .def_property_readonly(
-            "stiffness", [](const Spring& x) { return to_python(x.stiffness); }, "[N/m]")
-        .def_property_readonly(
-            "rest_length", [](const Spring& x) { return to_python(x.rest_length); }, "[m]")
-        .def_property_readonly(
-            "damping", [](const Spring& x) { return to_python(x.damping); }, "[kg/s]")
-        .def("__repr__", [](const Spring& s) {
-            return "Spring(stiffness=" + text(s.stiffness) + ", rest_length=" + text(s.rest_length) +
-                   ", damping=" + text(s.damping) + ")";
-        });
-    as_data(
-        spring,
-        [](const Spring& s) {
-            return py::make_tuple(to_python(s.stiffness), to_python(s.rest_length), to_python(s.damping));
-        },
-        [](const py::tuple& d) {
-            return Spring{given_from(d[0]), given_from(d[1]), given_from(d[2])};
         });
 }
 

@@ -49,7 +49,10 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_poinsot(m);
     binding::bind_rails(m);
     binding::bind_joints(m);
+    binding::bind_tree_joints(m);
+    binding::bind_constraints(m);
     binding::bind_loads(m);
+    binding::bind_couplings(m);
     binding::bind_scene(m);
     binding::bind_watch(m);
     binding::bind_plan(m);

@@ -12,7 +12,7 @@ using rbdyn::Plan;
 /// What a plan says; its equations stay behind.
 py::tuple plan_data(const Plan& p) {
     return py::make_tuple(p.coordinates, p.effects, p.guards, p.functions, p.engine, p.reason, p.integrator,
-                          p.omissions, p.integrals, p.parts, p.size(), p.variables());
+                          p.omissions, p.integrals, p.parts, p.size(), p.variables(), p.freedom(), p.not_unique);
 }
 Plan plan_from(const py::tuple& d) {
     using Lines = std::vector<std::string>;
@@ -27,7 +27,9 @@ Plan plan_from(const py::tuple& d) {
     p.omissions = d[7].cast<std::vector<Plan::Omission>>();
     p.integrals = d[8].cast<Lines>();
     p.parts = d[9].cast<std::vector<Plan>>();
-    p.told = Plan::Told{d[10].cast<rbdyn::Size>(), d[11].cast<std::pair<int, int>>()};
+    p.told =
+        Plan::Told{d[10].cast<rbdyn::Size>(), d[11].cast<std::pair<int, int>>(), d.size() > 12 ? d[12].cast<int>() : 0};
+    if (d.size() > 13) p.not_unique = d[13].cast<Lines>();
     return p;
 }
 
@@ -73,6 +75,10 @@ void bind_plan(py::module_& m) {
         .def_property_readonly("size", &Plan::size,
                                "Of the equations that a motion from time 0 begins with; of several parts the sum.")
         .def_readonly("functions", &Plan::functions, "The user's own functions: traced, or called back and why.")
+        .def_property_readonly("freedom", &Plan::freedom,
+                               "Degrees of freedom: those that joints and constraints leave.")
+        .def_readonly("not_unique", &Plan::not_unique,
+                      "Constraints whose forces are not determined by the motion: those told have the least norm.")
         .def_readonly("engine", &Plan::engine,
                       "The automatic choice; of several parts those of all, such as \"closed form, taylor\".")
         .def_readonly("reason", &Plan::reason, "Why that engine.")

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <rbdyn/trajectory/trajectory.hpp>
+#include <variant>
 
 #include "handles.hpp"
 
@@ -16,7 +17,7 @@ struct BoundTrajectory {
 
 struct BoundEvent {
     rbdyn::Event event;
-    std::optional<BodyHandle> subject;
+    std::optional<std::variant<BodyHandle, ContactHandle>> subject;
 };
 
 /// From "after" or "before"; the first is what is meant where nothing is said.

@@ -1,5 +1,6 @@
-// What a scene says at rest: equilibria, and the potential of a bead along its rail.
+// What a scene says at rest: equilibria, normal modes, and the potential of a bead along its rail.
 #include <rbdyn/statics/equilibria.hpp>
+#include <rbdyn/statics/normal_modes.hpp>
 #include <rbdyn/statics/rail_potential.hpp>
 
 #include "handles.hpp"
@@ -112,6 +113,58 @@ An empty list: none was found. Raises InvalidInput for a scene without bodies, w
 or are called back, or with rails that move.)");
 }
 
+py::array_t<double> matrix_of(const rbdyn::SquareMatrix& m) {
+    return py::array_t<double>({m.size(), m.size()}, m.entries().data());
+}
+
+void bind_normal_modes(py::module_& m) {
+    using rbdyn::NormalModes;
+    const auto data = [](const NormalModes& n) { return py::make_tuple(n.squares, n.frequencies, n.shapes.entries()); };
+    py::class_<NormalModes>(m, "NormalModes", "Small oscillations about a state of rest.")
+        .def_property_readonly(
+            "frequencies", [](const NormalModes& n) { return array_of(n.frequencies); },
+            R"(In ascending order (n,) [rad/s]; zero where nothing pushes back, not a number where the rest is unstable.)")
+        .def_property_readonly(
+            "squares", [](const NormalModes& n) { return array_of(n.squares); },
+            R"(Of the frequencies, in the same order (n,) [1/s^2]; negative where the rest is unstable.)")
+        .def_property_readonly(
+            "shapes", [](const NormalModes& n) { return matrix_of(n.shapes); },
+            R"(One a column (n, n), of unit length in the metric of the kinetic energy: s.M s = 1.
+
+The component of largest size is positive. Rows, in order of addition: the parameter of a bead; x, y, z of a free particle;
+the angle of a hinge; the displacement of a slide; of a body that turns freely the place of its centre of mass, if it is
+free, and small turns about the body's axes [rad].)")
+        .def("__eq__",
+             [](const NormalModes& a, const py::object& other) {
+                 if (!py::isinstance<NormalModes>(other)) return false;
+                 const auto& b = other.cast<const NormalModes&>();
+                 return a.squares == b.squares && a.shapes == b.shapes;
+             })
+        .def("__hash__", [](const NormalModes& n) { return py::hash(numbers_of(n.squares)); })
+        .def(py::pickle(data,
+                        [](const py::tuple& d) {
+                            NormalModes n{d[0].cast<std::vector<double>>(), d[1].cast<std::vector<double>>(),
+                                          rbdyn::SquareMatrix()};
+                            const auto entries = d[2].cast<std::vector<double>>();
+                            const int size = static_cast<int>(n.squares.size());
+                            n.shapes = rbdyn::SquareMatrix(size);
+                            for (int i = 0; i < size * size; ++i)
+                                n.shapes(i / size, i % size) = entries[static_cast<std::size_t>(i)];
+                            return n;
+                        }))
+        .def("__str__", &printed<NormalModes>)
+        .def("__repr__", [](const NormalModes& n) { return "<NormalModes: squares " + tuple_text(n.squares) + ">"; });
+    m.def(
+        "normal_modes",
+        [](const BoundScene& scene, const rbdyn::Equilibrium& at) { return rbdyn::normal_modes(scene.scene, at); },
+        py::arg("scene"), py::arg("at"),
+        R"(The small oscillations of a scene about one of its equilibria: K s = square M s.
+
+M is the mass matrix of the kinetic energy, K the stiffness, exact derivatives of the recorded forces. Damping and all that
+depends on velocity is left aside. Raises InvalidInput where `at` is no equilibrium, where friction holds a bead, and where
+forces depend on time, are called back, or have no potential.)");
+}
+
 /// A potential with the scene it is of, as that was.
 struct BoundPotential : rbdyn::RailPotential {
     BoundPotential(const BoundScene& given, const BodyHandle& handle)
@@ -215,6 +268,7 @@ drag, dampers, a rail that moves, springs to other bodies, forces that depend on
 
 void bind_statics(py::module_& m) {
     bind_equilibria(m);
+    bind_normal_modes(m);
     bind_rail_potential(m);
 }
 

@@ -31,7 +31,18 @@ _Of3: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any, typin
 _Of7: typing.TypeAlias = collections.abc.Callable[
     [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
 ]
+_Of5: typing.TypeAlias = collections.abc.Callable[
+    [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
+]
+_Of13: typing.TypeAlias = collections.abc.Callable[
+    [
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any,
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any
+    ],
+    typing.Any,
+]
 _Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
+_Pole: typing.TypeAlias = numpy.typing.ArrayLike | _Of1 | Function | BodyHandle | BodyPoint
 _Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
 _Engine: typing.TypeAlias = typing.Literal[{engines}]
 """
@@ -107,7 +118,11 @@ def typed(text: str) -> str:
     text = text.replace("drive: float | _Function", "drive: float | Parameter | _Of1 | Function")
     text = text.replace("motion: _Function | None", "motion: _Of1 | Function | None")
     text = text.replace("density: float | _Function", "density: float | _Of3")
+    for name, functions in {"Central": "_Of1", "PairForce": "_Of5 | _Of13"}.items():
+        text = _of_class(text, name, (r"f: typing\.Any", f"f: {functions} | _Compiled"))
     # words
+    kinetic = _literal(("world", "center of mass"))
+    text = re.sub(r"(def kinetic_energy\(.*frame: )str\b", rf"\1{kinetic}", text)
     for name, words in WORDS.items():
         kind = "_Engine" if name == "engine" else _literal(words)
         text = re.sub(rf"\b{name}: str\b", f"{name}: {kind}", text)
@@ -115,6 +130,7 @@ def typed(text: str) -> str:
     text = re.sub(r"\bside: str\b", f"side: {_literal(SIDES)}", text)
     text = re.sub(r"\bkeep: str\b", f"keep: {_literal(('all', 'end'))}", text)
     text = re.sub(r"\baction: str \| _Function", f"action: {_literal(('record', 'stop'))} | _Watched", text)
+    text = text.replace("pole: numpy.typing.ArrayLike | _Function | BodyHandle | BodyPoint", "pole: _Pole")
     text = text.replace("about: str | ", f"about: {_literal(('com', 'origin'))} | ")
     # handles and functions
     text = text.replace(

@@ -3,11 +3,13 @@
 #include <rbdyn/trajectory/run_bytes.hpp>
 #include <set>
 
+#include "data.hpp"
+#include "recording.hpp"
 #include "run.hpp"
 
 namespace binding {
 
-using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::SpringMotion, rbdyn::Statistics,
+using rbdyn::BodyMotion, rbdyn::Event, rbdyn::Events, rbdyn::Side, rbdyn::CouplingMotion, rbdyn::Statistics,
     rbdyn::Trajectory;
 
 namespace {
@@ -24,6 +26,7 @@ struct BoundEvents {
     const Events& list() const { return *events; }
     BoundEvent at(std::size_t i) const {
         const Event& e = list()[i];
+        if (e.contact >= 0) return {e, handles->contacts[static_cast<std::size_t>(e.contact)]};
         if (e.subject < 0) return {e, std::nullopt};
         return {e, handles->bodies[static_cast<std::size_t>(e.subject)]};
     }
@@ -34,8 +37,13 @@ struct BoundMotion {
     const rbdyn::Scene::Body* body;  // of the run's scene, which the motion keeps
     std::string name;
 };
-struct BoundSpring {
-    SpringMotion motion;
+struct BoundCoupling {
+    CouplingMotion motion;
+    std::string name;
+};
+
+struct BoundConstraint {
+    rbdyn::ConstraintMotion motion;
     std::string name;
 };
 
@@ -88,6 +96,12 @@ Parts parts_of(const BoundTrajectory& self, const Of& of) {
     const auto take = [&](const Handle& h) {
         self.handles->require(h, "Trajectory");
         switch (h.of) {
+            case Handle::Of::contact:
+                throw InvalidInput("Trajectory: \"" + h.name +
+                                   "\" is a contact, and those have no power of their own here");
+            case Handle::Of::constraint:
+                throw InvalidInput("Trajectory: \"" + h.name +
+                                   "\" is a constraint, and those do no work on what they join");
             case Handle::Of::body: parts.bodies.push_back({h.index}); break;
             case Handle::Of::load: parts.loads.push_back({h.index}); break;
             case Handle::Of::coupling: parts.couplings.push_back({h.index}); break;
@@ -118,10 +132,15 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
     for (const Event& e : self.list()) known.insert(e.name);
     for (const Handle& h : self.handles->bodies) known.insert(h.name);
     for (const Handle& h : self.handles->watches) known.insert(h.name);
+    for (const Handle& h : self.handles->contacts) known.insert(h.name);
     if (known.count(kind_or_name) == 0)
         throw InvalidInput("Events: \"" + kind_or_name +
                            "\" is no name in this run and no kind of event; the kinds are " + kinds);
     if (!subject) return self.list().times(kind_or_name);
+    if (subject->of == Handle::Of::contact) {
+        self.handles->require(*subject, "Events");
+        return self.list().times(kind_or_name, rbdyn::ContactHandle{subject->index});
+    }
     return self.list().times(kind_or_name, self.handles->body(*subject, "Events"));
 }
 
@@ -129,7 +148,7 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
 
 py::tuple data_of(const Event& e) {
     return py::make_tuple(e.time, static_cast<int>(e.kind), e.subject, e.name, static_cast<int>(e.direction), e.impulse,
-                          e.instant.hi, e.instant.lo);
+                          e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push));
 }
 Event event_from(const py::handle& data) {
     const auto d = py::reinterpret_borrow<py::tuple>(data);
@@ -141,6 +160,8 @@ Event event_from(const py::handle& data) {
     e.direction = static_cast<rbdyn::Direction>(d[4].cast<int>());
     e.impulse = d[5].cast<double>();
     e.instant = {d[6].cast<double>(), d[7].cast<double>()};
+    if (d.size() > 8) e.contact = d[8].cast<int>();
+    if (d.size() > 9) e.push = vector_from(d[9]);
     return e;
 }
 bool same(const BoundEvent& a, const BoundEvent& b) {
@@ -185,12 +206,17 @@ void bind_events(py::module_& m) {
         .def_property_readonly(
             "name", [](const BoundEvent& e) { return e.event.name; }, "Of the watch or of the subject.")
         .def_property_readonly(
-            "subject", [](const BoundEvent& e) { return e.subject; }, "Handle of the body, or None.")
+            "subject", [](const BoundEvent& e) { return e.subject; }, "Handle of the body or the contact, or None.")
         .def_property_readonly(
             "direction", [](const BoundEvent& e) { return name_of(e.event.direction); },
             "In which the watched quantity passed zero: rising, falling or either.")
         .def_property_readonly(
-            "impulse", [](const BoundEvent& e) { return e.event.impulse; }, "Of an impact [N s].")
+            "impulse",
+            [](const BoundEvent& e) {
+                return py::reinterpret_borrow<Values>(e.event.contact >= 0 ? to_python(e.event.push)
+                                                                           : to_python(e.event.impulse));
+            },
+            "Of an impact [N s]: of a contact a vector (3,) on its first side, world axes, else its size.")
         .def("__eq__",
              [](const BoundEvent& a, const py::object& b) {
                  return py::isinstance<BoundEvent>(b) && same(a, b.cast<const BoundEvent&>());
@@ -198,7 +224,8 @@ void bind_events(py::module_& m) {
         .def("__hash__", [](const BoundEvent& e) { return py::hash(data_of(e.event)); })
         .def(py::pickle([](const BoundEvent& e) { return py::make_tuple(data_of(e.event), e.subject); },
                         [](const py::tuple& d) {
-                            return BoundEvent{event_from(d[0]), d[1].cast<std::optional<BodyHandle>>()};
+                            return BoundEvent{event_from(d[0]),
+                                              d[1].cast<std::optional<std::variant<BodyHandle, ContactHandle>>>()};
                         }))
         .def("__str__", [](const BoundEvent& e) { return printed(e.event); })
         .def("__repr__", [](const BoundEvent& e) { return "<Event: " + printed(e.event) + ">"; });
@@ -306,19 +333,27 @@ std::vector<std::string> quantities_of(const rbdyn::Scene::Body& body) {
           "euler_angles", "euler_rates", "angular_velocity", "angular_velocity_world", "angular_acceleration",
           "poisson_vector", "instantaneous_axis"});
     if (!std::holds_alternative<rbdyn::Free>(body.joint)) also({"reaction", "reaction_torque"});
-    if (std::holds_alternative<rbdyn::Revolute>(body.joint)) also({"angle", "rate"});
+    const auto is_on = [&]<class J>(const J*) { return std::holds_alternative<J>(body.joint); };
+    if (is_on(static_cast<rbdyn::Revolute*>(nullptr)) || is_on(static_cast<rbdyn::Planar*>(nullptr)))
+        also({"angle", "rate"});
+    if (is_on(static_cast<rbdyn::Cylindrical*>(nullptr))) also({"angle", "rate", "displacement", "displacement_rate"});
+    if (is_on(static_cast<rbdyn::Universal*>(nullptr))) also({"angles", "rates"});
     if (std::holds_alternative<rbdyn::Prismatic>(body.joint)) also({"displacement", "rate"});
     return names;
 }
 
 /// A pair of vectors at each time, as a named tuple of python/rbdyn/frames.py.
-template <class Named, class F>
-Named pair_over(const char* name, const ArrayLike& t, F&& f) {
+template <class Pair, class F>
+Pair pair_over(const ArrayLike& t, F&& f) {
     std::vector<std::pair<Vector3, Vector3>> kept;
     const auto first = over(t, "Trajectory", "time", [&](double x) { return kept.emplace_back(f(x)).first; });
     auto next = kept.cbegin();
     const auto second = over(t, "Trajectory", "time", [&](double) { return (next++)->second; });
-    return Named(py::module_::import("rbdyn.frames").attr(name)(first, second));
+    return Pair(py::make_tuple(first, second));
+}
+template <class Named, class F>
+Named pair_over(const char* name, const ArrayLike& t, F&& f) {
+    return Named(py::module_::import("rbdyn.frames").attr(name)(*pair_over<py::tuple>(t, f)));
 }
 
 void bind_motions(py::module_& m) {
@@ -362,9 +397,12 @@ R = Rz(psi) Rx(theta) Rz(phi). An integrated run that keeps its end alone does n
     define("poisson_vector", &M::poisson_vector, "The world's third axis in body axes (7.59). Of a rigid body.");
     define("reaction_torque", &M::reaction_torque,
            "Moment that the joint exerts on a rigid body, about the point it holds [N m].");
-    define("angle", &M::angle, "Of a hinge [rad].");
-    define("displacement", &M::displacement, "Of a slide [m].");
-    define("rate", &M::rate, "Of a hinge [rad/s] or a slide [m/s].");
+    define("angle", &M::angle, "Of a hinge, also one that slides, or in a plane [rad].");
+    define("displacement", &M::displacement, "Of a slide, also of a hinge that slides [m].");
+    define("rate", &M::rate, "Of the angle [rad/s], or of the displacement of a slide [m/s].");
+    define("displacement_rate", &M::displacement_rate, "Of a hinge that slides [m/s].");
+    define("angles", &M::angles, "Of a universal joint, about its first axis and its second [rad]: (2,) or (n, 2).");
+    define("rates", &M::rates, "Of these angles [rad/s]: (2,) or (n, 2).");
     body.def(
             "instantaneous_axis",
             [](const BoundMotion& self, const ArrayLike& t, const SideName& name) {
@@ -391,20 +429,74 @@ point: that of the axis nearest to the centre of mass [m]; direction: of unit le
             "Names of the quantities this body has.")
         .def("__repr__", [](const BoundMotion& b) { return "<BodyMotion: " + b.name + ">"; });
 
-    py::class_<BoundSpring> spring(m, "SpringMotion",
-                                   "Length and force of a spring of a run, each a method of time [s].");
+    py::class_<BoundCoupling> spring(m, "CouplingMotion",
+                                     "Length and force of a coupling of a run, each a method of time [s].");
     spring
-        .def("length", of_time<BoundSpring>(&SpringMotion::length), py::arg("t"), py::arg("side") = after(),
+        .def("length", of_time<BoundCoupling>(&CouplingMotion::length), py::arg("t"), py::arg("side") = after(),
              "Between its ends [m].")
-        .def("force", of_time<BoundSpring>(&SpringMotion::force), py::arg("t"), py::arg("side") = after(),
+        .def("force", of_time<BoundCoupling>(&CouplingMotion::force), py::arg("t"), py::arg("side") = after(),
              "On the first end [N], world axes.")
         .def_property_readonly(
             "quantities",
-            [](const BoundSpring&) {
+            [](const BoundCoupling&) {
                 return std::vector<std::string>{"length", "force"};
             },
-            "Names of the quantities a spring has.")
-        .def("__repr__", [](const BoundSpring& s) { return "<SpringMotion: " + s.name + ">"; });
+            "Names of the quantities a coupling has.")
+        .def("__repr__", [](const BoundCoupling& s) { return "<CouplingMotion: " + s.name + ">"; });
+}
+
+void bind_constraint_motion(py::module_& m) {
+    using M = rbdyn::ConstraintMotion;
+    py::class_<BoundConstraint> constraint(m, "ConstraintMotion",
+                                           "What a constraint of a run does, each a method of time [s].");
+    constraint
+        .def("force", of_time<BoundConstraint>(&M::force), py::arg("t"), py::arg("side") = after(),
+             "On its first end [N], world axes.")
+        .def("torque", of_time<BoundConstraint>(&M::torque), py::arg("t"), py::arg("side") = after(),
+             "On its first end, about the point it holds [N m], world axes.")
+        .def("gap", of_time<BoundConstraint>(&M::gap), py::arg("t"), py::arg("side") = after(),
+             "How far its points are from where they should be [m], angles of its axes [rad] taken for metres.")
+        .def("__repr__", [](const BoundConstraint& c) { return "<ConstraintMotion: " + c.name + ">"; });
+}
+
+struct BoundContact {
+    rbdyn::ContactMotion motion;
+    std::string name;
+};
+
+void bind_contact_motion(py::module_& m) {
+    using M = rbdyn::ContactMotion;
+    py::class_<BoundContact> contact(m, "ContactMotion", "What a contact of a run does, each a method of time [s].");
+    contact
+        .def("gap", of_time<BoundContact>(&M::gap), py::arg("t"), py::arg("side") = after(),
+             "The distance between the part and the surface [m], negative inside.")
+        .def("force", of_time<BoundContact>(&M::force), py::arg("t"), py::arg("side") = after(),
+             "On its first side, normal force and friction together [N], world axes.")
+        .def("slip", of_time<BoundContact>(&M::slip), py::arg("t"), py::arg("side") = after(),
+             "The velocity of the first side's point of contact relative to the second's, along the surface [m/s].")
+        .def(
+            "state",
+            [](const BoundContact& self, const ArrayLike& t, const SideName& name) -> py::object {
+                const Side side = side_of(name);
+                const py::array times = py::array::ensure(t);
+                if (times.ndim() == 0) return py::cast(self.motion.state(t.cast<double>(), side));
+                py::list all;
+                for (const double x : list_of_doubles(t, "Trajectory", "time")) all.append(self.motion.state(x, side));
+                return py::object(all);
+            },
+            py::arg("t"), py::arg("side") = after(),
+            R"("open", "sticks" or "slides"; a list of them for several times.)")
+        .def("__repr__", [](const BoundContact& c) { return "<ContactMotion: " + c.name + ">"; });
+}
+
+BoundContact motion_of_contact(const BoundTrajectory& self, const ContactHandle& handle) {
+    self.handles->require(handle, "Trajectory");
+    return {self.run[rbdyn::ContactHandle{handle.index}], handle.name};
+}
+
+BoundConstraint motion_of_constraint(const BoundTrajectory& self, const ConstraintHandle& handle) {
+    self.handles->require(handle, "Trajectory");
+    return {self.run[rbdyn::ConstraintHandle{handle.index}], handle.name};
 }
 
 BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle) {
@@ -413,7 +505,7 @@ BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle
     return {self.run[rbdyn::BodyHandle{handle.index}], &body, handle.name};
 }
 
-BoundSpring motion_of_spring(const BoundTrajectory& self, const CouplingHandle& handle) {
+BoundCoupling motion_of_coupling(const BoundTrajectory& self, const CouplingHandle& handle) {
     self.handles->require(handle, "Trajectory");
     return {self.run[rbdyn::CouplingHandle{handle.index}], handle.name};
 }
@@ -444,12 +536,72 @@ auto of_bodies(R (Trajectory::*quantity)(double, const Trajectory::Bodies&, Side
         return over(t, "Trajectory", "time", [&](double x) { return (self.run.*quantity)(x, bodies, side); });
     };
 }
-template <class R>
-auto of_system(R (Trajectory::*quantity)(double, Side) const) {
-    return [quantity](const BoundTrajectory& self, const ArrayLike& t, const SideName& name) {
-        const Side side = side_of(name);
-        return over(t, "Trajectory", "time", [&](double x) { return (self.run.*quantity)(x, side); });
-    };
+
+/// Poles of moments at times: one for all of them, or a place for each.
+class Poles {
+public:
+    Poles(const BoundTrajectory& self, const MovingPole& given, const ArrayLike& t) {
+        if (py::isinstance<Handle>(given)) {
+            poles_.emplace_back(self.handles->body(given.cast<const Handle&>(), "Trajectory"));
+        } else if (py::isinstance<BodyPoint>(given)) {
+            const auto& p = given.cast<const BodyPoint&>();
+            poles_.emplace_back(self.handles->body(p.body, "Trajectory").point(p.point));
+        } else if (PyCallable_Check(given.ptr()) != 0) {
+            const UserFunction path = user_pole(given, "Trajectory: pole");
+            if (path.function)
+                poles_.emplace_back(path.function);
+            else
+                call(*path.callback, t);
+        } else {
+            read(doubles(given, "Trajectory", "pole"), t);
+        }
+    }
+    /// That of the next time, in order.
+    const rbdyn::Pole& next() { return is_one_a_time_ ? poles_[next_++] : poles_.front(); }
+    /// Throws InvalidInput where it is not known how the pole moves.
+    void require_velocity() const {
+        if (is_one_a_time_)
+            throw InvalidInput("Trajectory: the velocity of the pole is not known, for " + why_ +
+                               "; give a point, a function of time that can be recorded, or a handle");
+    }
+
+private:
+    void call(const rbdyn::Callback& path, const ArrayLike& t) {
+        is_one_a_time_ = true;
+        why_ = "its function is called back (" + path.reason + ")";
+        const Array times = doubles(t, "Trajectory", "time");
+        for (py::ssize_t i = 0; i < times.size(); ++i) {
+            double place[3];
+            path(times.data() + i, place);
+            poles_.emplace_back(Vector3(place[0], place[1], place[2]));
+        }
+    }
+    void read(const Array& places, const ArrayLike& t) {
+        const Array times = doubles(t, "Trajectory", "time");
+        std::vector<py::ssize_t> wanted(times.shape(), times.shape() + times.ndim()),
+            shape(places.shape(), places.shape() + places.ndim());
+        wanted.push_back(3);
+        is_one_a_time_ = shape != std::vector<py::ssize_t>{3};
+        if (is_one_a_time_ && shape != wanted)
+            throw InvalidInput("Trajectory: pole has shape " + shape_of(places) +
+                               "; it is a point (3,), or one for each time, in m");
+        why_ = "it is given by places";
+        for (const double* x = places.data(); x < places.data() + places.size(); x += 3)
+            poles_.emplace_back(Vector3(x[0], x[1], x[2]));
+    }
+
+    std::vector<rbdyn::Pole> poles_;
+    std::size_t next_ = 0;
+    bool is_one_a_time_ = false;
+    std::string why_;
+};
+
+/// The axes that a kinetic energy is seen from: none for those of the world.
+double kinetic_energy(const BoundTrajectory& self, double t, bool of_center, Poles* poles,
+                      const Trajectory::Bodies& bodies, Side side) {
+    if (of_center) return self.run.relative_kinetic_energy(t, std::nullopt, bodies, side);
+    if (poles != nullptr) return self.run.relative_kinetic_energy(t, poles->next(), bodies, side);
+    return self.run.kinetic_energy(t, bodies, side);
 }
 
 }  // namespace
@@ -466,6 +618,8 @@ SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("
 void bind_trajectory(py::module_& m) {
     bind_events(m);
     bind_motions(m);
+    bind_constraint_motion(m);
+    bind_contact_motion(m);
     py::class_<BoundWatched>(m, "Watched", "A watched function of a run: its value at a time.")
         .def(
             "value",
@@ -481,7 +635,7 @@ void bind_trajectory(py::module_& m) {
 
     py::class_<BoundTrajectory> run(m, "Trajectory", R"(The result of simulate(): motion, events, error estimate, price.
 
-run[handle] is the motion of a body or a spring. Quantities of the whole system are methods of time: t [s] is a number
+run[handle] is the motion of a body or a coupling. Quantities of the whole system are methods of time: t [s] is a number
 or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
 bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.)");
     run.def_property_readonly(
@@ -529,26 +683,62 @@ size of its terms.)")
             },
             "The ends of the integrator's pieces (n,) [s].")
         .def("__getitem__", &motion_of_body, py::arg("handle"))
-        .def("__getitem__", &motion_of_spring, py::arg("handle"))
+        .def("__getitem__", &motion_of_coupling, py::arg("handle"))
+        .def("__getitem__", &motion_of_constraint, py::arg("handle"))
+        .def("__getitem__", &motion_of_contact, py::arg("handle"))
         .def("__getitem__", &motion_of_watch, py::arg("handle"))
         .def("__getitem__", &motion_of_load, py::arg("handle"));
 
     const auto of_time_and_bodies = [&](const char* name, auto quantity, const char* doc) {
         run.def(name, of_bodies(quantity), py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), doc);
     };
-    of_time_and_bodies("kinetic_energy", &Trajectory::kinetic_energy, "[J]");
+    run.def(
+        "kinetic_energy",
+        [](const BoundTrajectory& self, const ArrayLike& t, const Of& of, const SideName& name,
+           const std::optional<std::string>& frame, const std::optional<MovingPole>& pole) {
+            const Side side = side_of(name);
+            const Trajectory::Bodies bodies = bodies_of(self, of);
+            if (frame && pole)
+                throw InvalidInput(
+                    "Trajectory: frame and pole are given; both say what moves with the axes that T is "
+                    "seen from, give one");
+            const bool of_center = frame && *frame == "center of mass";
+            if (frame && !of_center && *frame != "world")
+                throw InvalidInput("Trajectory: frame is \"" + *frame + "\"; it is \"world\" or \"center of mass\"");
+            std::optional<Poles> poles;
+            if (pole) {
+                poles.emplace(self, *pole, t);
+                poles->require_velocity();
+            }
+            return over(t, "Trajectory", "time", [&](double x) {
+                return kinetic_energy(self, x, of_center, poles ? &*poles : nullptr, bodies, side);
+            });
+        },
+        py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), py::kw_only(),
+        py::arg("frame") = py::none(), py::arg("pole") = py::none(),
+        R"([J]
+
+frame: "center of mass" for that of the motion relative to axes which do not turn and move with the centre of mass of the
+bodies asked for (Koenig, 7.37); "world" by default. pole: the same with axes that move with a pole, a function of time,
+a handle or a point of a body.)");
     of_time_and_bodies("momentum", &Trajectory::momentum, "[kg m/s]");
     of_time_and_bodies("center_of_mass", &Trajectory::center_of_mass, "[m]");
     of_time_and_bodies("center_of_mass_velocity", &Trajectory::center_of_mass_velocity, "[m/s]");
     of_time_and_bodies("center_of_mass_acceleration", &Trajectory::center_of_mass_acceleration, "[m/s^2]");
 
-    const auto of_time_alone = [&](const char* name, auto quantity, const char* doc) {
-        run.def(name, of_system(quantity), py::arg("t"), py::arg("side") = after(), doc);
-    };
-    of_time_alone("potential_energy", &Trajectory::potential_energy,
-                  "V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].");
-    of_time_alone("potential", &Trajectory::potential, "U, with F = +grad U (the chapter's sign) [J].");
-    of_time_alone("energy", &Trajectory::energy, "T + V = T - U [J].");
+    using OfBodies = double (Trajectory::*)(double, const Trajectory::Bodies&, Side) const;
+    of_time_and_bodies("potential_energy", static_cast<OfBodies>(&Trajectory::potential_energy),
+                       R"(V = -U of gravity, constant forces, potentials and couplings [J].
+
+Zero at the origin, at rest length, at infinity for gravitation, at the distance of the start for a central force. Of some
+bodies: with the couplings among them and to the world.)");
+    of_time_and_bodies("potential", static_cast<OfBodies>(&Trajectory::potential),
+                       "U, with F = +grad U (the chapter's sign) [J].");
+    of_time_and_bodies("energy", static_cast<OfBodies>(&Trajectory::energy), "T + V = T - U [J].");
+    of_time_and_bodies("external_force", &Trajectory::external_force,
+                       R"(Resultant of what acts on the bodies from outside them [N].
+
+Loads, gravity, rails and joints, and couplings to the world and to other bodies.)");
 
     run.def(
            "work",
@@ -558,7 +748,7 @@ size of its terms.)")
            py::arg("t0"), py::arg("t1"), py::arg("of") = py::none(),
            R"(Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
 
-of: bodies, or loads and springs for theirs alone. What jumps of the state (a landing, an action) make of the energy does
+of: bodies, or loads and couplings for theirs alone. What jumps of the state (a landing, an action) make of the energy does
 not count. Raises InvalidInput for times outside the run, and where it takes a motion that was not kept (keep=).)")
         .def(
             "power",
@@ -572,25 +762,60 @@ not count. Raises InvalidInput for times outside the run, and where it takes a m
             py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(),
             R"(Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
 
-of: bodies, or loads and springs for theirs alone; a spring's is that on both its ends.)")
+of: bodies, or loads and couplings for theirs alone; a coupling's is that on both its ends.)")
         .def(
             "angular_momentum",
-            [](const BoundTrajectory& self, const ArrayLike& t, const ArrayLike& pole, const Of& of,
+            [](const BoundTrajectory& self, const ArrayLike& t, const MovingPole& pole, const Of& of,
                const SideName& name) {
                 const Side side = side_of(name);
-                const Vector3 about = vector3(pole, "Trajectory", "pole");
                 const Trajectory::Bodies bodies = bodies_of(self, of);
+                Poles poles(self, pole, t);
                 return over(t, "Trajectory", "time",
-                            [&](double x) { return self.run.angular_momentum(x, about, bodies, side); });
+                            [&](double x) { return self.run.angular_momentum(x, poles.next(), bodies, side); });
             },
             py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
-            py::arg("side") = after(), "About a pole fixed in the world (3,) [m]: [kg m^2/s].")
+            py::arg("side") = after(),
+            R"(About a pole [kg m^2/s] (7.31).
+
+pole: a point of the world (3,), or one for each time (n, 3) [m]; a function of time; the handle of a body, for its centre
+of mass, or a point of a body.)")
+        .def(
+            "external_moment",
+            [](const BoundTrajectory& self, const ArrayLike& t, const MovingPole& pole, const Of& of,
+               const SideName& name) {
+                const Side side = side_of(name);
+                const Trajectory::Bodies bodies = bodies_of(self, of);
+                Poles poles(self, pole, t);
+                return over(t, "Trajectory", "time",
+                            [&](double x) { return self.run.external_moment(x, poles.next(), bodies, side); });
+            },
+            py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
+            py::arg("side") = after(),
+            "Moment about a pole, as of angular_momentum, of what acts on the bodies from outside them [N m].")
+        .def(
+            "cardinal_residuals",
+            [](const BoundTrajectory& self, const ArrayLike& t, const MovingPole& pole, const Of& of,
+               const SideName& name) {
+                const Side side = side_of(name);
+                const Trajectory::Bodies bodies = bodies_of(self, of);
+                Poles poles(self, pole, t);
+                poles.require_velocity();
+                return pair_over<py::typing::Tuple<Vectors, Vectors>>(
+                    t, [&](double x) { return self.run.cardinal_residuals(x, poles.next(), bodies, side); });
+            },
+            py::arg("t"), py::arg("pole") = std::vector<double>{0.0, 0.0, 0.0}, py::arg("of") = py::none(),
+            py::arg("side") = after(),
+            R"((R - dQ/dt, M - dK/dt - v x Q), v the velocity of the pole [N, N m] (7.38, 7.39).
+
+Rounding, but for the moment of forces between the bodies that are not along their lines. Rates are from accelerations of
+the model, never from differences. pole: as of angular_momentum, but how it moves must be known: a point, a function of
+time that can be recorded, or a handle.)")
         .def(
             "sample",
             [](const py::object& self, const ArrayLike& times) {
                 return SampleObject(py::module_::import("rbdyn.sample").attr("Sample")(self, times));
             },
-            py::arg("times"), "All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.")
+            py::arg("times"), "All quantities of all bodies and couplings at times (n,) [s]: a rbdyn.sample.Sample.")
         .def(
             "plot",
             [](const py::object& self, const py::object& path, const py::object& handle) {

@@ -322,7 +322,7 @@ World axes, but where body axes are named.)");
     define(body, "angle", Quantity::angle, number, "Of a hinge [rad].");
     define(body, "displacement", Quantity::displacement, number, "Of a slide [m].");
     define(body, "rate", Quantity::rate, number, "Of a hinge [rad/s] or a slide [m/s].");
-    py::class_<PresentCoupling> coupling(m, "CouplingNow", "A spring at the present moment, for watched functions.");
+    py::class_<PresentCoupling> coupling(m, "CouplingNow", "A coupling at the present moment, for watched functions.");
     define(coupling, "length", Quantity::length, number, "[m]");
     define(coupling, "force", Quantity::coupling_force, vector, "On its first end (3,) [N].");
 

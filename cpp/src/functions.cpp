@@ -11,6 +11,7 @@
 #include "rbdyn/expression/given.ipp"
 #include "rbdyn/expression/node.ipp"
 #include "rbdyn/expression/numbers.ipp"
+#include "rbdyn/expression/own_function.ipp"
 #include "rbdyn/expression/parameter.ipp"
 #include "rbdyn/expression/program.ipp"
 #include "rbdyn/expression/recorder.ipp"

@@ -13,6 +13,7 @@
 #include "rbdyn/model/point_laws.ipp"
 #include "rbdyn/model/point_observables.ipp"
 #include "rbdyn/model/points.ipp"
+#include "rbdyn/model/points_now.ipp"
 #include "rbdyn/model/projection.ipp"
 #include "rbdyn/model/rail_landing.ipp"
 #include "rbdyn/model/rail_singular.ipp"

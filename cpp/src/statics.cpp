@@ -5,6 +5,7 @@
 #include "rbdyn/statics/equilibria.ipp"
 #include "rbdyn/statics/equilibrium.ipp"
 #include "rbdyn/statics/forces.ipp"
+#include "rbdyn/statics/normal_modes.ipp"
 #include "rbdyn/statics/null_direction.ipp"
 #include "rbdyn/statics/path_equilibria.ipp"
 #include "rbdyn/statics/path_forces.ipp"

@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'Circle', 'Condition', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingNow', 'Curve', 'Cycloid', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Force', 'Free', 'Function', 'Handle', 'Helix', 'Line', 'LoadHandle', 'Lorentz', 'Now', 'Omission', 'Parabola', 'Parameter', 'Particle', 'Plan', 'PoinsotMotion', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Scene', 'Size', 'Spherical', 'Spline', 'Spring', 'SpringMotion', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'UserFunction', 'WatchHandle', 'Watched', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -28,7 +28,18 @@ _Of3: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any, typin
 _Of7: typing.TypeAlias = collections.abc.Callable[
     [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
 ]
+_Of5: typing.TypeAlias = collections.abc.Callable[
+    [typing.Any, typing.Any, typing.Any, typing.Any, typing.Any], typing.Any
+]
+_Of13: typing.TypeAlias = collections.abc.Callable[
+    [
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any,
+        typing.Any, typing.Any, typing.Any, typing.Any, typing.Any, typing.Any
+    ],
+    typing.Any,
+]
 _Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
+_Pole: typing.TypeAlias = numpy.typing.ArrayLike | _Of1 | Function | BodyHandle | BodyPoint
 _Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
 _Engine: typing.TypeAlias = typing.Literal['auto', 'closed form', 'taylor', 'dop853', 'cvode-adams', 'cvode-bdf']
 class Condition:
@@ -1211,14 +1222,15 @@ class Revolute:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None) -> None:
         """
-        axis (3,): a direction, of any length; at (3,): where in the world it passes; point (3,): which
-        point of the body is held there, body axes [m].
+        axis (3,): a direction, of any length; at (3,): where it passes, both in the parent's axes (the world's by
+        default); point (3,): which point of the body is held there, body axes [m]; motion: the angle [rad] as a function of time
+        [s], if it is prescribed: then the start has none.
         """
     def __repr__(self) -> str:
         ...
@@ -1227,12 +1239,17 @@ class Revolute:
     @property
     def at(self) -> typing.Any:
         """
-        In the world (3,) [m].
+        In the parent's axes (3,) [m].
         """
     @property
     def axis(self) -> typing.Any:
         """
-        Its direction as given (3,), world axes.
+        Its direction as given (3,), the parent's axes.
+        """
+    @property
+    def driven(self) -> bool:
+        """
+        Whether its coordinate is prescribed.
         """
     @property
     def point(self) -> typing.Any:
@@ -1247,14 +1264,15 @@ class Prismatic:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None) -> None:
         """
-        axis (3,): a direction, of any length; at (3,): where in the world the point is at displacement
-        0; point (3,): that point of the body, body axes [m].
+        axis (3,): a direction, of any length; at (3,): where the point is at displacement 0, both in the parent's axes (the
+        world's by default); point (3,): that point of the body, body axes [m]; motion: the displacement [m] as a function of time
+        [s], if it is prescribed: then the start has none.
         """
     def __repr__(self) -> str:
         ...
@@ -1263,17 +1281,334 @@ class Prismatic:
     @property
     def at(self) -> typing.Any:
         """
-        In the world (3,) [m].
+        In the parent's axes (3,) [m].
         """
     @property
     def axis(self) -> typing.Any:
         """
-        Its direction as given (3,), world axes.
+        Its direction as given (3,), the parent's axes.
+        """
+    @property
+    def driven(self) -> bool:
+        """
+        Whether its coordinate is prescribed.
         """
     @property
     def point(self) -> typing.Any:
         """
         In body axes (3,) [m].
+        """
+class Universal:
+    """
+    Two hinges with a massless cross between them.
+
+    The body turns about first, fixed in its parent, and then about second, fixed in the body, at right angles at angles
+    zero. It starts with angles (2,) [rad] and rates (2,) [rad/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, first: numpy.typing.ArrayLike, second: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        first, second (3,): directions, of any length; at (3,): where in the parent the cross is; point (3,):
+        which point of the body is held there, body axes [m].
+
+        Also a constraint (Scene.constrain): then first is in the axes of a, second in those of b.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def first(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+    @property
+    def second(self) -> typing.Any:
+        """
+        As given (3,), body axes.
+        """
+class Cylindrical:
+    """
+    A hinge that slides along its axis.
+
+    The body starts with angle [rad], rate [rad/s], displacement [m] and displacement_rate [m/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        axis (3,): a direction, of any length; at (3,): where in the parent it passes; point (3,): which point of the
+        body is on it, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def axis(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+class Planar:
+    """
+    Motion along a plane: the origin of the body's axes moves in it, and the body turns across it.
+
+    The body starts with position (2,) [m] of its origin from at, along x and y, velocity (2,) [m/s], angle [rad] from x to y,
+    and rate [rad/s].
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, x: numpy.typing.ArrayLike, y: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        x, y (3,): directions at right angles; at (3,): a point of the plane [m]; the parent's axes.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def x(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+    @property
+    def y(self) -> typing.Any:
+        """
+        As given (3,), the parent's axes.
+        """
+class Fixed:
+    """
+    A weld: no motion against the parent, in an attitude relative to it.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[tuple[float, float], tuple[float, float], tuple[float, float], tuple[float, float]], tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, *, attitude: _Attitude | None = None, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        attitude: of the body in its parent, that of the parent by default; at (3,): where in the parent; point (3,): which
+        point of the body is held there, body axes [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def at(self) -> typing.Any:
+        """
+        In the parent's axes (3,) [m].
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        In body axes (3,) [m].
+        """
+    @property
+    def rotation_matrix(self) -> typing.Any:
+        """
+        Body axes to the parent's (3, 3).
+        """
+class Plane:
+    """
+    A plane through a point.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, normal: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> None:
+        """
+        normal (3,): a direction, of any length; point (3,) [m].
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def normal(self) -> typing.Any:
+        """
+        As given (3,).
+        """
+    @property
+    def point(self) -> typing.Any:
+        """
+        [m] (3,).
+        """
+class Sphere:
+    """
+    A sphere as a surface: its outside, or its inside, a bowl.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], float, bool]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, center: numpy.typing.ArrayLike, radius: typing.SupportsFloat | typing.SupportsIndex, inside: bool = False) -> None:
+        """
+        center (3,) [m], radius [m]; inside: what touches is in it.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def center(self) -> typing.Any:
+        """
+        [m] (3,).
+        """
+    @property
+    def inside(self) -> bool:
+        """
+        Whether what touches is in it.
+        """
+    @property
+    def radius(self) -> float:
+        """
+        [m]
+        """
+class Ball:
+    """
+    Two points coincide: a pin, a ball joint.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class Rod:
+    """
+    Two points keep their distance: a massless rod.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, length: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        length [m], positive.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def length(self) -> float:
+        """
+        [m]
+        """
+class Weld:
+    """
+    Two bodies keep the pose to each other that they start with.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class Hinge:
+    """
+    Two points coincide, and the bodies turn against each other about an axis only.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, axis: numpy.typing.ArrayLike) -> None:
+        """
+        axis (3,): a direction in the axes of b; as the scene starts, its axis in a too.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def axis(self) -> typing.Any:
+        """
+        As given (3,), axes of b.
+        """
+class PointOnPlane:
+    """
+    A point stays on a plane.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[Plane]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, plane: Plane) -> None:
+        """
+        plane: in the axes of b.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def plane(self) -> Plane:
+        """
+        In the axes of b.
         """
 class Force:
     """
@@ -1366,7 +1701,7 @@ class Torque:
         """
 class TorsionSpring:
     """
-    A spring about a hinge, with a damper.
+    A spring about a hinge, with a damper, between the body and its parent.
 
     Its torque about the axis is -(stiffness (angle - rest_angle) + damping rate).
     """
@@ -1398,6 +1733,54 @@ class TorsionSpring:
     def stiffness(self) -> float | Parameter:
         """
         [N m/rad]
+        """
+class JointTorque:
+    """
+    A torque about the axis of a joint: on the body, its opposite on its parent.
+
+    Of a hinge, also one that slides or in a plane; of a universal joint about its first axis. No part of the reaction.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: float | _Function, *, trace: bool | None = None) -> None:
+        """
+        f: a number [N m], or f(t, angle, rate) that returns one. trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+class JointForce:
+    """
+    A force along a slide: on the body, its opposite on its parent. No part of the reaction.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: float | _Function, *, trace: bool | None = None) -> None:
+        """
+        f: a number [N], or f(t, displacement, rate) that returns one. trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
         """
 class Potential:
     """
@@ -1521,6 +1904,107 @@ class Spring:
         """
         [N/m]
         """
+class Gravitation:
+    """
+    The attraction of two bodies.
+
+    constant m_a m_b / r^2, between their centres of mass. A point of the world has no mass; it takes Central.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[float | Parameter]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, constant: float | Parameter) -> None:
+        """
+        constant [m^3/(kg s^2)], zero or positive.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def constant(self) -> float | Parameter:
+        """
+        [m^3/(kg s^2)]
+        """
+class Central:
+    """
+    A force along the line of its ends, a function of their distance.
+
+    Its energy is found by quadrature, zero at the distance that the run starts with.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: _Of1 | _Compiled, *, trace: bool | None = None) -> None:
+        """
+        f: f(distance) -> N; positive pushes apart. A C function is double (double distance).
+
+        trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of the distance, if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
+class PairForce:
+    """
+    Any force between two bodies: one on the first, its opposite on the second.
+
+    It keeps momentum. It need not be along the line of its ends, and then does not keep angular momentum.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, f: _Of5 | _Of13 | _Compiled, *, trace: bool | None = None) -> None:
+        """
+        f: f(t, r_a, r_b, v_a, v_b) -> the force on the first end (3,) [N]; places and velocities in world axes. With
+        thirteen parameters they are numbers. A C function is void (double t, double *r_a, double *r_b, double *v_a, double *v_b,
+        double *force).
+
+        trace: as for Force.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def function(self) -> Function | None:
+        """
+        The recorded function of (t, r_a, r_b, v_a, v_b), thirteen numbers, if there is one.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Of its function.
+        """
+    @property
+    def traced(self) -> bool:
+        """
+        Whether its function is recorded.
+        """
 class Handle:
     """
     What a scene returns for a body, a load or a coupling it has taken.
@@ -1550,9 +2034,25 @@ class BodyHandle(Handle):
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
+    def disc(self, radius: typing.SupportsFloat | typing.SupportsIndex, normal: numpy.typing.ArrayLike, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> BodyShape:
+        """
+        A disc of the body without thickness: radius [m], normal (3,) and center (3,) [m] in body axes.
+        """
+    def ellipsoid(self, semi_axes: numpy.typing.ArrayLike, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], attitude: _Attitude | None = None) -> BodyShape:
+        """
+        An ellipsoid of the body: semi_axes (3,) [m], center (3,) [m] in body axes, attitude of its axes in the body.
+        """
+    def plane(self, normal: numpy.typing.ArrayLike, point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> BodyShape:
+        """
+        A plane of the body: normal (3,), point (3,) [m], body axes.
+        """
     def point(self, place: numpy.typing.ArrayLike) -> BodyPoint:
         """
         The point of the body at a place (3,) from the origin of its axes, body axes [m].
+        """
+    def sphere(self, radius: typing.SupportsFloat | typing.SupportsIndex, center: numpy.typing.ArrayLike = [0.0, 0.0, 0.0]) -> BodyShape:
+        """
+        A sphere of the body: radius [m], center (3,) in body axes [m].
         """
 class BodyPoint:
     """
@@ -1588,7 +2088,7 @@ class LoadHandle(Handle):
         ...
 class CouplingHandle(Handle):
     """
-    The handle of a coupling; run[handle] is a SpringMotion.
+    The handle of a coupling; run[handle] is a CouplingMotion.
     """
     def __getstate__(self) -> tuple[int, int, str]:
         ...
@@ -1602,6 +2102,36 @@ class WatchHandle(Handle):
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
+class ConstraintHandle(Handle):
+    """
+    The handle of a constraint; run[handle] is a ConstraintMotion.
+    """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class ContactHandle(Handle):
+    """
+    The handle of a contact; run[handle] is a ContactMotion.
+    """
+    def __getstate__(self) -> tuple[int, int, str]:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+class BodyShape:
+    """
+    A part of a body that touches, or a surface of it.
+    """
+    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def body(self) -> BodyHandle:
+        """
+        The handle of its body.
+        """
 class Scene:
     """
     What there is, as data: bodies with their joints, loads, couplings, a uniform field.
@@ -1625,30 +2155,58 @@ class Scene:
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
-    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic = ..., *, name: str | None = None, **kwargs: typing.Any) -> BodyHandle:
+    def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic | Universal | Cylindrical | Planar | Fixed = ..., *, parent: BodyHandle | None = None, name: str | None = None, **kwargs: typing.Any) -> BodyHandle:
         """
-        Adds a body with the joint to the ground, and its initial state in the joint's words.
+        Adds a body with the joint to its parent, and its initial state in the joint's words.
+
+        parent: the handle of a rigid body, or the ground. With a parent, `at`, axes and curves of the joint are in its axes, and
+        the initial state is relative to it; at coordinates zero the axes of both coincide.
 
         A Particle, Free(): position, velocity (3,) [m], [m/s], world axes. Rail(): parameter or arc_length [m], one of them, and
         speed = ds/dt [m/s].
 
         A RigidBody, Free(): position, velocity of the origin of its axes, attitude, and angular_velocity (3,) [rad/s] in body
         axes or angular_velocity_world. Spherical(): attitude, angular_velocity or angular_velocity_world. Revolute(): angle
-        [rad], rate [rad/s]. Prismatic(): displacement [m], rate [m/s]. An attitude is a quaternion (w, x, y, z), a rotation
+        [rad], rate [rad/s]. Prismatic(): displacement [m], rate [m/s]. Universal(): angles (2,), rates (2,). Cylindrical(): angle,
+        rate, displacement, displacement_rate. Planar(): position (2,), velocity (2,), angle, rate. Fixed(): nothing. An attitude is a quaternion (w, x, y, z), a rotation
         matrix (3, 3), EulerAngles or a SciPy Rotation.
 
         Zero by default, body axes along the world's. Returns a handle. Raises InvalidInput for numbers that break a rule and for
         a joint that cannot hold the body, TypeError for another keyword.
         """
-    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring, handle: BodyHandle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
+    def apply(self, load: Drag | Force | Lorentz | Potential | Torque | TorsionSpring | JointTorque | JointForce, handle: BodyHandle, at: numpy.typing.ArrayLike | None = None) -> LoadHandle:
         """
         Applies a load to a body. at (3,): the point of a rigid body where it acts, body axes [m]; by default the centre
         of mass. Returns a handle.
         """
-    def connect(self, coupling: Spring, a: _End, b: _End) -> CouplingHandle:
+    def assemble(self, keep: collections.abc.Sequence[BodyHandle] = []) -> float:
         """
-        Joins two ends: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
+        Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in keep stay
+        as they are. Returns the largest change of a coordinate. Raises InvalidInput, with the gaps left, where there is no way.
+        """
+    def connect(self, coupling: Spring | Gravitation | Central | PairForce, a: _End, b: _End) -> CouplingHandle:
+        """
+        Joins two ends by a Spring, a Gravitation, a Central or a PairForce: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
         or one of them a point of the world (3,) [m]. Returns a handle.
+        """
+    def constrain(self, constraint: Ball | Rod | Weld | Hinge | PointOnPlane | Universal, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike | None = None, *, name: str | None = None) -> ConstraintHandle:
+        """
+        Holds a to b beside their joints: closes a loop, holds a point. Ends as in connect(); axes, planes and curves are in
+        the axes of b. Without b: the world, and of two points that coincide the place where a starts. Returns a handle.
+
+        A start that does not satisfy it is moved to the nearest that does if it is within 1e-6 of the scene's size, else a run is
+        refused; assemble() finds one from rough guesses.
+        """
+    def contact(self, a: BodyHandle | BodyPoint | BodyShape, b: Plane | Sphere | BodyShape, *, friction: Coulomb | None = None, restitution: typing.SupportsFloat | typing.SupportsIndex = 0.0, name: str | None = None) -> ContactHandle:
+        """
+        Lets a touch b: it does not go beyond it. Returns a handle.
+
+        a: a particle, a point of a body, or handle.sphere(), .disc(), .ellipsoid(); b: a Plane or a Sphere of the world, or
+        handle.plane(), handle.sphere() of another body. restitution: Newton's, 0 to 1: what is left of the speed of approach.
+        friction: Coulomb(...); none: it is smooth.
+
+        A start may be open, closed and at rest, or closed and moving; a gap within 1e-12 of the size of what it joins is none.
+        run[handle] has gap, force, slip and state; events of kind land, impact, detach, accumulation name it.
         """
     def integral(self, name: str, function: _Watched) -> None:
         """
@@ -1660,7 +2218,7 @@ class Scene:
         Watches a function of the motion: where it passes zero is an event of kind "watch". Returns a handle.
 
         function: function(now) -> number, with now.time [s] and now[handle].quantity for the quantities of BodyNow and, of a
-        spring, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
+        coupling, length and force. It is recorded, so that its zeros are found on its Taylor series, each one; what cannot be recorded is called back
         with numbers, and its zeros are located but not certain (trace as for Force).
 
         direction: "rising", "falling" or "either". action: "record" it, "stop" the run there, or a function of now (numbers) that
@@ -1685,6 +2243,16 @@ class Scene:
     def bodies(self) -> list[BodyHandle]:
         """
         Handles of the bodies, in order of addition.
+        """
+    @property
+    def constraints(self) -> list[ConstraintHandle]:
+        """
+        Handles of the constraints, in order of addition.
+        """
+    @property
+    def contacts(self) -> list[ContactHandle]:
+        """
+        Handles of the contacts, in order of addition.
         """
     @property
     def couplings(self) -> list[CouplingHandle]:
@@ -1829,7 +2397,7 @@ class BodyNow:
         """
 class CouplingNow:
     """
-    A spring at the present moment, for watched functions.
+    A coupling at the present moment, for watched functions.
     """
     def __getattr__(self, arg0: str) -> None:
         ...
@@ -1939,6 +2507,11 @@ class Plan:
         The automatic choice; of several parts those of all, such as "closed form, taylor".
         """
     @property
+    def freedom(self) -> int:
+        """
+        Degrees of freedom: those that joints and constraints leave.
+        """
+    @property
     def functions(self) -> list[str]:
         """
         The user's own functions: traced, or called back and why.
@@ -1952,6 +2525,11 @@ class Plan:
     def integrals(self) -> list[str]:
         """
         First integrals of the scene.
+        """
+    @property
+    def not_unique(self) -> list[str]:
+        """
+        Constraints whose forces are not determined by the motion: those told have the least norm.
         """
     @property
     def omissions(self) -> list[Omission]:
@@ -2024,6 +2602,41 @@ class Equilibrium:
         """
         Whether U has a strict maximum there, or friction holds it. False where it is indifferent; turns about `axes`
         are left aside.
+        """
+class NormalModes:
+    """
+    Small oscillations about a state of rest.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[list[float], list[float], list[float]]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def frequencies(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In ascending order (n,) [rad/s]; zero where nothing pushes back, not a number where the rest is unstable.
+        """
+    @property
+    def shapes(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        One a column (n, n), of unit length in the metric of the kinetic energy: s.M s = 1.
+
+        The component of largest size is positive. Rows, in order of addition: the parameter of a bead; x, y, z of a free particle;
+        the angle of a hinge; the displacement of a slide; of a body that turns freely the place of its centre of mass, if it is
+        free, and small turns about the body's axes [rad].
+        """
+    @property
+    def squares(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of the frequencies, in the same order (n,) [1/s^2]; negative where the rest is unstable.
         """
 class TurningPoints:
     """
@@ -2132,7 +2745,7 @@ class Event:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], BodyHandle | None]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], BodyHandle | ContactHandle | None]:
         ...
     def __hash__(self) -> int:
         ...
@@ -2148,9 +2761,9 @@ class Event:
         In which the watched quantity passed zero: rising, falling or either.
         """
     @property
-    def impulse(self) -> float:
+    def impulse(self) -> float | numpy.typing.NDArray[numpy.float64]:
         """
-        Of an impact [N s].
+        Of an impact [N s]: of a contact a vector (3,) on its first side, world axes, else its size.
         """
     @property
     def kind(self) -> str:
@@ -2163,9 +2776,9 @@ class Event:
         Of the watch or of the subject.
         """
     @property
-    def subject(self) -> BodyHandle | None:
+    def subject(self) -> BodyHandle | ContactHandle | None:
         """
-        Handle of the body, or None.
+        Handle of the body or the contact, or None.
         """
     @property
     def time(self) -> float:
@@ -2298,7 +2911,11 @@ class BodyMotion:
     @typing.overload
     def angle(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        Of a hinge [rad].
+        Of a hinge, also one that slides, or in a plane [rad].
+        """
+    def angles(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a universal joint, about its first axis and its second [rad]: (2,) or (n, 2).
         """
     def angular_acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2338,7 +2955,15 @@ class BodyMotion:
     @typing.overload
     def displacement(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        Of a slide [m].
+        Of a slide, also of a hinge that slides [m].
+        """
+    @typing.overload
+    def displacement_rate(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def displacement_rate(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        Of a hinge that slides [m/s].
         """
     def euler_angles(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2390,7 +3015,11 @@ class BodyMotion:
     @typing.overload
     def rate(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        Of a hinge [rad/s] or a slide [m/s].
+        Of the angle [rad/s], or of the displacement of a slide [m/s].
+        """
+    def rates(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of these angles [rad/s]: (2,) or (n, 2).
         """
     def reaction(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2433,9 +3062,9 @@ class BodyMotion:
         """
         Names of the quantities this body has.
         """
-class SpringMotion:
+class CouplingMotion:
     """
-    Length and force of a spring of a run, each a method of time [s].
+    Length and force of a coupling of a run, each a method of time [s].
     """
     def __repr__(self) -> str:
         ...
@@ -2454,7 +3083,55 @@ class SpringMotion:
     @property
     def quantities(self) -> list[str]:
         """
-        Names of the quantities a spring has.
+        Names of the quantities a coupling has.
+        """
+class ConstraintMotion:
+    """
+    What a constraint of a run does, each a method of time [s].
+    """
+    def __repr__(self) -> str:
+        ...
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        On its first end [N], world axes.
+        """
+    @typing.overload
+    def gap(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def gap(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        How far its points are from where they should be [m], angles of its axes [rad] taken for metres.
+        """
+    def torque(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        On its first end, about the point it holds [N m], world axes.
+        """
+class ContactMotion:
+    """
+    What a contact of a run does, each a method of time [s].
+    """
+    def __repr__(self) -> str:
+        ...
+    def force(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        On its first side, normal force and friction together [N], world axes.
+        """
+    @typing.overload
+    def gap(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def gap(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        The distance between the part and the surface [m], negative inside.
+        """
+    def slip(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The velocity of the first side's point of contact relative to the second's, along the surface [m/s].
+        """
+    def state(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> typing.Any:
+        """
+        "open", "sticks" or "slides"; a list of them for several times.
         """
 class Watched:
     """
@@ -2479,7 +3156,7 @@ class Trajectory:
     """
     The result of simulate(): motion, events, error estimate, price.
 
-    run[handle] is the motion of a body or a spring. Quantities of the whole system are methods of time: t [s] is a number
+    run[handle] is the motion of a body or a coupling. Quantities of the whole system are methods of time: t [s] is a number
     or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
     bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.
     """
@@ -2487,7 +3164,13 @@ class Trajectory:
     def __getitem__(self, handle: BodyHandle) -> BodyMotion:
         ...
     @typing.overload
-    def __getitem__(self, handle: CouplingHandle) -> SpringMotion:
+    def __getitem__(self, handle: CouplingHandle) -> CouplingMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: ConstraintHandle) -> ConstraintMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: ContactHandle) -> ContactMotion:
         ...
     @typing.overload
     def __getitem__(self, handle: WatchHandle) -> Watched:
@@ -2503,9 +3186,20 @@ class Trajectory:
         ...
     def __str__(self) -> str:
         ...
-    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def angular_momentum(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
-        About a pole fixed in the world (3,) [m]: [kg m^2/s].
+        About a pole [kg m^2/s] (7.31).
+
+        pole: a point of the world (3,), or one for each time (n, 3) [m]; a function of time; the handle of a body, for its centre
+        of mass, or a point of a body.
+        """
+    def cardinal_residuals(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
+        """
+        (R - dQ/dt, M - dK/dt - v x Q), v the velocity of the pole [N, N m] (7.38, 7.39).
+
+        Rounding, but for the moment of forces between the bodies that are not along their lines. Rates are from accelerations of
+        the model, never from differences. pole: as of angular_momentum, but how it moves must be known: a point, a function of
+        time that can be recorded, or a handle.
         """
     def center_of_mass(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2520,20 +3214,34 @@ class Trajectory:
         [m/s]
         """
     @typing.overload
-    def energy(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def energy(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         T + V = T - U [J].
         """
+    def external_force(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Resultant of what acts on the bodies from outside them [N].
+
+        Loads, gravity, rails and joints, and couplings to the world and to other bodies.
+        """
+    def external_moment(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Moment about a pole, as of angular_momentum, of what acts on the bodies from outside them [N m].
+        """
     @typing.overload
-    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def kinetic_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'center of mass'] | None = None, pole: _Pole | None = None) -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def kinetic_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after', *, frame: typing.Literal['world', 'center of mass'] | None = None, pole: _Pole | None = None) -> float:
         """
         [J]
+
+        frame: "center of mass" for that of the motion relative to axes which do not turn and move with the centre of mass of the
+        bodies asked for (Koenig, 7.37); "world" by default. pole: the same with axes that move with a pole, a function of time,
+        a handle or a point of a body.
         """
     def momentum(self, t: numpy.typing.ArrayLike, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
@@ -2546,20 +3254,23 @@ class Trajectory:
         Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
         """
     @typing.overload
-    def potential(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def potential(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def potential(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def potential(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
         U, with F = +grad U (the chapter's sign) [J].
         """
     @typing.overload
-    def potential_energy(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+    def potential_energy(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         ...
     @typing.overload
-    def potential_energy(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+    def potential_energy(self, t: _Number, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> float:
         """
-        V = -U of gravity, constant forces and springs; zero at the origin, and at rest length [J].
+        V = -U of gravity, constant forces, potentials and couplings [J].
+
+        Zero at the origin, at rest length, at infinity for gravitation, at the distance of the start for a central force. Of some
+        bodies: with the couplings among them and to the world.
         """
     @typing.overload
     def power(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
@@ -2569,17 +3280,17 @@ class Trajectory:
         """
         Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
 
-        of: bodies, or loads and springs for theirs alone; a spring's is that on both its ends.
+        of: bodies, or loads and couplings for theirs alone; a coupling's is that on both its ends.
         """
     def sample(self, times: numpy.typing.ArrayLike) -> rbdyn.sample.Sample:
         """
-        All quantities of all bodies and springs at times (n,) [s]: a rbdyn.sample.Sample.
+        All quantities of all bodies and couplings at times (n,) [s]: a rbdyn.sample.Sample.
         """
     def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
         """
         Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].
 
-        of: bodies, or loads and springs for theirs alone. What jumps of the state (a landing, an action) make of the energy does
+        of: bodies, or loads and couplings for theirs alone. What jumps of the state (a landing, an action) make of the energy does
         not count. Raises InvalidInput for times outside the run, and where it takes a motion that was not kept (keep=).
         """
     @property
@@ -2971,6 +3682,14 @@ def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list
     rails it is one among others.
     An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
     or are called back, or with rails that move.
+    """
+def normal_modes(scene: Scene, at: Equilibrium) -> NormalModes:
+    """
+    The small oscillations of a scene about one of its equilibria: K s = square M s.
+
+    M is the mass matrix of the kinetic energy, K the stiffness, exact derivatives of the recorded forces. Damping and all that
+    depends on velocity is left aside. Raises InvalidInput where `at` is no equilibrium, where friction holds a bead, and where
+    forces depend on time, are called back, or have no potential.
     """
 def parameter(value: float, name: str | None = None) -> Parameter:
     """

@@ -13,7 +13,16 @@ import textwrap
 
 import pytest
 
-DOCUMENTS = ["README.md", "docs/accuracy.md", "docs/bodies.md", "docs/effects.md", "docs/functions.md", "docs/plan.md"]
+DOCUMENTS = [
+    "README.md",
+    "docs/accuracy.md",
+    "docs/bodies.md",
+    "docs/effects.md",
+    "docs/functions.md",
+    "docs/mechanisms.md",
+    "docs/plan.md",
+    "docs/systems.md",
+]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 MARK = "\x01"
 

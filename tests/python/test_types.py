@@ -49,7 +49,7 @@ def test_signatures_are_those_of_the_verbs():
     assert str(inspect.signature(rb.Scene.watch)) == (
         "(self, name, function, *, direction='either', action='record', trace=None)"
     )
-    assert list(inspect.signature(rb.Scene().add).parameters) == ["body", "joint", "name", "kwargs"]
+    assert list(inspect.signature(rb.Scene().add).parameters) == ["body", "joint", "parent", "name", "kwargs"]
     assert str(inspect.signature(rb.Spring)) == "(stiffness, rest_length=0.0, damping=0.0)"
     assert str(inspect.signature(rb.shapes.rod)) == "(mass, length, along)"
     for verb in (rb.plan, rb.cost, rb.effects, rb.equilibria, rb.rail_potential, rb.parameter, rb.where):

@@ -14,6 +14,7 @@
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/statics/equilibria.hpp"
+#include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/rail_potential.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

@@ -50,6 +50,13 @@ RBDYN_INLINE std::string engine_for(const Plan& plan, const std::string& wanted)
         throw InvalidInput(
             "simulate: engine is \"taylor\", and a function of this scene is called back, which has no "
             "Taylor series; use \"auto\" or \"dop853\", or write it so that it can be recorded");
+    const auto touches = [](const Plan& one) { return one.model && one.model->touches(); };
+    if (engine != "taylor" && (touches(plan) || std::any_of(plan.parts.begin(), plan.parts.end(), touches)))
+        throw InvalidInput(
+            "simulate: engine is \"" + engine +
+            "\", and this scene has contacts, which only \"taylor\" holds after each step in this version; "
+            "use \"auto\"" +
+            (plan.calls_back ? ", and write the function that is called back so that it can be recorded" : ""));
     return engine;
 }
 
@@ -75,6 +82,8 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     data.certain_until = solution.certain_until;
     data.record = std::move(solution.record);
     for (Event& e : data.record.events)
+        if (e.contact >= 0) e.name = data.scene.contacts()[static_cast<std::size_t>(e.contact)].name;
+    for (Event& e : data.record.events)
         if (e.name.empty() && e.subject >= 0) e.name = data.scene.bodies()[static_cast<std::size_t>(e.subject)].name;
     data.events = Events(data.record.events);
     return result;
@@ -82,7 +91,7 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
 
 RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options) {
     std::string engine = engine_for(plan, options.engine);
-    const PointsModel& model = *plan.model;
+    const SceneModel& model = *plan.model;
     const std::vector<double> x = model.start(options.start);
     Solution solution = engine == "closed form" ? solve_closed(model, x, options, plan.closed)
                                                 : solve(model, x, options, engine, plan.integrator, plan.closed);
@@ -119,6 +128,7 @@ RBDYN_INLINE std::vector<Event> events_of(const std::vector<Solved>& parts, cons
     for (std::size_t i = 0; i < parts.size(); ++i)
         for (Event e : parts[i].data.record.events) {
             if (e.time > end) break;
+            if (e.contact >= 0) e.contact = apart.parts[i].contacts[static_cast<std::size_t>(e.contact)];
             if (e.subject >= 0) e.subject = apart.parts[i].bodies[static_cast<std::size_t>(e.subject)];
             all.push_back(std::move(e));
         }

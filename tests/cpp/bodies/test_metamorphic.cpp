@@ -175,7 +175,7 @@ double distance(const RigidReport& a, const RigidReport& b, const Telling& w, bo
     see(off(a.reaction_torque, sense * (back * b.reaction_torque) / (force * w.m), size + a.torque_effort));
     return worst;
 }
-bool is_guided(const Trajectory& run) { return !run.data()->model->laws().body(0).rigid->turns_freely(); }
+bool is_guided(const Trajectory& run) { return !run.data()->model->special()->body(0).rigid->turns_freely(); }
 
 /// The largest distance over a run and another of the same scene told differently.
 double distance(const Trajectory& a, const Trajectory& b, const Telling& w) {

@@ -29,11 +29,13 @@ struct Motions {
 };
 
 /// Those of a scene, as a run has them.
+/// Of bodies that nothing joins.
 inline std::vector<std::shared_ptr<const PointsModel>> models_of(const Scene& scene) {
     const Plan plan = make_plan(scene.frozen());
-    if (plan.parts.empty()) return {plan.model};
+    const auto points = [](const Plan& one) { return std::dynamic_pointer_cast<const PointsModel>(one.model); };
+    if (plan.parts.empty()) return {points(plan)};
     std::vector<std::shared_ptr<const PointsModel>> models;
-    for (const Plan& part : plan.parts) models.push_back(part.model);
+    for (const Plan& part : plan.parts) models.push_back(points(part));
     return models;
 }
 inline Motions motions_of(const Scene& scene) {

@@ -182,7 +182,11 @@ TEST(Reports, are_computed_when_they_are_asked_for) {
         EXPECT_EQ(asked(), 0);
         (void)run[bead].reaction(until);
         EXPECT_EQ(asked(), 1);
+        // places and velocities take no force
         (void)run.momentum(until);
+        (void)run.kinetic_energy(until);
+        EXPECT_EQ(asked(), 0);
+        (void)run.center_of_mass_acceleration(until);
         EXPECT_EQ(asked(), 1);
         (void)run.power(until, wind);
         EXPECT_GT(asked(), 0);

@@ -20,7 +20,7 @@ double difference(const Scene& scene, double until, const std::string& engine = 
     const Plan plan = make_plan(scene);
     const PointsModel all(scene, plan.view);
     const SimulateOptions options{.until = until};
-    const auto run = [&](const PointsModel& model) {
+    const auto run = [&](const SceneModel& model) {
         return simulating::integrate(model, model.start(), options, engine, 1e-12, {}).record;
     };
     const Record reduced = run(*plan.model), whole = run(all);
@@ -31,7 +31,7 @@ double difference(const Scene& scene, double until, const std::string& engine = 
         const double t = std::min(until * k / 100.0, whole.end.hi);
         const std::vector<double> y = state_at(whole, t, Side::after);
         std::vector<double> x(y.size());
-        plan.model->laws().map().spread(state_at(reduced, t, Side::after), x);
+        plan.model->map().spread(state_at(reduced, t, Side::after), x);
         for (std::size_t i = 0; i < x.size(); ++i) {
             worst = std::max(worst, std::abs(x[i] - y[i]));
             size = std::max(size, std::abs(y[i]));

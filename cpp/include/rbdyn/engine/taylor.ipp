@@ -106,8 +106,8 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         x_[index] = sum.hi;
         low_[index] = sum.lo;
     }
-    hold(h);
     t_ = end;
+    hold(h);
     scales_.widen(x_);
     if (drop_start_flags(*equations_, parameters_)) set_parameters();
     if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
@@ -146,7 +146,7 @@ RBDYN_INLINE std::span<double> TaylorEngine::replace_state() {
 }
 
 RBDYN_INLINE void TaylorEngine::hold(double time) {
-    if (projection_) projection_->apply(x_, low_, time);
+    if (projection_) projection_->apply(x_, low_, time, t_.hi);
 }
 
 RBDYN_INLINE void TaylorEngine::set_parameters() {

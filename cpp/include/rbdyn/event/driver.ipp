@@ -257,7 +257,8 @@ RBDYN_INLINE void Driver::rest(Record& record, Instant t, std::span<const double
 }
 
 RBDYN_INLINE void Driver::note(Record& record, const Happening& h, Instant t) {
-    record.note({t.hi, h.kind, h.subject, h.name, h.direction, h.impulse, t});
+    const Instant at = h.later > 0.0 ? t + h.later : t;
+    record.note({at.hi, h.kind, h.subject, h.name, h.direction, h.impulse, h.contact, h.push, at});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -8,6 +8,7 @@
 #include "rbdyn/basics/direction.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -24,6 +25,8 @@ struct Event {
     std::string name;                         // of the watch or of the subject
     Direction direction = Direction::either;  // in which the watched quantity (slip, reaction, parameter) passed zero
     double impulse = 0.0;                     // N s, of an impact
+    int contact = -1;                         // the contact, by order of addition; -1: none
+    Vector3 push = Vector3::Zero();           // of a contact, the impulse on its first side, world axes [N s]
     Instant instant;                          // the time to more digits than a double holds
 };
 

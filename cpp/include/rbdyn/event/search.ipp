@@ -167,7 +167,7 @@ RBDYN_INLINE int EventSearch::side_after(const Mode& mode, const Guard& guard, I
 }
 
 RBDYN_INLINE void EventSearch::note(Record& record, const Guard& guard, Direction direction, Instant at) {
-    record.note({at.hi, guard.kind, guard.subject, guard.name, direction, 0.0, at});
+    record.note({at.hi, guard.kind, guard.subject, guard.name, direction, 0.0, guard.contact, Vector3::Zero(), at});
 }
 
 RBDYN_INLINE void EventSearch::fire(const std::vector<Guard>& guards, const Found& first, double together) {

@@ -6,7 +6,7 @@
 // distinguished the laws at the state give the same.
 //
 // Layout of the values behind the rates of the state: of each body the active force [N], what is along its rail (r'.F),
-// the moment about o [N m, in the frame of rigid_state.hpp]; of each spring the force on its first end [N]; of each
+// the moment about o [N m, in the frame of rigid_state.hpp]; of each coupling the force on its first end [N]; of each
 // load of the scene its power [W], zero of one that no distinction can be in. Forces are seen from the view.
 #pragma once
 
@@ -22,17 +22,17 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 struct Acting {
-    static constexpr int per_body = 7, per_spring = 3;
+    static constexpr int per_body = 7, per_coupling = 3;
 
-    int variables = 0, bodies = 0, springs = 0;
+    int variables = 0, bodies = 0, couplings = 0;
     std::vector<double> values;
 
     double rate(int place) const { return at(place); }
     Vector3 force(int body) const { return vector(of_body(body)); }
     double along(int body) const { return at(of_body(body) + 3); }
     Vector3 moment(int body) const { return vector(of_body(body) + 4); }
-    Vector3 spring_force(int spring) const { return vector(of_body(bodies) + per_spring * spring); }
-    double power(int load) const { return at(of_body(bodies) + per_spring * springs + load); }
+    Vector3 coupling_force(int coupling) const { return vector(of_body(bodies) + per_coupling * coupling); }
+    double power(int load) const { return at(of_body(bodies) + per_coupling * couplings + load); }
 
 private:
     int of_body(int body) const { return variables + per_body * body; }
@@ -41,6 +41,6 @@ private:
 };
 
 /// At a state of a mode; none where the laws at the state say it all.
-std::optional<Acting> acting_in(const Mode& mode, int bodies, int springs, double t, std::span<const double> x);
+std::optional<Acting> acting_in(const Mode& mode, int bodies, int couplings, double t, std::span<const double> x);
 
 }  // namespace rbdyn::inline RBDYN_FORM

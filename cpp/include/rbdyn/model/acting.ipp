@@ -16,7 +16,7 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int springs, double t,
+RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int couplings, double t,
                                              std::span<const double> x) {
     if (mode.equations == nullptr || mode.equations->acting == nullptr) return std::nullopt;
     const Program& program = *mode.equations->acting;
@@ -41,7 +41,7 @@ RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int s
         values.set_parameters(parameters);
         values(t, x);
     }
-    Acting result{static_cast<int>(x.size()), bodies, springs, {}};
+    Acting result{static_cast<int>(x.size()), bodies, couplings, {}};
     result.values.reserve(static_cast<std::size_t>(program.outputs()));
     for (int i = 0; i < program.outputs(); ++i) result.values.push_back(values.output(i));
     return result;

@@ -72,7 +72,7 @@ private:
     void act(int body, const Vector3& force, const Vector3& place);
     void weigh(int body);
     void apply(const Scene::AppliedLoad& load, double t);
-    void connect(const Scene::Connection& c);
+    void connect(const Scene::Connection& c, double t);
 
     Scene scene_;
     std::vector<JointMotion> motions_;

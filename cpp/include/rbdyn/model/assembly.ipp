@@ -88,7 +88,7 @@ RBDYN_INLINE Assembly::Assembly(const Scene& scene, double t) : scene_(scene) {
         weigh(static_cast<int>(motions_.size()) - 1);
     }
     for (const Scene::AppliedLoad& load : scene.loads()) apply(load, t);
-    for (const Scene::Connection& c : scene.connections()) connect(c);
+    for (const Scene::Connection& c : scene.connections()) connect(c, t);
 }
 
 RBDYN_INLINE Vector3 Assembly::moment(int body, const Vector3& pole) const {
@@ -174,7 +174,7 @@ RBDYN_INLINE void Assembly::apply(const Scene::AppliedLoad& load, double t) {
     act(load.body, force, place);
 }
 
-RBDYN_INLINE void Assembly::connect(const Scene::Connection& c) {
+RBDYN_INLINE void Assembly::connect(const Scene::Connection& c, double t) {
     const auto end = [&](const End& e) -> std::pair<Vector3, Vector3> {
         if (const Vector3* point = std::get_if<Vector3>(&e)) return {*point, Vector3::Zero()};
         const BodyPoint* point = std::get_if<BodyPoint>(&e);
@@ -182,8 +182,10 @@ RBDYN_INLINE void Assembly::connect(const Scene::Connection& c) {
         return motion(body).point(point != nullptr ? point->point : center_of(scene_.bodies()[at(body)]));
     };
     const auto a = end(c.a), b = end(c.b);
-    const Vector3 d = a.first - b.first, v = a.second - b.second;
-    const Vector3 force = std::get<Spring>(c.coupling)(d, v, a.first.norm() + b.first.norm());
+    if (!is_present(c.coupling)) return;
+    const auto mass = [&](const End& e) { return body_of(e) >= 0 ? scene_.bodies()[at(body_of(e))].mass() : 0.0; };
+    const Vector3 force =
+        force_of<double>(c.coupling, {t, a.first, b.first, a.second, b.second, mass(c.a) * mass(c.b)});
     if (body_of(c.a) >= 0) act(body_of(c.a), force, a.first);
     if (body_of(c.b) >= 0) act(body_of(c.b), -force, b.first);
 }

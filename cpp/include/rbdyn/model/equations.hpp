@@ -56,6 +56,7 @@ struct Guard {
     EventKind kind = EventKind::watch;
     GuardRole role = GuardRole::mode;
     int subject = -1;         // body it belongs to, by order of addition; -1: none
+    int contact = -1;         // contact it belongs to, by order of addition; -1: none
     int output = -1;          // among the program's outputs, those of its switches counted on; -1: none of them
     int sign_parameter = -1;  // parameter whose sign multiplies the value; -1: none
     Direction direction = Direction::falling;
@@ -90,8 +91,8 @@ class Projection {
 public:
     virtual ~Projection() = default;
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
-    /// time since it was moved last [s].
-    virtual void apply(std::span<double> x, std::span<double> low, double step) const = 0;
+    /// time since it was moved last [s]; `t`: the time it is at.
+    virtual void apply(std::span<double> x, std::span<double> low, double step, double t) const = 0;
     /// Whether it adds what rounded constants of the equations leave out.
     virtual bool makes_up_for_rounding() const;
 };

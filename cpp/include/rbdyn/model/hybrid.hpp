@@ -23,8 +23,9 @@ struct Mode {
     std::vector<signed char> slip;   // one a body: sticks, +1 or -1 the sign of its slip (or no friction), flies
     std::vector<double> parameters;  // of the program of `equations`
     const Equations* equations = nullptr;
-    bool still = false;  // nothing can move or happen in this mode
-    int jumps = 0;       // how often the state has jumped so far
+    bool still = false;               // nothing can move or happen in this mode
+    int jumps = 0;                    // how often the state has jumped so far
+    std::vector<double> memory = {};  // of what has struck: one number a contact
 };
 
 /// Something that happened at an event.
@@ -33,7 +34,10 @@ struct Happening {
     int subject;
     Direction direction;
     std::string name;
-    double impulse = 0.0;  // N s
+    double impulse = 0.0;            // N s
+    int contact = -1;                // it is of, by order of addition; -1: none
+    Vector3 push = Vector3::Zero();  // of a contact, the impulse on its first side [N s]
+    double later = 0.0;              // s: how much later than the instant it was found at it happens
 };
 
 /// What a slope is of.

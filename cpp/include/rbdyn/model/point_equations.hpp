@@ -71,7 +71,7 @@ private:
     bool flying(int i) const { return slip_[at(i)] == flies; }
     bool slips(int i) const { return laws_.body(i).rough && !held(i) && !flying(i); }
 
-    RecordedPoints::Body lay_down(int i, const S& t);
+    RecordedPoints::Body lay_down(int i, const CouplingForces<S>& couplings);
 
     void guard(EquationsWriter& write, int i) const;
 

@@ -29,6 +29,7 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_observables.hpp"
 #include "rbdyn/model/point_state.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/projection.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/rigid_law.hpp"
@@ -88,9 +89,10 @@ RBDYN_INLINE const std::vector<PointsWriter::S>& PointsWriter::lay_down() {
         r_.set_subject(i);
         states_.push_back(laws_.moving<S>(b, t, &q_[at(b.first)], &v_[at(b.first_rate - n)], slip_[at(i)] == flies));
     }
+    const CouplingForces<S> couplings(laws_, t, states_);
     for (int i = 0; i < count_; ++i) {
         r_.set_subject(i);
-        present_.push_back(lay_down(i, t));
+        present_.push_back(lay_down(i, couplings));
     }
     r_.set_subject(-1);
     return rates_;
@@ -113,8 +115,9 @@ RBDYN_INLINE std::vector<PointsWriter::S> PointsWriter::switched() {
     }
     distinguishes_ = recording::distinguishes(r_);
     if (!distinguishes_) return values;
-    for (const PointLaws::ConnectedSpring& c : laws_.springs())
-        put(c.spring.present() ? PointLaws::spring_force<S>(c, states_) : Vector3Of<S>(S(0.0), S(0.0), S(0.0)));
+    const CouplingForces<S> couplings(laws_, r_.time(), states_);
+    for (int k = 0; k < static_cast<int>(laws_.couplings().size()); ++k)
+        put(laws_.couplings()[at(k)].present() ? couplings[k] : Vector3Of<S>(S(0.0), S(0.0), S(0.0)));
     const std::size_t first = values.size();
     values.resize(first + at(laws_.loads()), S(0.0));
     for (int i = 0; i < count_; ++i) powers(i, std::span(values).subspan(first));
@@ -143,7 +146,7 @@ RBDYN_INLINE void PointsWriter::guard(EquationsWriter& write) const {
 }
 
 RBDYN_INLINE void PointsWriter::watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const {
-    RecordedPoints now(laws_, r_.time(), present_);
+    RecordedPoints now(laws_, r_.time(), states_, present_);
     for (int i = 0; i < count_; ++i) now.parameters.push_back(q_[at(laws_.body(i).first)]);
     for (std::size_t k = 0; k < watches.size(); ++k) {
         const Scene::Watch& w = watches[k];
@@ -193,11 +196,11 @@ RBDYN_INLINE PointsWriter::S PointsWriter::pull(int i) const {
            dot<S>(c.first, g.force) - g.along;
 }
 
-RBDYN_INLINE RecordedPoints::Body PointsWriter::lay_down(int i, const S& t) {
+RBDYN_INLINE RecordedPoints::Body PointsWriter::lay_down(int i, const CouplingForces<S>& couplings) {
     const PointLaws::Body& b = laws_.body(i);
     const PointState<S>& p = states_[at(i)];
     if (b.rigid) {
-        const Wrench<S> w = laws_.wrench<S>(i, t, states_);
+        const Wrench<S> w = laws_.wrench<S>(i, couplings);
         b.rigid->rates<S>(*p.rigid, &q_[at(b.first)], w, &rates_[at(b.first)], &rates_[at(b.first_rate)]);
         return {p, {w.force, S(0.0)}, 0.0, false, w.moment, &rates_[at(b.first_rate)]};
     }
@@ -207,7 +210,7 @@ RBDYN_INLINE RecordedPoints::Body PointsWriter::lay_down(int i, const S& t) {
         if (w.is_zero()) return 0.0;
         return (slips(i) && b.drive.is_zero() ? sign : locked_sign(w, "speed of " + b.name)) * w;
     };
-    const Resultant<S> f = laws_.resultant<S>(i, t, states_, flying(i), length_of_w);
+    const Resultant<S> f = laws_.resultant<S>(i, couplings, flying(i), length_of_w);
     if (!b.curve || flying(i)) {
         const int space = b.first_of_space();
         for (int k = 0; k < 3; ++k) {
@@ -227,7 +230,7 @@ RBDYN_INLINE RecordedPoints::Body PointsWriter::lay_down(int i, const S& t) {
             across = length(PointLaws::friction_vector<S>(b, c, p.w, g), "normal reaction on " + b.name, i);
         rate = PointLaws::sliding_rate<S>(b, c, p.w, g, sign, across);
     } else if (!fixed_[at(i)]) {
-        rate = PointLaws::carried_rate<S>(b, t, c, p.w);
+        rate = PointLaws::carried_rate<S>(b, couplings.time(), c, p.w);
     }
     rates_[at(b.first)] = p.w;
     rates_[at(b.first_rate)] = rate;

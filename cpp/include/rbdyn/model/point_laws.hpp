@@ -75,6 +75,7 @@ struct PointReport {
     Vector3 spin_momentum = Vector3::Zero();     // K_G of a rigid body
     double spin_energy = 0.0, spin_power = 0.0;  // T^(G), and its rate
     double effort = 0.0;                         // |F| + m |a| + m V^2 / rho: a reaction of its rounding is none
+    Vector3 applied = Vector3::Zero();           // force without that of couplings; of a particle
 };
 
 /// What sticking asks of a rail.
@@ -83,6 +84,10 @@ struct Holding {
     double across;      // |r'| |Phi_perp|
     double rounding;    // |r'| times what rounding may make of either: of the forces one by one, and of the motion
 };
+
+template <class S>
+class CouplingForces;  // model/points_now.hpp
+struct PointsNow;
 
 /// The laws of a scene of particles, each written once over the number type. Immutable.
 class PointLaws {
@@ -114,6 +119,7 @@ public:
 
         std::optional<RigidLaw> rigid;
         std::vector<RigidLoad> loads;  // of a rigid body
+        std::vector<int> couplings;    // with an end on it, in their order
 
         /// The variable that is a parameter of the equations where it cannot change.
         int fixed_variable() const { return rigid && rigid->follows_axis ? first_rate + velocities() - 1 : first; }
@@ -123,15 +129,19 @@ public:
         int first_of_space() const { return curve ? first + 1 : first; }
         int first_of_velocity() const { return curve ? first_rate + 1 : first_rate; }
     };
-    struct SpringEnd {
+    struct CouplingEnd {
         int body = -1;
         Vector3Of<DoubleDouble> point = {};  // in the view
         bool is_on_rigid = false;
         Vector3Of<DoubleDouble> point_on_rigid = {};  // from o, in its frame
     };
-    struct ConnectedSpring {
-        Spring spring;
-        SpringEnd a, b;
+    struct Connected {
+        Coupling coupling;
+        CouplingEnd a, b;
+        DoubleDouble masses = 0.0;  // of the bodies at both ends, multiplied
+
+        bool present() const { return is_present(coupling); }
+        bool touches(int body) const { return a.body == body || b.body == body; }
     };
 
     [[gnu::cold]] PointLaws(const Scene& scene, const Placement& view);
@@ -167,14 +177,12 @@ public:
     std::vector<PointState<double>> states(double t, std::span<const double> x,
                                            std::span<const signed char> slip) const;
 
-    /// Motion and reaction of a body in a mode. `acting`: what acts in it, where the state alone does not say.
-    PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
-                       const Acting* acting = nullptr) const;
-    /// Motion and reactions of a rigid body; `all`: where everything is in the mode.
-    RigidReport rigid_report(int index, double t, std::span<const double> x, const std::vector<PointState<double>>& all,
-                             const Acting* acting = nullptr) const;
-    RigidReport rigid_report(int index, std::span<const signed char> slip, double t, std::span<const double> x,
-                             const Acting* acting = nullptr) const;
+    /// Motion and reaction of a body in a mode.
+    PointReport report(int index, const PointsNow& now) const;
+    PointReport report(int index, std::span<const signed char> slip, double t, std::span<const double> x) const;
+    /// Motion and reactions of a rigid body.
+    RigidReport rigid_report(int index, const PointsNow& now) const;
+    RigidReport rigid_report(int index, std::span<const signed char> slip, double t, std::span<const double> x) const;
     /// The rates of a body's velocities.
     void rates_of(const Body& b, const Acting& acting, double* v_rate) const;
     /// How the rail of a body has turned from where its curve is placed, world axes.
@@ -193,8 +201,7 @@ public:
     double power(const Scene::AppliedLoad& load, std::span<const signed char> slip, double t,
                  std::span<const double> x) const;
     /// Derivatives of a body's position and velocity variables.
-    void slope(int index, std::span<const signed char> slip, double t, std::span<const double> x, std::span<double> dq,
-               std::span<double> dv) const;
+    void slope(int index, const PointsNow& now, std::span<double> dq, std::span<double> dv) const;
 
     // --- the laws, in any number type ---
 
@@ -216,12 +223,10 @@ public:
         return PointState<S>::on_rail(b.curve->at<S>(*q, view_), *v, std::move(frame));
     }
 
-    /// Active forces on body i. `length_of_w` gives |w| of a bead with the sign of its mode.
+    /// What acts on body i besides couplings. `length_of_w` gives |w| of a bead with the sign of its mode.
     template <class S, class Length>
-    Resultant<S> resultant(int i, const S& t, const std::vector<PointState<S>>& states, bool is_flying,
-                           Length&& length_of_w) const {
+    Resultant<S> applied(int i, const S& t, const PointState<S>& p, bool is_flying, Length&& length_of_w) const {
         const Body& b = bodies_[at(i)];
-        const PointState<S>& p = states[at(i)];
         Resultant<S> f{exactly<S>(b.force), S(0.0)};
         for (const auto& function : b.functions) {
             const Vector3Of<S> r = in_world<S>(p.r), v = to_world<S>(p.v);
@@ -243,42 +248,66 @@ public:
                 f.force -= p.v * factor;
             }
         }
-        for (const ConnectedSpring& c : springs_) {
-            if ((c.a.body != i && c.b.body != i) || !c.spring.present()) continue;
-            const Vector3Of<S> force = spring_force(c, states);
-            if (c.a.body == i)
-                f.force += force;
+        return f;
+    }
+
+    /// Active forces on body i.
+    template <class S, class Length>
+    Resultant<S> resultant(int i, const CouplingForces<S>& couplings, bool is_flying, Length&& length_of_w) const {
+        return with_couplings<S>(i, applied<S>(i, couplings.time(), couplings.states()[at(i)], is_flying, length_of_w),
+                                 couplings);
+    }
+    template <class S>
+    Resultant<S> with_couplings(int i, Resultant<S> f, const CouplingForces<S>& couplings) const {
+        for (const int k : bodies_[at(i)].couplings) {
+            if (couplings_[at(k)].a.body == i)
+                f.force += couplings[k];
             else
-                f.force -= force;
+                f.force -= couplings[k];
         }
         return f;
     }
 
-    /// The force of a spring on its first end.
+    /// The places of the ends of a coupling in the view, those of a PairForce in the world.
     template <class S>
-    static Vector3Of<S> spring_force(const ConnectedSpring& c, const std::vector<PointState<S>>& states) {
+    PairState<S> ends(const Connected& c, const S& t, const std::vector<PointState<S>>& states) const {
         const auto [ra, va] = motion_of<S>(c.a, states);
         const auto [rb, vb] = motion_of<S>(c.b, states);
-        const Vector3Of<S> d = ra - rb, v = va - vb;
-        if constexpr (std::is_same_v<S, double>)
-            return c.spring(d, v, ra.norm() + rb.norm());
-        else
-            return c.spring(d, v);
+        const S masses = exactly<S>(c.masses);
+        if (!std::holds_alternative<PairForce>(c.coupling)) return {t, ra, rb, va, vb, masses};
+        return {t, in_world<S>(ra), in_world<S>(rb), to_world<S>(va), to_world<S>(vb), masses};
+    }
+
+    /// The force of a coupling on its first end.
+    template <class S>
+    Vector3Of<S> coupling_force(const Connected& c, const S& t, const std::vector<PointState<S>>& states) const {
+        const Vector3Of<S> force = force_of<S>(c.coupling, ends<S>(c, t, states));
+        return std::holds_alternative<PairForce>(c.coupling) ? to_view<S>(force) : force;
+    }
+
+    /// What acts on rigid body i besides couplings, and its moment.
+    template <class S>
+    Wrench<S> applied_wrench(int i, const S& t, const RigidState<S>& s) const {
+        const Body& b = bodies_[at(i)];
+        Wrench<S> w;
+        w.add(s, RigidLaw::constant<S>(b.rigid->exact.weight), RigidLaw::constant<S>(b.rigid->exact.center));
+        for (const RigidLoad& load : b.loads) add_load(w, *b.rigid, s, load, t, b.name);
+        return w;
     }
 
     /// Active forces on rigid body i, and their moment.
     template <class S>
-    Wrench<S> wrench(int i, const S& t, const std::vector<PointState<S>>& states) const {
-        const Body& b = bodies_[at(i)];
-        const RigidState<S>& s = *states[at(i)].rigid;
-        Wrench<S> w;
-        w.add(s, RigidLaw::constant<S>(b.rigid->exact.weight), RigidLaw::constant<S>(b.rigid->exact.center));
-        for (const RigidLoad& load : b.loads) add_load(w, *b.rigid, s, load, t, b.name);
-        for (const ConnectedSpring& c : springs_) {
-            if ((c.a.body != i && c.b.body != i) || !c.spring.present()) continue;
-            const Vector3Of<S> force = spring_force(c, states);
-            if (c.a.body == i) w.add(s, force, RigidLaw::constant<S>(c.a.point_on_rigid));
-            if (c.b.body == i) w.add(s, Vector3Of<S>(-force), RigidLaw::constant<S>(c.b.point_on_rigid));
+    Wrench<S> wrench(int i, const CouplingForces<S>& couplings) const {
+        const RigidState<S>& s = *couplings.states()[at(i)].rigid;
+        return with_couplings<S>(i, applied_wrench<S>(i, couplings.time(), s), couplings);
+    }
+    template <class S>
+    Wrench<S> with_couplings(int i, Wrench<S> w, const CouplingForces<S>& couplings) const {
+        const RigidState<S>& s = *couplings.states()[at(i)].rigid;
+        for (const int k : bodies_[at(i)].couplings) {
+            const Connected& c = couplings_[at(k)];
+            if (c.a.body == i) w.add(s, couplings[k], RigidLaw::constant<S>(c.a.point_on_rigid));
+            if (c.b.body == i) w.add(s, Vector3Of<S>(-couplings[k]), RigidLaw::constant<S>(c.b.point_on_rigid));
         }
         return w;
     }
@@ -323,7 +352,7 @@ public:
     }
 
     template <class S>
-    static std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const SpringEnd& e,
+    static std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const CouplingEnd& e,
                                                            const std::vector<PointState<S>>& states) {
         if (e.is_on_rigid) {
             const RigidState<S>& s = *states[at(e.body)].rigid;
@@ -377,13 +406,16 @@ public:
     /// A vector of the world in the view.
     Vector3 seen(const Vector3& v) const { return snapped(view_.axes.transpose() * v, v.norm()); }
     Vector3Of<DoubleDouble> seen_exactly(const Vector3& v) const;
-    const std::vector<ConnectedSpring>& springs() const { return springs_; }
+    const std::vector<Connected>& couplings() const { return couplings_; }
     /// How many loads the scene has.
     int loads() const { return loads_; }
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// Lays the couplings down: which bodies each acts on.
+    void take_couplings(const Scene& scene);
 
     /// The rate of a variable; zero of what stays as it starts.
     double rate_of(int variable, const Acting& acting) const;
@@ -393,14 +425,14 @@ private:
     static Vector3 snapped(Vector3 v, double size);
     static Vector3Of<DoubleDouble> snapped(Vector3Of<DoubleDouble> v, double size);
     Vector3Of<DoubleDouble> seen_point(const Vector3& p) const;
-    SpringEnd end(const End& e) const;
+    CouplingEnd end(const End& e) const;
 
     Placement view_;
     std::vector<std::shared_ptr<const RailLanding>> landings_;
     std::vector<std::shared_ptr<const RailSingularity>> singularities_;
     std::vector<std::shared_ptr<const SingularLanding>> singular_landings_;
     std::vector<Body> bodies_;
-    std::vector<ConnectedSpring> springs_;
+    std::vector<Connected> couplings_;
     StateMap map_;
     int positions_ = 0, variables_ = 0, loads_ = 0;
 };

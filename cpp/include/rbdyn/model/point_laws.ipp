@@ -28,6 +28,7 @@
 #include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_state.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/rail_landing.hpp"
 #include "rbdyn/model/rail_singular.hpp"
 #include "rbdyn/model/rigid_law.hpp"
@@ -86,10 +87,8 @@ RBDYN_INLINE PointLaws::PointLaws(const Scene& scene, const Placement& view) : v
         variables_ += b.velocities();
     }
     take_functions(scene);
-    for (const Scene::Connection& c : scene.connections()) {
-        const Spring& spring = std::get<Spring>(c.coupling);
-        springs_.push_back({spring, end(c.a), end(c.b)});
-    }
+    for (const Scene::Connection& c : scene.connections()) couplings_.push_back({c.coupling, end(c.a), end(c.b)});
+    take_couplings(scene);
     leave_out(std::vector<bool>(at(variables_), false));
 }
 
@@ -132,8 +131,20 @@ RBDYN_INLINE void PointLaws::take_functions(const Scene& scene) {
         }
     }
     for (Body& body : bodies_) body.force = snapped(body.force, rounded(body.force).norm());
-    for (std::size_t i = 0; i < springs_.size(); ++i)
-        springs_[i].spring = std::get<Spring>(scene.connections()[i].coupling);
+    if (!couplings_.empty()) take_couplings(scene);
+}
+
+RBDYN_INLINE void PointLaws::take_couplings(const Scene& scene) {
+    for (Body& b : bodies_) b.couplings.clear();
+    for (std::size_t k = 0; k < couplings_.size(); ++k) {
+        Connected& c = couplings_[k];
+        c.coupling = scene.connections()[k].coupling;
+        if (c.a.body >= 0 && c.b.body >= 0)
+            c.masses = DoubleDouble(bodies_[at(c.a.body)].mass) * DoubleDouble(bodies_[at(c.b.body)].mass);
+        if (!c.present()) continue;
+        if (c.a.body >= 0) bodies_[at(c.a.body)].couplings.push_back(static_cast<int>(k));
+        if (c.b.body >= 0 && c.b.body != c.a.body) bodies_[at(c.b.body)].couplings.push_back(static_cast<int>(k));
+    }
 }
 
 RBDYN_INLINE void PointLaws::leave_out(const std::vector<bool>& stays) {
@@ -209,6 +220,7 @@ RBDYN_INLINE std::vector<double> PointLaws::start_rest(double t) const {
 RBDYN_INLINE std::vector<PointState<double>> PointLaws::states(double t, std::span<const double> x,
                                                                std::span<const signed char> slip) const {
     std::vector<PointState<double>> result;
+    result.reserve(bodies_.size());
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const Body& b = bodies_[i];
         const Variables own = variables_of(b, x);
@@ -221,14 +233,20 @@ RBDYN_INLINE std::vector<PointState<double>> PointLaws::states(double t, std::sp
 }
 
 RBDYN_INLINE PointReport PointLaws::report(int index, std::span<const signed char> slip, double t,
-                                           std::span<const double> x, const Acting* acting) const {
+                                           std::span<const double> x) const {
+    return report(index, PointsNow(*this, slip, t, x));
+}
+
+RBDYN_INLINE PointReport PointLaws::report(int index, const PointsNow& now) const {
     const Body& b = bodies_[at(index)];
-    const signed char phase = slip[at(index)];
-    const std::vector<PointState<double>> all = states(t, x, slip);
-    const PointState<double>& p = all[at(index)];
+    const double t = now.t;
+    const std::span<const double> x = now.x;
+    const Acting* const acting = now.acting;
+    const signed char phase = now.slip[at(index)];
+    const PointState<double>& p = now.states[at(index)];
     PointReport result;
     if (b.rigid) {
-        const RigidReport r = rigid_report(index, t, x, all, acting);
+        const RigidReport r = rigid_report(index, now);
         result.position = p.r;
         result.velocity = p.v;
         result.acceleration = r.center_acceleration;
@@ -241,10 +259,17 @@ RBDYN_INLINE PointReport PointLaws::report(int index, std::span<const signed cha
         result.spin_power = r.spin_power;
         return result;
     }
-    const Resultant<double> f =
-        acting != nullptr ? Resultant<double>{acting->force(index), acting->along(index)}
-                          : resultant<double>(index, t, all, phase == flies, [](double w) { return std::abs(w); });
+    const auto size = [](double w) { return std::abs(w); };
+    Resultant<double> own, f;
+    if (acting != nullptr) {
+        own = f = {acting->force(index), acting->along(index)};
+        for (const int k : b.couplings) own.force -= now.force_on(index, k);
+    } else {
+        own = applied<double>(index, t, p, phase == flies, size);
+        f = with_couplings<double>(index, own, now.couplings);
+    }
     Vector3 force = f.force, acceleration, reaction = Vector3::Zero();
+    result.applied = own.force;
     if (!b.curve || phase == flies) {
         acceleration = force / b.mass;
         if (b.curve)
@@ -254,7 +279,10 @@ RBDYN_INLINE PointReport PointLaws::report(int index, std::span<const signed cha
     } else {
         const CurvePoint<double>& c = p.curve;
         const bool stuck = b.rough && phase == sticks;
-        if (f.along != 0.0) force += c.first * (f.along / c.speed_squared);
+        if (f.along != 0.0) {
+            force += c.first * (f.along / c.speed_squared);
+            result.applied += c.first * (f.along / c.speed_squared);
+        }
         const Resultant<double> g = guided(b, p, f);
         const double w_rate = acting != nullptr ? rate_of(b.first_rate, *acting)
                               : stuck           ? carried_rate<double>(b, t, c, p.w)
@@ -277,25 +305,24 @@ RBDYN_INLINE PointReport PointLaws::report(int index, std::span<const signed cha
     result.velocity = view_.axes * p.v;
     result.acceleration = view_.axes * acceleration;
     result.force = view_.axes * force;
+    result.applied = view_.axes * result.applied;
     result.reaction = view_.axes * reaction;
     return result;
 }
 
-RBDYN_INLINE RigidReport PointLaws::rigid_report(int index, double t, std::span<const double> x,
-                                                 const std::vector<PointState<double>>& all,
-                                                 const Acting* acting) const {
+RBDYN_INLINE RigidReport PointLaws::rigid_report(int index, const PointsNow& now) const {
     const Body& b = bodies_[at(index)];
-    if (acting == nullptr)
-        return {*b.rigid, *all[at(index)].rigid, wrench<double>(index, t, all), variables_of(b, x).q};
+    const RigidState<double>& s = *now.states[at(index)].rigid;
+    if (now.acting == nullptr) return {*b.rigid, s, wrench<double>(index, now.couplings), variables_of(b, now.x).q};
     double v_rate[6];
-    rates_of(b, *acting, v_rate);
-    return {*b.rigid, *all[at(index)].rigid, Wrench<double>{acting->force(index), acting->moment(index)}, v_rate,
+    rates_of(b, *now.acting, v_rate);
+    return {*b.rigid, s, Wrench<double>{now.acting->force(index), now.acting->moment(index)}, v_rate,
             RigidReport::known_rates};
 }
 
 RBDYN_INLINE RigidReport PointLaws::rigid_report(int index, std::span<const signed char> slip, double t,
-                                                 std::span<const double> x, const Acting* acting) const {
-    return rigid_report(index, t, x, states(t, x, slip), acting);
+                                                 std::span<const double> x) const {
+    return rigid_report(index, PointsNow(*this, slip, t, x));
 }
 
 RBDYN_INLINE void PointLaws::rates_of(const Body& b, const Acting& acting, double* v_rate) const {
@@ -314,11 +341,7 @@ RBDYN_INLINE Matrix3 PointLaws::rail_turn(int index, double t) const {
 
 RBDYN_INLINE bool PointLaws::is_conservative(int index) const {
     const Body& b = bodies_[at(index)];
-    const auto touches = [&](const ConnectedSpring& c) {
-        return c.spring.present() && (c.a.body == index || c.b.body == index);
-    };
-    return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() &&
-           std::none_of(springs_.begin(), springs_.end(), touches);
+    return b.rigid && b.rigid->kind != RigidLaw::Kind::prismatic && b.loads.empty() && b.couplings.empty();
 }
 
 RBDYN_INLINE bool PointLaws::takes_numbers() const {
@@ -368,18 +391,16 @@ RBDYN_INLINE double PointLaws::power(const Scene::AppliedLoad& load, std::span<c
     return w.force.dot(p.rigid->v) + w.moment.dot(p.rigid->omega);
 }
 
-RBDYN_INLINE void PointLaws::slope(int index, std::span<const signed char> slip, double t, std::span<const double> x,
-                                   std::span<double> dq, std::span<double> dv) const {
+RBDYN_INLINE void PointLaws::slope(int index, const PointsNow& now, std::span<double> dq, std::span<double> dv) const {
     const Body& b = bodies_[at(index)];
     if (b.rigid) {
-        const std::vector<PointState<double>> all = states(t, x, slip);
-        b.rigid->rates<double>(*all[at(index)].rigid, variables_of(b, x).q, wrench<double>(index, t, all), dq.data(),
-                               dv.data());
+        b.rigid->rates<double>(*now.states[at(index)].rigid, variables_of(b, now.x).q,
+                               wrench<double>(index, now.couplings), dq.data(), dv.data());
         return;
     }
-    const PointReport r = report(index, slip, t, x);
+    const PointReport r = report(index, now);
     for (int k = 0; k < b.positions(); ++k) dq[at(k)] = dv[at(k)] = 0.0;
-    if (b.curve && slip[at(index)] != flies) {
+    if (b.curve && now.slip[at(index)] != flies) {
         dq[0] = r.w;
         dv[0] = r.w_rate;
         return;
@@ -400,7 +421,8 @@ RBDYN_INLINE Holding PointLaws::holding(int i, double t, std::span<const double>
     PointState<double>& p = all[at(i)];
     p.set_rate(b.drive(t) / std::sqrt(p.curve.speed_squared));
     const CurvePoint<double>& c = p.curve;
-    const auto f = guided(b, p, resultant<double>(i, t, all, false, [](double v) { return std::abs(v); }));
+    const CouplingForces<double> couplings(*this, t, all);
+    const auto f = guided(b, p, resultant<double>(i, couplings, false, [](double v) { return std::abs(v); }));
     const double rate = carried_rate<double>(b, t, c, p.w);
     const double needed =
         b.mass * (c.speed_squared * rate + c.first_dot_second * (p.w * p.w)) - dot<double>(c.first, f.force) - f.along;
@@ -409,13 +431,11 @@ RBDYN_INLINE Holding PointLaws::holding(int i, double t, std::span<const double>
     for (const auto& function : b.functions)
         terms += force_of<double>(function, t, in_world<double>(p.r), view_.axes * p.v).norm();
     for (const Drag& drag : b.drags) terms += (drag.linear.now() + drag.quadratic.now() * p.v.norm()) * p.v.norm();
-    for (const ConnectedSpring& s : springs_)
-        if ((s.a.body == i || s.b.body == i) && s.spring.present()) {
-            const auto [ra, va] = motion_of<double>(s.a, all);
-            const auto [rb, vb] = motion_of<double>(s.b, all);
-            terms += spring_force(s, all).norm() + s.spring.stiffness.now() * (ra.norm() + rb.norm()) +
-                     s.spring.damping.now() * (va.norm() + vb.norm());
-        }
+    for (const int k : b.couplings) {
+        const Connected& joined = couplings_[at(k)];
+        const double force = couplings[k].norm();
+        terms += force + effort_of(joined.coupling, ends<double>(joined, t, all), force);
+    }
     return {needed, friction_vector<double>(b, c, p.w, f).norm(), 64.0 * epsilon * std::sqrt(c.speed_squared) * terms};
 }
 
@@ -456,7 +476,7 @@ RBDYN_INLINE Vector3Of<DoubleDouble> PointLaws::seen_point(const Vector3& p) con
                    p.norm() + view_.origin.norm());
 }
 
-RBDYN_INLINE PointLaws::SpringEnd PointLaws::end(const End& e) const {
+RBDYN_INLINE PointLaws::CouplingEnd PointLaws::end(const End& e) const {
     if (const Vector3* point = std::get_if<Vector3>(&e)) return {-1, seen_point(*point), false};
     const int body = body_of(e);
     const std::optional<RigidLaw>& rigid = bodies_[at(body)].rigid;

@@ -30,7 +30,9 @@ public:
         const S* rates = nullptr;                     // of its velocities
     };
 
-    RecordedPoints(const PointLaws& laws, const S& t, const std::vector<Body>& bodies);
+    /// `states`: of all bodies, as in `bodies`; all kept by reference.
+    RecordedPoints(const PointLaws& laws, const S& t, const std::vector<PointState<S>>& states,
+                   const std::vector<Body>& bodies);
 
     S value(const Observable& o) const;
 
@@ -45,23 +47,13 @@ private:
     S component(const Vector3Of<S>& v, const Observable& o) const { return laws_.to_world<S>(v)[o.component]; }
     static Vector3Of<S> force(const Body& b);
     static Vector3Of<S> acceleration(const Body& b, const PointLaws::Body& law);
-    std::pair<Vector3Of<S>, Vector3Of<S>> ends(int coupling) const;
-
     const PointLaws& laws_;
     S t_;
+    const std::vector<PointState<S>>& states_;
     const std::vector<Body>& bodies_;
 };
 
-/// The force of a spring on its first end, and where its ends are and how they move, seen from the view.
-struct SpringReport {
-    Vector3 distance, velocity, force;
-
-    SpringReport(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
-                 int index, const Acting* acting = nullptr);
-};
-
-/// The same in numbers, at a state. `acting`: what acts in its mode, where the state alone does not say.
-double observed(const PointLaws& laws, std::span<const signed char> slip, double t, std::span<const double> x,
-                const Observable& o, const Acting* acting = nullptr);
+/// The same in numbers, at a state.
+double observed(const PointsNow& now, const Observable& o);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -17,6 +17,7 @@
 #include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_state.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_observables.hpp"
 #include "rbdyn/model/rigid_state.hpp"
@@ -25,16 +26,20 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE RecordedPoints::RecordedPoints(const PointLaws& laws, const S& t, const std::vector<Body>& bodies)
-    : laws_(laws), t_(t), bodies_(bodies) {}
+RBDYN_INLINE RecordedPoints::RecordedPoints(const PointLaws& laws, const S& t, const std::vector<PointState<S>>& states,
+                                            const std::vector<Body>& bodies)
+    : laws_(laws), t_(t), states_(states), bodies_(bodies) {}
 
 RBDYN_INLINE RecordedPoints::S RecordedPoints::value(const Observable& o) const {
     switch (o.quantity) {
         case Quantity::time: return t_;
-        case Quantity::length: return length(ends(o.subject).first, std::string());
+        case Quantity::length: {
+            const PairState<S> ends = laws_.ends<S>(laws_.couplings()[at(o.subject)], t_, states_);
+            return length(Vector3Of<S>(ends.ra - ends.rb), std::string());
+        }
         case Quantity::coupling_force: {
-            const auto [d, v] = ends(o.subject);
-            return component(laws_.springs()[at(o.subject)].spring(d, v), o);
+            const PointLaws::Connected& c = laws_.couplings()[at(o.subject)];
+            return c.present() ? component(laws_.coupling_force<S>(c, t_, states_), o) : S(0.0);
         }
         default: break;
     }
@@ -73,52 +78,30 @@ RBDYN_INLINE Vector3Of<RecordedPoints::S> RecordedPoints::acceleration(const Bod
     return b.on_rail ? b.state.acceleration(b.rate) : Vector3Of<S>(force(b) * (S(1.0) / S(law.mass)));
 }
 
-RBDYN_INLINE std::pair<Vector3Of<RecordedPoints::S>, Vector3Of<RecordedPoints::S>> RecordedPoints::ends(
-    int coupling) const {
-    const PointLaws::ConnectedSpring& c = laws_.springs()[at(coupling)];
-    const auto end = [&](const PointLaws::SpringEnd& e) -> std::pair<Vector3Of<S>, Vector3Of<S>> {
-        std::vector<PointState<S>> states;
-        for (const Body& b : bodies_) states.push_back(b.state);
-        return PointLaws::motion_of<S>(e, states);
-    };
-    const auto a = end(c.a), b = end(c.b);
-    return {a.first - b.first, a.second - b.second};
-}
-
-RBDYN_INLINE SpringReport::SpringReport(const PointLaws& laws, std::span<const signed char> slip, double t,
-                                        std::span<const double> x, int index, const Acting* acting) {
-    const auto all = laws.states(t, x, slip);
-    const PointLaws::ConnectedSpring& c = laws.springs()[static_cast<std::size_t>(index)];
-    const auto a = PointLaws::motion_of<double>(c.a, all), b = PointLaws::motion_of<double>(c.b, all);
-    distance = a.first - b.first;
-    velocity = a.second - b.second;
-    force = acting != nullptr && c.spring.present() ? acting->spring_force(index)
-                                                    : c.spring(distance, velocity, a.first.norm() + b.first.norm());
-}
-
-RBDYN_INLINE double observed(const PointLaws& laws, std::span<const signed char> slip, double t,
-                             std::span<const double> x, const Observable& o, const Acting* acting) {
+RBDYN_INLINE double observed(const PointsNow& now, const Observable& o) {
+    const PointLaws& laws = now.laws;
     const auto vector = [&](const Vector3& v) { return v[o.component]; };
-    if (o.quantity == Quantity::time) return t;
-    if (is_of_coupling(o.quantity)) {
-        const SpringReport spring(laws, slip, t, x, o.subject, acting);
-        return o.quantity == Quantity::length ? spring.distance.norm() : vector(laws.view().axes * spring.force);
+    if (o.quantity == Quantity::time) return now.t;
+    if (o.quantity == Quantity::length) {
+        const auto& c = laws.couplings()[static_cast<std::size_t>(o.subject)];
+        const PairState<double> ends = laws.ends<double>(c, now.t, now.states);
+        return (ends.ra - ends.rb).norm();
     }
+    if (o.quantity == Quantity::coupling_force) return vector(laws.view().axes * now.coupling_force(o.subject));
     if (const auto& body = laws.body(o.subject); body.rigid) {
-        const auto all = laws.states(t, x, slip);
-        const RigidState<double>& s = *all[static_cast<std::size_t>(o.subject)].rigid;
+        const RigidState<double>& s = *now.states[static_cast<std::size_t>(o.subject)].rigid;
         double q_rate[8], v_rate[6];
         Wrench<double> w;
-        if (acting != nullptr) {
-            w = {acting->force(o.subject), acting->moment(o.subject)};
-            laws.rates_of(body, *acting, v_rate);
+        if (now.acting != nullptr) {
+            w = {now.acting->force(o.subject), now.acting->moment(o.subject)};
+            laws.rates_of(body, *now.acting, v_rate);
         } else {
-            w = laws.wrench<double>(o.subject, t, all);
-            body.rigid->rates<double>(s, laws.variables_of(body, x).q, w, q_rate, v_rate);
+            w = laws.wrench<double>(o.subject, now.couplings);
+            body.rigid->rates<double>(s, laws.variables_of(body, now.x).q, w, q_rate, v_rate);
         }
         return observed<double>(*body.rigid, s, w, v_rate, o);
     }
-    const PointReport r = laws.report(o.subject, slip, t, x, acting);
+    const PointReport r = laws.report(o.subject, now);
     switch (o.quantity) {
         case Quantity::position: return vector(r.position);
         case Quantity::velocity: return vector(r.velocity);

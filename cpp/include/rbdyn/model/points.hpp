@@ -27,7 +27,9 @@
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/model/system_report.hpp"
 #include "rbdyn/model/within.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
@@ -38,7 +40,7 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-class PointsModel : public RecordedModel {
+class PointsModel : public SceneModel {
 public:
     /// `leaves_out`: what stays as it starts is not simulated. `numbers`: of the user's, as they are in the scene.
     PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false, const GivenNumbers& numbers = {});
@@ -47,50 +49,60 @@ public:
 
     int variables() const override;
     bool holds_what_touches(int subject) const override;
-    int bodies() const { return static_cast<int>(laws_->bodies().size()); }
-    bool on_rail(int body) const { return laws_->body(body).curve.has_value(); }
+    int bodies() const override { return static_cast<int>(laws_->bodies().size()); }
+    bool on_rail(int body) const override { return laws_->body(body).curve.has_value(); }
     const PointLaws& laws() const { return *laws_; }
+    const PointLaws* special() const override { return laws_.get(); }
+    const std::string& name(int body) const override { return laws_->body(body).name; }
+    const StateMap& map() const override { return laws_->map(); }
+    bool turns(int body) const override { return laws_->turns(body); }
+    int freedom() const override;
+    std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
     /// Why all variables are simulated, also what stays as it starts; empty if that is left out.
-    const std::string& why_all() const { return why_all_; }
+    const std::string& why_all() const override { return why_all_; }
 
     /// The equations for what every body does at the state the scene starts in.
     const Equations& equations(const std::vector<signed char>& slip, double t = 0.0) const;
 
     /// The state the scene starts in.
-    std::vector<double> start(double t = 0.0) const;
+    std::vector<double> start(double t = 0.0) const override;
     std::vector<double> start_rest() const override;
 
     /// What acts in a mode; none where the laws at the state say it.
     std::optional<Acting> acting(const Mode& mode, double t, std::span<const double> x) const;
 
     /// Motion and reaction of a body in a mode.
-    PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const;
-    RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const;
-    /// The force of a spring on its first end in a mode, world axes; none where the state says it.
-    std::optional<Vector3> spring_force(const Mode& mode, int spring, double t, std::span<const double> x) const;
+    PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    /// All bodies and couplings in a mode.
+    SystemReport system_report(const Mode& mode, double t, std::span<const double> x, Asked asked) const override;
+    JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    /// The force of a coupling on its first end in a mode, world axes.
+    Vector3 coupling_force(const Mode& mode, int coupling, double t, std::span<const double> x) const override;
     /// Power of a load of the scene in a mode.
     double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
-                 std::span<const double> x) const;
+                 std::span<const double> x) const override;
     /// The value of a watched function in a mode.
-    double watched(const Mode& mode, int watch, double t, std::span<const double> x) const;
+    double watched(const Mode& mode, int watch, double t, std::span<const double> x) const override;
 
     /// Attitude and angular velocity of a rigid body.
-    Turning turning(int body, std::span<const double> x) const;
+    Turning turning(int body, double t, std::span<const double> x) const override;
 
     /// The Euler angles of every body that turns freely, three each.
     std::vector<double> winding(double, std::span<const double> x) const override;
     void wind(const Piece& piece, double length, std::vector<double>& all) const override;
     /// Where a body's angles are in what winding() gives, by three; -1: it does not turn freely.
-    int place_of_angles(int body) const;
+    int place_of_angles(int body) const override;
     /// The angles of a body somewhere on a piece, from those before its start.
-    EulerAngles wound(int body, const Piece& piece, const EulerAngles& before, double tau) const;
+    EulerAngles wound(int body, const Piece& piece, const EulerAngles& before, double tau) const override;
 
     /// Where a particle or a body's centre of mass is in a mode, and where a body's origin is; no force is asked for.
-    Vector3 center(const Mode& mode, int body, double t, std::span<const double> x) const;
-    Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const;
+    Vector3 center(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    Matrix3 rail_turn(int body, double t, std::span<const double> x) const override;
 
     /// What watched functions may ask for, at a state.
-    Observe observing(const Mode& mode, double t, std::span<const double> x) const;
+    Observe observing(const Mode& mode, double t, std::span<const double> x) const override;
 
     Mode undecided() const override;
 
@@ -118,6 +130,9 @@ private:
 
     bool has_angles(int body) const { return laws_->body(body).rigid && laws_->body(body).rigid->turns_freely(); }
 
+    /// A state with quaternions of unit length: between bodies what they are short of it would show as a moment.
+    std::vector<double> with_unit_attitudes(std::span<const double> x) const;
+
     /// A variable that is simulated.
     double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
 
@@ -128,10 +143,10 @@ private:
     static std::string singular_at(const Curve& curve, double u);
 
     static std::string title(const Load& load);
+    std::string title(int coupling) const;
 
     /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
-    void observe_rigid(int i, const Within& state, const Mode& mode, const Acting* acts,
-                       std::vector<Observed>& out) const;
+    void observe_rigid(int i, const PointsNow& now, std::vector<Observed>& out) const;
 
     /// What a bead does at a speed along its rail.
     signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const;

@@ -34,6 +34,7 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_observables.hpp"
 #include "rbdyn/model/point_state.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/rail_landing.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/rigid_change.hpp"
@@ -58,7 +59,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE PointsModel::PointsModel(const Scene& scene, const Placement& view, bool leaves_out,
                                       const GivenNumbers& numbers)
-    : RecordedModel(numbers), watches_(scene.watches()) {
+    : SceneModel(numbers), watches_(scene.watches()) {
     const auto laws = std::make_shared<PointLaws>(scene, view);
     laws_ = laws;
     if (!leaves_out) return;
@@ -77,7 +78,7 @@ RBDYN_INLINE PointsModel::PointsModel(const Scene& scene, const Placement& view,
 }
 
 RBDYN_INLINE PointsModel::PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers)
-    : RecordedModel(planned, numbers), watches_(scene.watches()), why_all_(planned.why_all_) {
+    : SceneModel(planned, numbers), watches_(scene.watches()), why_all_(planned.why_all_) {
     const auto laws = std::make_shared<PointLaws>(planned.laws());
     laws->take_functions(scene);
     laws_ = laws;
@@ -113,27 +114,67 @@ RBDYN_INLINE std::vector<double> PointsModel::start_rest() const {
 }
 
 RBDYN_INLINE std::optional<Acting> PointsModel::acting(const Mode& mode, double t, std::span<const double> x) const {
-    return acting_in(mode, bodies(), static_cast<int>(laws_->springs().size()), t, x);
+    return acting_in(mode, bodies(), static_cast<int>(laws_->couplings().size()), t, x);
 }
 
 RBDYN_INLINE PointReport PointsModel::report(const Mode& mode, int body, double t, std::span<const double> x) const {
     const Within state(mode, t, x, Within::unseen);
     const std::optional<Acting> now = acting(mode, t, x);
-    return laws_->report(body, mode.slip, state.t, state.x, now ? &*now : nullptr);
+    return laws_->report(body, PointsNow(*laws_, mode.slip, state.t, state.x, now ? &*now : nullptr));
 }
 
 RBDYN_INLINE RigidReport PointsModel::rigid_report(const Mode& mode, int body, double t,
                                                    std::span<const double> x) const {
     const Within state(mode, t, x, Within::unseen);
     const std::optional<Acting> now = acting(mode, t, x);
-    return laws_->rigid_report(body, mode.slip, state.t, state.x, now ? &*now : nullptr);
+    return laws_->rigid_report(body, PointsNow(*laws_, mode.slip, state.t, state.x, now ? &*now : nullptr));
 }
 
-RBDYN_INLINE std::optional<Vector3> PointsModel::spring_force(const Mode& mode, int spring, double t,
-                                                              std::span<const double> x) const {
-    if (!laws_->springs()[at(spring)].spring.present()) return std::nullopt;
+RBDYN_INLINE std::vector<double> PointsModel::with_unit_attitudes(std::span<const double> x) const {
+    std::vector<double> result(x.begin(), x.end());
+    for (const PointLaws::Body& b : laws_->bodies()) {
+        if (!b.rigid || !b.rigid->turns_freely()) continue;
+        const int first = b.first + b.rigid->first_of_attitude();
+        double square = 0.0;
+        for (int k = 0; k < 4; ++k) square += std::pow(laws_->map().value(first + k, x), 2);
+        for (int k = 0; k < 4; ++k)
+            if (laws_->map().is_simulated(first + k)) variable(result, first + k) /= std::sqrt(square);
+    }
+    return result;
+}
+
+RBDYN_INLINE SystemReport PointsModel::system_report(const Mode& mode, double t, std::span<const double> x,
+                                                     Asked asked) const {
+    const std::vector<double> exact = with_unit_attitudes(x);
+    const Within state(mode, t, exact, Within::unseen);
+    const std::optional<Acting> acts = asked == Asked::forces ? acting(mode, t, exact) : std::nullopt;
+    const PointsNow now(*laws_, mode.slip, state.t, state.x, acts ? &*acts : nullptr);
+    SystemReport result;
+    result.bodies.reserve(at(bodies()));
+    for (int i = 0; i < bodies(); ++i) result.bodies.push_back(now.body(i, asked));
+    const auto place = [&](const PointLaws::CouplingEnd& e) {
+        return laws_->in_world<double>(PointLaws::motion_of<double>(e, now.states).first);
+    };
+    const int count = static_cast<int>(laws_->couplings().size());
+    result.couplings.reserve(at(count));
+    for (int k = 0; k < count; ++k) {
+        const PointLaws::Connected& c = laws_->couplings()[at(k)];
+        CouplingReport& r = result.couplings.emplace_back();
+        r.a = c.a.body;
+        r.b = c.b.body;
+        r.place_a = place(c.a);
+        r.place_b = place(c.b);
+        if (asked == Asked::forces) r.force = laws_->view().axes * now.coupling_force(k);
+    }
+    return result;
+}
+
+RBDYN_INLINE Vector3 PointsModel::coupling_force(const Mode& mode, int coupling, double t,
+                                                 std::span<const double> x) const {
+    const Within state(mode, t, x, Within::unseen);
     const std::optional<Acting> now = acting(mode, t, x);
-    return now ? std::optional<Vector3>(laws_->view().axes * now->spring_force(spring)) : std::nullopt;
+    return laws_->view().axes *
+           PointsNow(*laws_, mode.slip, state.t, state.x, now ? &*now : nullptr).coupling_force(coupling);
 }
 
 RBDYN_INLINE double PointsModel::power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
@@ -156,7 +197,7 @@ RBDYN_INLINE double PointsModel::watched(const Mode& mode, int watch, double t, 
     return watches_[at(watch)].function(observing(mode, t, x));
 }
 
-RBDYN_INLINE Turning PointsModel::turning(int body, std::span<const double> x) const {
+RBDYN_INLINE Turning PointsModel::turning(int body, double, std::span<const double> x) const {
     const PointLaws::Body& b = laws_->body(body);
     const PointLaws::Variables own = laws_->variables_of(b, x);
     const RigidState<double> s = b.rigid->state(own.q, own.v);
@@ -167,7 +208,7 @@ RBDYN_INLINE std::vector<double> PointsModel::winding(double, std::span<const do
     std::vector<double> all;
     for (int i = 0; i < bodies(); ++i) {
         if (!has_angles(i)) continue;
-        const EulerAngles a = euler_path::begin(turning(i, x), laws_->body(i).start_angles);
+        const EulerAngles a = euler_path::begin(turning(i, 0.0, x), laws_->body(i).start_angles);
         all.insert(all.end(), {a.theta, a.psi, a.phi});
     }
     return all;
@@ -192,13 +233,33 @@ RBDYN_INLINE EulerAngles PointsModel::wound(int body, const Piece& piece, const 
     std::vector<double> x(at(variables()));
     const auto motion = [&](double time) {
         piece.state(std::clamp(time / piece.unit, 0.0, tau), x);
-        return turning(body, x);
+        return turning(body, time, x);
     };
     const Turning first = motion(0.0);
     const double time = tau * piece.unit;
     const EulerStep last =
         euler_path::follow({0.0, first, continue_from(before, first.attitude)}, time, motion, [](const EulerStep&) {});
     return continue_from(last.angles, motion(time).attitude);
+}
+
+RBDYN_INLINE int PointsModel::freedom() const {
+    int sum = 0;
+    for (const PointLaws::Body& b : laws_->bodies()) sum += b.curve ? 1 : b.velocities();
+    return sum;
+}
+
+RBDYN_INLINE std::shared_ptr<const SceneModel> PointsModel::with_numbers(const Scene& scene,
+                                                                         const GivenNumbers& numbers) const {
+    return std::make_shared<const PointsModel>(*this, scene, numbers);
+}
+
+RBDYN_INLINE JointReport PointsModel::joint(const Mode& mode, int body, double t, std::span<const double> x) const {
+    const RigidReport r = rigid_report(mode, body, t, x);
+    return {{r.coordinate}, {r.rate}};
+}
+
+RBDYN_INLINE Matrix3 PointsModel::rail_turn(int body, double t, std::span<const double>) const {
+    return laws_->rail_turn(body, t);
 }
 
 RBDYN_INLINE Vector3 PointsModel::center(const Mode& mode, int body, double t, std::span<const double> x) const {
@@ -215,10 +276,10 @@ RBDYN_INLINE Vector3 PointsModel::position(const Mode& mode, int body, double t,
 
 RBDYN_INLINE Observe PointsModel::observing(const Mode& mode, double t, std::span<const double> x) const {
     const auto state = std::make_shared<const Within>(mode, t, x, Within::unseen);
-    const auto now = std::make_shared<const std::optional<Acting>>(acting(mode, t, x));
-    return [this, &mode, state, now](const Observable& o) {
-        return rbdyn::observed(*laws_, mode.slip, state->t, state->x, o, *now ? &**now : nullptr);
-    };
+    const auto acts = std::make_shared<const std::optional<Acting>>(acting(mode, t, x));
+    const auto now =
+        std::make_shared<const PointsNow>(*laws_, mode.slip, state->t, state->x, *acts ? &**acts : nullptr);
+    return [state, acts, now](const Observable& o) { return rbdyn::observed(*now, o); };
 }
 
 RBDYN_INLINE Mode PointsModel::undecided() const {
@@ -338,10 +399,11 @@ RBDYN_INLINE Slope PointsModel::slope(const Mode& mode, double t, std::span<cons
     const StateMap& map = laws_->map();
     std::vector<double> all(at(map.variables())), second(all.size(), 0.0);
     Slope result;
+    const PointsNow now(*laws_, mode.slip, t, x);
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws_->body(i);
         double *q_rate = all.data() + b.first, *v_rate = all.data() + b.first_rate;
-        laws_->slope(i, mode.slip, t, x, {q_rate, at(b.positions())}, {v_rate, at(b.velocities())});
+        laws_->slope(i, now, {q_rate, at(b.positions())}, {v_rate, at(b.velocities())});
         // coordinates in space bend as their velocities do; attitudes have coordinates of another kind
         const int attitude = b.rigid ? b.rigid->first_of_attitude() : -1;
         std::copy_n(v_rate, attitude < 0 ? b.positions() : attitude, second.begin() + b.first);
@@ -361,14 +423,14 @@ RBDYN_INLINE void PointsModel::observe(const Mode& mode, double t, std::span<con
                                        std::vector<Observed>& out) const {
     out.clear();
     const Within state(mode, t, x, Within::unseen);
-    const std::optional<Acting> now = acting(mode, t, x);
-    const Acting* const acts = now ? &*now : nullptr;
+    const std::optional<Acting> acts = acting(mode, t, x);
+    const PointsNow now(*laws_, mode.slip, state.t, state.x, acts ? &*acts : nullptr);
     for (int i = 0; i < bodies(); ++i) {
         if (laws_->body(i).rigid) {
-            observe_rigid(i, state, mode, acts, out);
+            observe_rigid(i, now, out);
             continue;
         }
-        const PointReport r = laws_->report(i, mode.slip, state.t, state.x, acts);
+        const PointReport r = laws_->report(i, now);
         out.push_back({r.position, true, 0.0, r.position.norm(), Alike::place});
         out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity,
                        r.effort / laws_->body(i).mass});
@@ -383,28 +445,36 @@ RBDYN_INLINE double PointsModel::guard_value(const Guard& guard, const Mode& mod
 
 RBDYN_INLINE std::string PointsModel::grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode,
                                             double t, std::span<const double> x) const {
-    const auto was = laws_->states(t0, x0, before.slip), is = laws_->states(t, x, mode.slip);
+    const PointsNow first_of_all(*laws_, before.slip, t0, x0), at_last(*laws_, mode.slip, t, x);
+    const auto &was = first_of_all.states, &is = at_last.states;
+    // no motion that goes on comes to this
+    constexpr double beyond = 1e8;
     const auto size = [&](const Load& load, double time, const PointState<double>& p) {
         return force_of<double>(load, time, laws_->in_world<double>(p.r), laws_->view().axes * p.v).norm();
     };
     for (int i = 0; i < bodies(); ++i)
         for (const Load& load : laws_->body(i).functions) {
             const double first = size(load, t0, was[at(i)]), last = size(load, t, is[at(i)]);
-            // no motion that goes on comes to this
-            if (last > 1e8 * first && first > 0.0)
+            if (last > beyond * first && first > 0.0)
                 return title(load) + " on " + laws_->body(i).name + ", which has grown from " + text(first) + " to " +
                        text(last) + " N";
         }
+    for (int k = 0; k < static_cast<int>(laws_->couplings().size()); ++k) {
+        if (!laws_->couplings()[at(k)].present()) continue;
+        const double first = first_of_all.coupling_force(k).norm(), last = at_last.coupling_force(k).norm();
+        if (last > beyond * first && first > 0.0)
+            return title(k) + ", which has grown from " + text(first) + " to " + text(last) + " N: they meet";
+    }
     return {};
 }
 
 RBDYN_INLINE std::string PointsModel::not_finite(const Mode& mode, double t, std::span<const double> x) const {
     for (const double value : x)
         if (!std::isfinite(value)) return "the state itself";
-    const auto all = laws_->states(t, x, mode.slip);
+    const PointsNow now(*laws_, mode.slip, t, x);
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws_->body(i);
-        const PointState<double>& p = all[at(i)];
+        const PointState<double>& p = now.states[at(i)];
         if (!is_finite(p.r) || !is_finite(p.v))
             return "the curve or the motion of the rail of " + b.name +
                    (b.curve ? " at u = " + text(laws_->map().value(b.first, x)) : "");
@@ -421,6 +491,8 @@ RBDYN_INLINE std::string PointsModel::not_finite(const Mode& mode, double t, std
                 add_load(w, *b.rigid, *p.rigid, load, t, b.name);
                 if (!is_finite(w.force) || !is_finite(w.moment)) return "a load on " + b.name;
             }
+            for (const int k : b.couplings)
+                if (const Vector3 f = now.coupling_force(k); !is_finite(f)) return title(k) + ", which is not finite";
             continue;
         }
         if (b.rough && !std::isfinite(b.drive(t))) return "the drive of the rail of " + b.name;
@@ -429,8 +501,9 @@ RBDYN_INLINE std::string PointsModel::not_finite(const Mode& mode, double t, std
             if (std::string what = singular_at(*b.curve, u); !what.empty())
                 return "the rail of " + b.name + " at u = " + text(u) + ", where " + what;
         }
-        const PointReport report = laws_->report(i, mode.slip, t, x);
-        if (!is_finite(report.acceleration)) return "the acceleration of " + b.name;
+        for (const int k : b.couplings)
+            if (const Vector3 f = now.coupling_force(k); !is_finite(f)) return title(k) + ", which is not finite";
+        if (!is_finite(laws_->report(i, now).acceleration)) return "the acceleration of " + b.name;
     }
     return {};
 }
@@ -459,18 +532,26 @@ RBDYN_INLINE std::string PointsModel::singular_at(const Curve& curve, double u) 
     return is_singular ? "its tangent jumps or is not defined" : "";
 }
 
+RBDYN_INLINE std::string PointsModel::title(int coupling) const {
+    const PointLaws::Connected& c = laws_->couplings()[at(coupling)];
+    const auto name = [&](const PointLaws::CouplingEnd& e) {
+        return e.body >= 0 ? laws_->body(e.body).name : "a point of the world";
+    };
+    const OwnFunction* own = own_function(c.coupling);
+    return "the " + std::string(rbdyn::kind_of(c.coupling)) + (own != nullptr ? " \"" + own->name() + "\"" : "") +
+           " of " + name(c.a) + " and " + name(c.b);
+}
+
 RBDYN_INLINE std::string PointsModel::title(const Load& load) {
     if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
     if (const Potential* u = std::get_if<Potential>(&load)) return "the slope of potential \"" + u->name() + "\"";
     return "the force";
 }
 
-RBDYN_INLINE void PointsModel::observe_rigid(int i, const Within& state, const Mode& mode, const Acting* acts,
-                                             std::vector<Observed>& out) const {
+RBDYN_INLINE void PointsModel::observe_rigid(int i, const PointsNow& now, std::vector<Observed>& out) const {
     const RigidLaw& law = *laws_->body(i).rigid;
-    const auto all = laws_->states(state.t, state.x, mode.slip);
-    const RigidReport r = laws_->rigid_report(i, state.t, state.x, all, acts);
-    const PointState<double>& p = all[at(i)];
+    const RigidReport r = laws_->rigid_report(i, now);
+    const PointState<double>& p = now.states[at(i)];
     if (law.kind == RigidLaw::Kind::free || law.kind == RigidLaw::Kind::prismatic) {
         out.push_back({p.r, true, 0.0, p.r.norm(), Alike::place});
         out.push_back({p.v, false, 0.0, p.v.norm(), Alike::velocity, r.force_effort / laws_->body(i).mass});

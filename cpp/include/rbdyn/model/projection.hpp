@@ -43,7 +43,7 @@ public:
     /// Holds what a body has at a state x + low: `q`, `v` its first variables. Nothing but its weight acts on it.
     RigidProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low);
 
-    void apply(std::span<double> x, std::span<double> low, double step) const override;
+    void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
 
     bool makes_up_for_rounding() const override;
 
@@ -104,7 +104,7 @@ class HingeProjection : public Projection {
 public:
     HingeProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low);
 
-    void apply(std::span<double> x, std::span<double> low, double /*step*/) const override;
+    void apply(std::span<double> x, std::span<double> low, double /*step*/, double /*t*/) const override;
 
 private:
     using Real = long double;
@@ -121,7 +121,7 @@ class Projections : public Projection {
 public:
     /// The map outlives this.
     Projections(const StateMap& map, std::vector<std::unique_ptr<const Projection>> parts);
-    void apply(std::span<double> x, std::span<double> low, double step) const override;
+    void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
     bool makes_up_for_rounding() const override;
 
 private:

@@ -72,7 +72,7 @@ RBDYN_INLINE RigidProjection::RigidProjection(const RigidLaw& law, int q, int v,
     }
 }
 
-RBDYN_INLINE void RigidProjection::apply(std::span<double> x, std::span<double> low, double step) const {
+RBDYN_INLINE void RigidProjection::apply(std::span<double> x, std::span<double> low, double step, double /*t*/) const {
     if (!is_heavy_) catch_up(x, low, step);
     const Now now = look(x, low);
     const auto shrink = static_cast<double>(-0.5L * (now.norm - 1.0L));
@@ -235,7 +235,8 @@ RBDYN_INLINE HingeProjection::HingeProjection(const RigidLaw& law, int q, int v,
     for (const bool from_lowest : {false, true}) energy_[from_lowest] = energy(x, low, from_lowest);
 }
 
-RBDYN_INLINE void HingeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/) const {
+RBDYN_INLINE void HingeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/,
+                                         double /*t*/) const {
     const Real turn = value(x, low, angle_) - lowest_, rate = value(x, low, rate_);
     const bool from_lowest = std::cos(turn) > 0.0L;
     const Real off = energy_[from_lowest] - energy(x, low, from_lowest);
@@ -263,14 +264,14 @@ RBDYN_INLINE HingeProjection::Real HingeProjection::energy(std::span<const doubl
 RBDYN_INLINE Projections::Projections(const StateMap& map, std::vector<std::unique_ptr<const Projection>> parts)
     : map_(map), parts_(std::move(parts)), x_(static_cast<std::size_t>(map.variables())), low_(x_.size(), 0.0) {}
 
-RBDYN_INLINE void Projections::apply(std::span<double> x, std::span<double> low, double step) const {
+RBDYN_INLINE void Projections::apply(std::span<double> x, std::span<double> low, double step, double t) const {
     if (map_.has_all()) {
-        for (const auto& p : parts_) p->apply(x, low, step);
+        for (const auto& p : parts_) p->apply(x, low, step, t);
         return;
     }
     map_.spread(x, x_);
     map_.spread_zero(low, low_);
-    for (const auto& p : parts_) p->apply(x_, low_, step);
+    for (const auto& p : parts_) p->apply(x_, low_, step, t);
     map_.gather(x_, x);
     map_.gather(low_, low);
 }

@@ -104,11 +104,12 @@ struct RigidReport {
     Vector3 center_acceleration, force, reaction;    // world
     Vector3 moment, reaction_torque;                 // about o, world
     Vector3 angular_velocity, angular_acceleration;  // body axes
-    Vector3 spin_momentum;                           // K_G = I_G omega, world
+    Vector3 spin_momentum, spin_rate;                // K_G = I_G omega, and its rate, world
     double spin_energy = 0.0, spin_power = 0.0;      // T^(G) = I_G omega.omega/2, and its rate
     double coordinate = 0.0, rate = 0.0;             // of a joint with one
     double force_effort = 0.0, torque_effort = 0.0;  // sizes of what the reactions are differences of
 
+    RigidReport() = default;
     /// From the coordinates q, and what the law makes of the wrench.
     RigidReport(const RigidLaw& law, const RigidState<double>& s, const Wrench<double>& w, const double* q);
     /// From the rates of the velocities.

@@ -55,6 +55,7 @@ RBDYN_INLINE void RigidReport::fill(const RigidLaw& law, const RigidState<double
     rate = s.rate;
     const Vector3 momentum = law.inertia * s.omega;
     spin_momentum = s.to_world(momentum);
+    spin_rate = s.to_world(momentum_rates<double>(law, s, rates).second);
     spin_energy = 0.5 * s.omega.dot(momentum);
     spin_power = momentum.dot(turning);
     moment = s.to_world(w.moment);

@@ -36,10 +36,31 @@ bool is_kovalevskaya(const RigidLaw& law);
 /// |z^2 - (M g/C) c zeta|^2 [1/s^4], all in the frame of the law.
 double kovalevskaya(const RigidLaw& law, double gravity, const Vector3& omega, const Vector3& up);
 
-/// What a load leaves of energy, and of forces that come from within.
+/// What the effects of a scene leave of the first integrals of a system (7.40-7.42, 7.46), effect by effect.
+///
+/// Of momentum a component stays if no force from outside has it. Of angular momentum about a pole a component stays if
+/// no force from outside has a moment about the line through the pole along it: forces at known points of the world
+/// (anchors, ball joints) have none if those lie on the line, forces along it never have, and equal and opposite ones
+/// along the line of their ends cancel.
 struct Remaining {
-    bool energy = true, known = true;
-    Vector3 external = Vector3::Zero();
+    bool energy = true;
+    bool momentum[3] = {true, true, true}, angular[3] = {true, true, true};
+    bool only_weight = true;      // nothing acts but gravity and joints
+    std::vector<Vector3> points;  // of the world that forces of any direction go through
+
+    /// A force of known direction and any line, as far as its components are not zero.
+    void push(const Vector3& force);
+    /// A force with unknown components, but for those that are zero.
+    void push(bool x, bool y, bool z) { push(Vector3(x, y, z)); }
+    void push_anyhow() { push(Vector3(1.0, 1.0, 1.0)); }
+    /// A force of any direction at a point of the world.
+    void hold(const Vector3& point);
+    /// A moment of any direction.
+    void twist();
+    /// Nothing but what is along an axis exactly stays of three components.
+    static void keep_along(bool (&kept)[3], const Vector3& axis);
+    /// What stays of angular momentum about a point, of the points that forces go through the first.
+    Vector3 settle();
 };
 
 Remaining remaining_of(const Scene& scene);

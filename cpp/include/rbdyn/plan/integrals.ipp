@@ -6,10 +6,14 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <string>
 #include <variant>
 
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/curve.hpp"
+#include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/node.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
@@ -42,63 +46,149 @@ RBDYN_INLINE double kovalevskaya(const RigidLaw& law, double gravity, const Vect
     return std::norm(z * z - law.mass * gravity / law.moments[2] * c * zeta);
 }
 
+RBDYN_INLINE void Remaining::push(const Vector3& force) {
+    for (int i = 0; i < 3; ++i) {
+        momentum[i] = momentum[i] && force[i] == 0.0;
+        angular[i] = angular[i] && force[(i + 1) % 3] == 0.0 && force[(i + 2) % 3] == 0.0;
+    }
+}
+
+RBDYN_INLINE void Remaining::hold(const Vector3& point) {
+    for (bool& kept : momentum) kept = false;
+    points.push_back(point);
+}
+
+RBDYN_INLINE void Remaining::twist() {
+    for (bool& kept : angular) kept = false;
+}
+
+RBDYN_INLINE void Remaining::keep_along(bool (&kept)[3], const Vector3& axis) {
+    for (int i = 0; i < 3; ++i) kept[i] = kept[i] && axis[(i + 1) % 3] == 0.0 && axis[(i + 2) % 3] == 0.0;
+}
+
+RBDYN_INLINE Vector3 Remaining::settle() {
+    const Vector3 pole = points.empty() ? Vector3(Vector3::Zero()) : points.front();
+    for (const Vector3& p : points)
+        for (int i = 0; i < 3; ++i)
+            for (const int k : {(i + 1) % 3, (i + 2) % 3}) angular[i] = angular[i] && p[k] == pole[k];
+    return pole;
+}
+
+RBDYN_INLINE void take_load(const Scene& scene, const Scene::AppliedLoad& load, Remaining& left) {
+    left.only_weight = false;
+    if (const Force* force = std::get_if<Force>(&load.load)) {
+        const bool is_constant = force->is_constant() && force->frame() == Frame::world;
+        left.energy =
+            left.energy && (is_constant || (force->frame() == Frame::world && has_potential_along_rail(scene, load)));
+        if (is_constant) return left.push(force->constant());
+        if (force->frame() != Frame::world || !force->function()) return left.push_anyhow();
+        const auto may_be = [&](int i) {
+            const Node& node = force->function().node(force->function().output_nodes()[static_cast<std::size_t>(i)]);
+            return node.operation != Operation::constant || node.value != 0.0;
+        };
+        return left.push(may_be(0), may_be(1), may_be(2));
+    }
+    if (const Potential* potential = std::get_if<Potential>(&load.load)) {
+        const Function& u = potential->function();
+        return left.push(u.depends_on(0), u.depends_on(1), u.depends_on(2));
+    }
+    if (const Lorentz* lorentz = std::get_if<Lorentz>(&load.load)) {
+        left.twist();
+        return Remaining::keep_along(left.momentum, lorentz->field);
+    }
+    const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load);
+    left.energy = left.energy && spring != nullptr && spring->damping.is_zero();
+    left.twist();
+    if (std::holds_alternative<Drag>(load.load)) left.push_anyhow();
+}
+
+RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
+    const Revolute* driven_hinge = std::get_if<Revolute>(&b.joint);
+    const Prismatic* driven_slide = std::get_if<Prismatic>(&b.joint);
+    if ((driven_hinge != nullptr && driven_hinge->motion) || (driven_slide != nullptr && driven_slide->motion)) {
+        left.energy = left.only_weight = false;
+        if (b.parent < 0) left.push_anyhow();
+    }
+    // what joins bodies to each other is no force from outside
+    if (b.parent >= 0) return;
+    if (std::holds_alternative<Universal>(b.joint) || std::holds_alternative<Cylindrical>(b.joint) ||
+        std::holds_alternative<Planar>(b.joint) || std::holds_alternative<Fixed>(b.joint)) {
+        left.only_weight = false;
+        return left.push_anyhow();
+    }
+    const auto slides_along = [&](const Vector3& axis) {
+        left.twist();
+        Remaining::keep_along(left.momentum, axis);
+    };
+    if (const Rail* rail = b.rail()) {
+        const bool is_ideal = !rail->friction() && !rail->motion().present();
+        left.energy = left.energy && is_ideal;
+        left.only_weight = false;
+        if (!is_ideal || !rail->curve().straight() || rail->may_release()) return left.push_anyhow();
+        slides_along(rail->curve().first(b.parameter));
+    } else if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) {
+        slides_along(slide->axis);
+    } else if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
+        left.hold(hinge->at);
+        Remaining::keep_along(left.angular, hinge->axis);
+    } else if (const Spherical* ball = std::get_if<Spherical>(&b.joint)) {
+        left.hold(ball->at);
+    }
+}
+
+RBDYN_INLINE void take_coupling(const Scene::Connection& c, Remaining& left) {
+    left.only_weight = false;
+    left.energy = left.energy && keeps_energy(c.coupling);
+    if (!is_along_its_line(c.coupling)) left.twist();
+    for (const End* end : {&c.a, &c.b})
+        if (const Vector3* anchor = std::get_if<Vector3>(end)) left.hold(*anchor);
+}
+
 RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
     Remaining left;
-    for (const auto& load : scene.loads()) {
-        if (!is_present(load.load)) continue;
-        const Force* force = std::get_if<Force>(&load.load);
-        if (force != nullptr && force->is_constant() && force->frame() == Frame::world) {
-            left.external += sizes(force->constant());
-            continue;
-        }
-        left.known = false;
-        if (force != nullptr)
-            left.energy = left.energy && force->frame() == Frame::world && has_potential_along_rail(scene, load);
-        else if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load))
-            left.energy = left.energy && spring->damping.is_zero();
-        else if (!std::holds_alternative<Potential>(load.load) && !std::holds_alternative<Lorentz>(load.load))
-            left.energy = false;
+    left.push(scene.gravity());
+    for (const auto& load : scene.loads())
+        if (is_present(load.load)) take_load(scene, load, left);
+    for (const Scene::Body& b : scene.bodies()) take_joint(b, left);
+    for (const Scene::Held& c : scene.constraints()) {
+        left.only_weight = false;
+        if (body_of(c.b) < 0) left.push_anyhow();
     }
-    for (const Scene::Body& b : scene.bodies()) {
-        const Rail* rail = b.rail();
-        if (rail == nullptr) continue;
-        left.known = false;
-        left.energy = left.energy && !rail->friction() && !rail->motion().present();
+    for (const Scene::Touch& c : scene.contacts()) {
+        left.only_weight = false;
+        left.energy = left.energy && c.options.restitution == 1.0;
+        if (body_of(c.b) < 0) left.push_anyhow();
     }
-    for (const auto& c : scene.connections()) {
-        if (!is_present(c.coupling)) continue;
-        left.energy = left.energy && std::get<Spring>(c.coupling).damping.is_zero();
-        left.known = left.known && body_of(c.a) >= 0 && body_of(c.b) >= 0;
-    }
+    for (const auto& c : scene.connections())
+        if (is_present(c.coupling)) take_coupling(c, left);
     return left;
 }
 
 RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* body) {
     FirstIntegrals result;
-    const Remaining left = remaining_of(scene);
+    Remaining left = remaining_of(scene);
     if (left.energy) result.names.push_back("energy");
     const Vector3& g = scene.gravity();
-    const bool has_gravity = !g.isZero(0.0), only_gravity = left.known && left.external.isZero(0.0);
+    const bool has_gravity = !g.isZero(0.0);
     if (has_gravity) result.up = -direction(g);
-    bool all_free = true;
-    for (const Scene::Body& b : scene.bodies()) all_free = all_free && std::holds_alternative<Free>(b.joint);
-    if (all_free) {
-        const char* names[] = {"momentum x", "momentum y", "momentum z"};
-        const Vector3 external = left.external + sizes(g);
+    const std::string components[] = {"x", "y", "z"};
+    for (int i = 0; i < 3; ++i)
+        if (left.momentum[i]) result.names.push_back("momentum " + components[i]);
+    result.pole = left.settle();
+    // on a ball joint weight has a moment if it does not act at the joint
+    const bool is_top = body != nullptr && body->kind == RigidLaw::Kind::spherical && left.only_weight && has_gravity;
+    if (is_top && body->center.isZero(0.0)) {
+        result.names.push_back("angular momentum");
+    } else if (is_top) {
+        result.names.push_back("vertical angular momentum");
+        if (is_kovalevskaya(*body)) result.names.push_back("Kovalevskaya");
+    } else if (left.angular[0] && left.angular[1] && left.angular[2]) {
+        result.names.push_back("angular momentum");
+    } else {
         for (int i = 0; i < 3; ++i)
-            if (left.known && external[i] == 0.0) result.names.push_back(names[i]);
-        if (only_gravity && !has_gravity) result.names.push_back("angular momentum");
-        if (only_gravity && has_gravity && g[0] == 0.0 && g[1] == 0.0) result.names.push_back("angular momentum z");
+            if (left.angular[i]) result.names.push_back("angular momentum " + components[i]);
     }
-    if (body == nullptr) return result;
-    const RigidLaw& law = *body;
-    if (law.kind == RigidLaw::Kind::spherical && only_gravity) {
-        result.pole = law.at;
-        const bool is_heavy = has_gravity && !law.center.isZero(0.0);
-        result.names.push_back(is_heavy ? "vertical angular momentum" : "angular momentum");
-        if (is_heavy && is_kovalevskaya(law)) result.names.push_back("Kovalevskaya");
-    }
-    if (law.follows_axis) result.names.push_back("spin");
+    if (body != nullptr && body->follows_axis) result.names.push_back("spin");
     return result;
 }
 

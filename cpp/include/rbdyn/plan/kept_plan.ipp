@@ -53,7 +53,7 @@ RBDYN_INLINE void require_own_names(const Scene& scene, const Plan& plan) {
 RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers) {
     Plan plan = kept;
     if (kept.model) {
-        plan.model = std::make_shared<const PointsModel>(*kept.model, scene, numbers);
+        plan.model = kept.model->with_numbers(scene, numbers);
         // on which side of a case motion begins depends on them
         if (plan.model->distinguishes()) plan.guards = guards_of(*plan.model);
         if (!kept.closed) return plan;

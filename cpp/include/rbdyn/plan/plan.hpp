@@ -17,8 +17,8 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 class ClosedForm;   // closed_form/closed_form.hpp
-class PointsModel;  // model/points.hpp
 class Scene;        // scene/scene.hpp
+class SceneModel;   // model/scene_model.hpp
 struct Callback;    // expression/callback.hpp
 struct SceneParts;  // scene/parts.hpp
 
@@ -38,11 +38,12 @@ struct Plan {
     std::string engine, reason;            // the automatic choice; of several parts each one's, once
     std::string integrator;                // the automatic choice among those that integrate
     std::vector<Omission> omissions;
+    std::vector<std::string> not_unique;       // constraints whose forces the motion does not determine
     std::vector<std::string> integrals;        // first integrals of the scene
     Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
     Vector3 up{0, 0, 1};                       // against gravity
     Placement view;                            // the axes the equations are written in
-    std::shared_ptr<const PointsModel> model;  // the equations of motion, of one part
+    std::shared_ptr<const SceneModel> model;   // the equations of motion, of one part
     std::shared_ptr<const ClosedForm> closed;  // the motion of one part in closed form, if there is one
     std::vector<Plan> parts;                   // of bodies that nothing joins; none if there is one only
     std::shared_ptr<const SceneParts> apart;   // the scenes of these parts, and what is where in them
@@ -53,6 +54,7 @@ struct Plan {
     struct Told {
         Size size;
         std::pair<int, int> variables;
+        int freedom = 0;
     };
     std::optional<Told> told = std::nullopt;
 
@@ -60,6 +62,8 @@ struct Plan {
     std::int64_t python_calls() const;
     /// Whether all of it is known in closed form.
     bool is_closed() const;
+    /// Degrees of freedom: those that joints and constraints leave.
+    int freedom() const;
     /// How many variables are simulated, and how many there are.
     std::pair<int, int> variables() const;
     /// Of the equations that a motion from the scene's state at time 0 begins with; of several parts the sum.

@@ -42,7 +42,14 @@ RBDYN_INLINE std::pair<int, int> Plan::variables() const {
         sum.first += simulated;
         sum.second += all;
     }
-    return model ? std::pair(model->laws().map().size(), model->laws().map().variables()) : sum;
+    return model ? std::pair(model->map().size(), model->map().variables()) : sum;
+}
+
+RBDYN_INLINE int Plan::freedom() const {
+    if (told) return told->freedom;
+    int sum = 0;
+    for (const Plan& part : parts) sum += part.freedom();
+    return model ? model->freedom() : sum;
 }
 
 RBDYN_INLINE Size Plan::size() const {
@@ -78,6 +85,7 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Plan& plan) {
     out << "  state       " << simulated << " of " << variables << " variables are simulated\n";
     out << "  effects     " << (effects.empty() ? "none" : effects) << '\n';
     list("  guards      ", plan.guards, "none");
+    if (!plan.not_unique.empty()) list("  not unique  ", plan.not_unique, "");
     out << "  size        " << plan.size() << '\n';
     if (!plan.functions.empty()) list("  functions   ", plan.functions, "none");
     list("  conserved   ", plan.integrals, "nothing");

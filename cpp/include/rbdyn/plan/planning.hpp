@@ -25,7 +25,7 @@ namespace planning {
 Placement view_of(const Scene& scene);
 
 /// What the recorded equations watch for, with nothing that sticks and with all that can.
-[[gnu::cold]] std::vector<std::string> guards_of(const PointsModel& model);
+[[gnu::cold]] std::vector<std::string> guards_of(const SceneModel& model);
 
 /// The first names of a list, and how many there are beside them.
 std::string first_of(const std::vector<std::string>& names, std::size_t most, const std::string& between);
@@ -38,7 +38,7 @@ std::string names_of(const Scene& part);
                               Plan& plan, Simulated& simulated);
 
 /// The closed form of a scene, or why there is none: that of its bodies one by one, or that of linear equations.
-[[gnu::cold]] FoundForm closed_form(const Scene& scene, const PointsModel& model, bool any_rigid);
+[[gnu::cold]] FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid);
 
 std::string reason_of(const ClosedForm& form);
 

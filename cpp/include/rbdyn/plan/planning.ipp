@@ -25,11 +25,13 @@
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/plan/linear_motion.hpp"
@@ -37,6 +39,7 @@
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/effects.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/parts.hpp"
@@ -75,8 +78,18 @@ RBDYN_INLINE Placement view_of(const Scene& scene) {
     return placed(view.origin, curves::columns(along, unit, cross<DoubleDouble>(along, unit)));
 }
 
-RBDYN_INLINE std::vector<std::string> guards_of(const PointsModel& model) {
+RBDYN_INLINE std::vector<std::string> guards_of(const SceneModel& scene_model) {
     std::vector<std::string> lines;
+    if (scene_model.special() == nullptr) {
+        std::vector<double> x = scene_model.start(0.0);
+        for (const Guard& guard : scene_model.begin(0.0, x).equations->guards) {
+            const std::string line =
+                guard.is_watched() ? "\"" + guard.name + "\" (watch)" : guard.name + " through zero (switch)";
+            if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+        }
+        return lines;
+    }
+    const auto& model = dynamic_cast<const PointsModel&>(scene_model);
     for (const signed char slip : {static_cast<signed char>(1), sticks, flies}) {
         std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
         if (slip == flies)
@@ -129,6 +142,7 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
     std::vector<std::string> names, engines;
     for (const SceneParts::Part& part : apart.parts) {
         const Plan& own = plan.parts.emplace_back(plan_of(part.scene, any_rigid, numbers));
+        plan.not_unique.insert(plan.not_unique.end(), own.not_unique.begin(), own.not_unique.end());
         plan.guards.insert(plan.guards.end(), own.guards.begin(), own.guards.end());
         if (std::find(engines.begin(), engines.end(), own.engine) == engines.end()) engines.push_back(own.engine);
         names.push_back(names_of(part.scene) + " (" + own.engine + ")");
@@ -140,15 +154,16 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
     }
     plan.engine = first_of(engines, engines.size(), ", ");
     plan.reason = std::to_string(names.size()) + " parts, solved apart: " + first_of(names, 6, ", ") +
-                  "; a spring between two of them would join those";
+                  "; a coupling between two of them would join those";
     plan.apart = std::make_shared<const SceneParts>(std::move(apart));
 }
 
-RBDYN_INLINE FoundForm closed_form(const Scene& scene, const PointsModel& model, bool any_rigid) {
+RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid) {
     FoundForm found;
-    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, model.laws());
+    if (model.special() == nullptr) return {nullptr, "bodies joined to bodies have none here"};
+    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, *model.special());
     if (found.form) return found;
-    FoundForm linear = linear_motion(scene, model);
+    FoundForm linear = linear_motion(scene, dynamic_cast<const PointsModel&>(model));
     if (!linear.form && any_rigid) return found;
     return linear;
 }
@@ -180,6 +195,16 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
             leave_out("drive of " + b.name, "a smooth rail cannot pull; give it friction");
         }
     }
+    const auto take_joint_load = [&](const JointLoad& l, const std::string& what, const std::string& on) {
+        if (!l.present()) leave_out(what + on, "it is zero");
+        if (l.callback()) {
+            plan.calls_back = true;
+            plan.callbacks.push_back(l.callback());
+            plan.functions.push_back(what + " \"" + l.name() + "\"" + on + " called back: " + l.callback()->reason);
+        } else if (l.function()) {
+            plan.functions.push_back(what + " \"" + l.name() + "\" traced, native," + on);
+        }
+    };
     for (const auto& load : scene.loads()) {
         const std::string on = " on " + scene.bodies()[static_cast<std::size_t>(load.body)].name;
         if (const Force* force = std::get_if<Force>(&load.load)) {
@@ -202,6 +227,10 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
             if (!d->present()) leave_out("drag", "both its coefficients are zero");
         } else if (const TorsionSpring* torsion = std::get_if<TorsionSpring>(&load.load)) {
             if (!torsion->present()) leave_out("torsion spring" + on, "its stiffness and damping are zero");
+        } else if (acting::turns(load.load) && !std::holds_alternative<Torque>(load.load)) {
+            take_joint_load(std::get<JointTorque>(load.load), "joint torque", on);
+        } else if (const JointForce* joint_force = std::get_if<JointForce>(&load.load)) {
+            take_joint_load(*joint_force, "joint force", on);
         } else if (const Torque* twist = std::get_if<Torque>(&load.load)) {
             if (!twist->present()) leave_out("torque" + on, "it is zero");
             if (twist->is_constant()) continue;
@@ -224,8 +253,20 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
                                       : "called back, located but not certain: " + watch.function.counter()->reason));
     }
     for (const auto& c : scene.connections()) {
-        const Spring& s = std::get<Spring>(c.coupling);
-        if (!s.present()) leave_out("a spring", "its stiffness and damping are zero");
+        if (const OwnFunction* own = own_function(c.coupling); own != nullptr && *own) {
+            const std::string what = std::string(kind_of(c.coupling)) + " \"" + own->name() + "\"";
+            if (own->callback()) {
+                plan.calls_back = true;
+                plan.callbacks.push_back(own->callback());
+                plan.functions.push_back(what + " called back: " + own->callback()->reason);
+            } else {
+                plan.functions.push_back(what + " traced, native");
+            }
+        }
+        if (is_present(c.coupling)) continue;
+        const bool is_spring = std::holds_alternative<Spring>(c.coupling);
+        leave_out("a " + std::string(kind_of(c.coupling)),
+                  is_spring ? "its stiffness and damping are zero" : "it is zero");
     }
     const bool any_rigid = beside_rigid || std::any_of(scene.bodies().begin(), scene.bodies().end(),
                                                        [](const Scene::Body& b) { return b.rigid() != nullptr; });
@@ -238,11 +279,19 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
     Simulated simulated;
     if (apart.parts.empty()) {
         plan.view = view_of(scene);
-        plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
+        if (needs_tree(scene)) {
+            plan.view = {};
+            const auto tree = std::make_shared<const TreeModel>(scene, numbers);
+            plan.not_unique = tree->not_unique();
+            plan.model = tree;
+        } else {
+            plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
+        }
         simulated.take(*plan.model);
         for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
         plan.guards = guards_of(*plan.model);
-        if (const auto& rigid = plan.model->laws().body(0).rigid; rigid && scene.bodies().size() == 1) only = &*rigid;
+        if (const PointLaws* laws = plan.model->special(); laws != nullptr && scene.bodies().size() == 1)
+            if (const auto& rigid = laws->body(0).rigid) only = &*rigid;
         plan.reason = plan.calls_back
                           ? "a force that is called back has no Taylor series; events are located but not certain"
                           : "the equations are known, so their Taylor series are";

@@ -57,9 +57,9 @@ struct Simulated {
     std::vector<Omission> omissions;
     bool any_turns = false;
 
-    void take(const PointsModel& model);
+    void take(const SceneModel& model);
     /// The same of one body.
-    void take(const PointsModel& model, int body);
+    void take(const SceneModel& model, int body);
 };
 
 }  // namespace planning

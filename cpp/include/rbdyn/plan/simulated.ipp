@@ -124,14 +124,16 @@ RBDYN_INLINE void leave_out_body(const PointLaws& laws, int index, std::vector<O
     }
 }
 
-RBDYN_INLINE void Simulated::take(const PointsModel& model) {
-    for (int i = 0; i < model.bodies(); ++i) any_turns = any_turns || model.laws().turns(i);
+RBDYN_INLINE void Simulated::take(const SceneModel& model) {
+    for (int i = 0; i < model.bodies(); ++i) any_turns = any_turns || model.turns(i);
     if (!model.why_all().empty()) omissions.push_back({"no variable", model.why_all()});
 }
 
-RBDYN_INLINE void Simulated::take(const PointsModel& model, int body) {
-    coordinates.push_back(model.laws().body(body).name + ": " + coordinates_of(model.laws(), body));
-    if (model.why_all().empty()) leave_out_body(model.laws(), body, omissions);
+RBDYN_INLINE void Simulated::take(const SceneModel& model, int body) {
+    const PointLaws* laws = model.special();
+    coordinates.push_back(model.name(body) + ": " +
+                          (laws != nullptr ? coordinates_of(*laws, body) : model.coordinates(body)));
+    if (laws != nullptr && model.why_all().empty()) leave_out_body(*laws, body, omissions);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::planning

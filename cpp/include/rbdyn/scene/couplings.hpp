@@ -1,46 +1,79 @@
-// Couplings: forces between two points.
+// Couplings: forces between two points, as values that say what they exert and what they keep.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/node.hpp"
-#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/own_function.hpp"
+#include "rbdyn/scene/pair_laws.hpp"
+#include "rbdyn/scene/spring.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
-/// A spring with a damper along it: -(stiffness (length - rest_length) + damping d(length)/dt) along the line of its
-/// ends. stiffness [N/m], rest_length [m], damping [kg/s].
-struct Spring {
-    Given stiffness = 0.0;
-    Given rest_length = 0.0;
-    Given damping = 0.0;
+using Coupling = std::variant<Spring, Gravitation, Central, PairForce>;
 
-    bool present() const { return !stiffness.is_zero() || !damping.is_zero(); }
-    bool operator==(const Spring&) const = default;
-    /// With the numbers of the user's as they are now.
-    Spring frozen() const;
-    void give(GivenNumbers& numbers) const;
-    void validate() const;
-
-    /// Force on the first end; `d` and `v`: position and velocity of the first end relative to the second.
-    /// Along a straight way through the second end the direction is a sign, locked between passages; elsewhere the two
-    /// ends may not meet.
-    Vector3Of<Expression> operator()(const Vector3Of<Expression>& d, const Vector3Of<Expression>& v) const;
-    /// In numbers: where the ends meet, |d| within rounding of numbers of the given size, the direction is that of what
-    /// comes next.
-    Vector3 operator()(const Vector3& d, const Vector3& v, double size = 0.0) const;
-
-private:
-    /// The one component of a recorded vector that does not vanish identically, or -1.
-    static int only_component(const Vector3Of<Expression>& d);
+/// Places and velocities of the two ends of a coupling at a time, and the product of the masses of their bodies.
+template <class S>
+struct PairState {
+    S t;
+    Vector3Of<S> ra, rb, va, vb;
+    S masses;
 };
 
-using Coupling = std::variant<Spring>;
+/// The force of a coupling on its first end; places as it is given them, those of a PairForce in the world's axes.
+template <class S>
+Vector3Of<S> force_of(const Coupling& coupling, const PairState<S>& p) {
+    if (const PairForce* pair = std::get_if<PairForce>(&coupling)) return (*pair)(p.t, p.ra, p.rb, p.va, p.vb);
+    const Vector3Of<S> d = p.ra - p.rb, v = p.va - p.vb;
+    if (const Gravitation* gravitation = std::get_if<Gravitation>(&coupling))
+        return gravitation->template operator()<S>(d, p.masses);
+    if constexpr (std::is_same_v<S, double>) {
+        const double size = p.ra.norm() + p.rb.norm();
+        if (const Central* central = std::get_if<Central>(&coupling)) return (*central)(d, v, size);
+        return std::get<Spring>(coupling)(d, v, size);
+    } else {
+        if (const Central* central = std::get_if<Central>(&coupling)) return (*central)(d);
+        return std::get<Spring>(coupling)(d, v);
+    }
+}
+
+/// Sizes of the terms of that force, some epsilon of which is its rounding, beside its own length [N].
+double effort_of(const Coupling& coupling, const PairState<double>& p, double force);
+
+/// U of a coupling whose ends are a distance apart, with F = +grad U (the chapter's sign) [J]; none of a PairForce.
+/// `reference`: the distance at which that of a Central is zero.
+std::optional<double> potential_of(const Coupling& coupling, double length, double reference, double masses);
 
 /// Whether a coupling does anything.
 bool is_present(const Coupling& coupling);
+
+/// Whether it keeps energy: whether its force is all that of its potential.
+bool keeps_energy(const Coupling& coupling);
+
+/// Whether its force is along the line of its ends, and so keeps angular momentum.
+bool is_along_its_line(const Coupling& coupling);
+
+/// What of a coupling is a function of the user's; nullptr if nothing.
+const OwnFunction* own_function(const Coupling& coupling);
+
+/// "spring", "gravitation", "central force", "pair force": what messages call it.
+std::string_view kind_of(const Coupling& coupling);
+
+namespace couplings {
+
+/// The names of its effects.
+std::vector<std::string_view> effects_of(const Coupling& coupling);
+
+/// One of its kind that does nothing.
+Coupling nothing_of(const Coupling& coupling);
+
+}  // namespace couplings
 
 }  // namespace rbdyn::inline RBDYN_FORM

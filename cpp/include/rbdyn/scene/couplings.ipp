@@ -3,70 +3,81 @@
 
 #include "rbdyn/scene/couplings.hpp"
 
-#include <cmath>
-#include <limits>
-#include <utility>
+#include <optional>
+#include <string_view>
+#include <type_traits>
 #include <variant>
+#include <vector>
 
-#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/expression/elementary.hpp"
-#include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/given.hpp"
-#include "rbdyn/expression/node.hpp"
-#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/own_function.hpp"
+#include "rbdyn/scene/pair_laws.hpp"
+#include "rbdyn/scene/spring.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE Spring Spring::frozen() const {
-    const Spring result{stiffness.frozen(), rest_length.frozen(), damping.frozen()};
-    result.validate();
-    return result;
+RBDYN_INLINE double effort_of(const Coupling& coupling, const PairState<double>& p, double force) {
+    const double places = p.ra.norm() + p.rb.norm();
+    if (const Spring* spring = std::get_if<Spring>(&coupling))
+        return spring->stiffness.now() * (places + spring->rest_length.now()) +
+               spring->damping.now() * (p.va.norm() + p.vb.norm());
+    // of a power of the distance, as most are
+    const double length = (p.ra - p.rb).norm();
+    return length > 0.0 ? 2.0 * force * places / length : 0.0;
 }
 
-RBDYN_INLINE void Spring::give(GivenNumbers& numbers) const {
-    for (const Given* number : {&stiffness, &rest_length, &damping}) number->give(numbers);
-}
-
-RBDYN_INLINE void Spring::validate() const {
-    for (auto [name, value] : {std::pair{"stiffness", stiffness.now()}, std::pair{"rest_length", rest_length.now()},
-                               std::pair{"damping", damping.now()}})
-        require(std::isfinite(value) && value >= 0.0, "Spring", name, value, "it is zero or positive and finite");
-}
-
-RBDYN_INLINE Vector3Of<Expression> Spring::operator()(const Vector3Of<Expression>& d,
-                                                      const Vector3Of<Expression>& v) const {
-    using S = Expression;
-    const S k = stiffness.in<S>(), c = damping.in<S>(), tension = k * rest_length.in<S>();
-    Vector3Of<S> force = d * -k;
-    if (tension.is_zero() && c.is_zero()) return force;
-    if (const int only = only_component(d); only >= 0) {
-        if (!tension.is_zero()) force[only] += tension * locked_sign(d[only], "length of a spring");
-        force[only] -= c * v[only];
-        return force;
-    }
-    const S l = length(d, "length of a spring");
-    if (!tension.is_zero()) force += d * (tension / l);
-    if (!c.is_zero()) force -= d * (c * dot<S>(d, v) / (l * l));
-    return force;
-}
-
-RBDYN_INLINE Vector3 Spring::operator()(const Vector3& d, const Vector3& v, double size) const {
-    const double l = d.norm(), speed = v.norm();
-    const bool apart = l > 8.0 * std::numeric_limits<double>::epsilon() * size;
-    const Vector3 along = apart ? Vector3(d / l) : speed > 0.0 ? Vector3(v / speed) : Vector3(0, 0, 0);
-    return -(stiffness * (l - rest_length) + damping * along.dot(v)) * along;
-}
-
-RBDYN_INLINE int Spring::only_component(const Vector3Of<Expression>& d) {
-    int only = -1;
-    for (int i = 0; i < 3; ++i)
-        if (!d[i].is_zero()) only = only < 0 ? i : 3;
-    return only < 3 ? only : -1;
+RBDYN_INLINE std::optional<double> potential_of(const Coupling& coupling, double length, double reference,
+                                                double masses) {
+    if (!is_present(coupling)) return 0.0;
+    if (const Spring* spring = std::get_if<Spring>(&coupling)) return spring->potential(length);
+    if (const Gravitation* gravitation = std::get_if<Gravitation>(&coupling))
+        return gravitation->potential(length, masses);
+    if (const Central* central = std::get_if<Central>(&coupling)) return central->gain(reference, length);
+    return std::nullopt;
 }
 
 RBDYN_INLINE bool is_present(const Coupling& coupling) {
     return std::visit([](const auto& c) { return c.present(); }, coupling);
 }
 
+RBDYN_INLINE bool keeps_energy(const Coupling& coupling) {
+    if (const Spring* spring = std::get_if<Spring>(&coupling)) return spring->damping.is_zero();
+    return !std::holds_alternative<PairForce>(coupling);
+}
+
+RBDYN_INLINE bool is_along_its_line(const Coupling& coupling) { return !std::holds_alternative<PairForce>(coupling); }
+
+RBDYN_INLINE const OwnFunction* own_function(const Coupling& coupling) {
+    if (const Central* central = std::get_if<Central>(&coupling)) return &central->law();
+    if (const PairForce* pair = std::get_if<PairForce>(&coupling)) return &pair->law();
+    return nullptr;
+}
+
+RBDYN_INLINE std::string_view kind_of(const Coupling& coupling) {
+    constexpr std::string_view kinds[] = {"spring", "gravitation", "central force", "pair force"};
+    static_assert(std::size(kinds) == std::variant_size_v<Coupling>);
+    return kinds[coupling.index()];
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM
+
+namespace rbdyn::inline RBDYN_FORM::couplings {
+
+RBDYN_INLINE std::vector<std::string_view> effects_of(const Coupling& coupling) {
+    std::vector<std::string_view> effects;
+    if (const Spring* spring = std::get_if<Spring>(&coupling)) {
+        if (!spring->stiffness.is_zero()) effects.push_back("spring");
+        if (!spring->damping.is_zero()) effects.push_back("damper");
+    } else if (is_present(coupling)) {
+        effects.push_back(std::holds_alternative<PairForce>(coupling) ? "user force" : kind_of(coupling));
+    }
+    return effects;
+}
+
+RBDYN_INLINE Coupling nothing_of(const Coupling& coupling) {
+    return std::visit([](const auto& c) -> Coupling { return std::decay_t<decltype(c)>{}; }, coupling);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::couplings

@@ -38,6 +38,9 @@ std::string listed(const Words& words) {
 /// Whether a body turns where it goes.
 inline bool turns(const Scene::Body& b) { return b.rigid() != nullptr && !std::holds_alternative<Prismatic>(b.joint); }
 
+/// Whether a load is a torque of the user's.
+bool turns(const Load& load);
+
 /// A load of the same kind that does nothing.
 Load nothing_of(const Load& load);
 

@@ -33,6 +33,10 @@
 
 namespace rbdyn::inline RBDYN_FORM::acting {
 
+RBDYN_INLINE bool turns(const Load& load) {
+    return std::holds_alternative<Torque>(load) || std::holds_alternative<JointTorque>(load);
+}
+
 RBDYN_INLINE Load nothing_of(const Load& load) {
     return std::visit(
         [](const auto& l) -> Load {
@@ -72,10 +76,13 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
         if (const auto* torsion = std::get_if<TorsionSpring>(&l.load))
             note_spring(*torsion);
         else
-            note(is_present(l.load), std::holds_alternative<Drag>(l.load)     ? "drag"
-                                     : std::holds_alternative<Torque>(l.load) ? "user torque"
-                                                                              : "user force");
-    for (const Scene::Connection& c : scene.connections()) note_spring(std::get<Spring>(c.coupling));
+            note(is_present(l.load), std::holds_alternative<Drag>(l.load) ? "drag"
+                                     : acting::turns(l.load)              ? "user torque"
+                                                                          : "user force");
+    for (const Scene::Connection& c : scene.connections())
+        for (const std::string_view effect : couplings::effects_of(c.coupling)) found.push_back(effect);
+    note(!scene.contacts().empty(), "contact");
+    note(!scene.contacts().empty(), "impact");
     std::vector<std::string> result;
     for (const std::string_view name : acting::names)
         if (std::find(found.begin(), found.end(), name) != found.end()) result.emplace_back(name);
@@ -98,7 +105,8 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
                 coupling->index >= 0 && coupling->index < static_cast<int>(connections_.size()), "without", "coupling",
                 coupling->index,
                 "a handle comes from connect() of the same scene, which has " + std::to_string(connections_.size()));
-            result.connections_[static_cast<std::size_t>(coupling->index)].coupling = Spring{};
+            Coupling& taken = result.connections_[static_cast<std::size_t>(coupling->index)].coupling;
+            taken = couplings::nothing_of(taken);
         } else {
             const std::string& name = std::get<std::string>(part);
             const auto among = [&](const auto& list) {
@@ -107,12 +115,14 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
             if (!among(acting::names))
                 throw InvalidInput("without: \"" + name + "\" is no effect; the effects are " +
                                    acting::listed(acting::names) + "; this scene has " + acting::listed(present));
-            const bool is_to_come =
-                name == "gravitation" || name == "central force" || name == "contact" || name == "impact";
+            const bool is_to_come = name == "contact" || name == "impact";
             if (!among(present))
                 throw InvalidInput("without: this scene has no " + name +
                                    (is_to_come ? ", and in this version none can" : "") + "; it has " +
                                    acting::listed(present));
+            if (name == "contact" || name == "impact")
+                throw InvalidInput("without: " + name +
+                                   " cannot be taken away in this version; make the scene without its contacts");
             gone.push_back(name);
         }
     }
@@ -122,13 +132,19 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
         if (is_gone("spring")) s.stiffness = 0.0;
         if (is_gone("damper")) s.damping = 0.0;
     };
-    for (Connection& c : result.connections_) take_spring(std::get<Spring>(c.coupling));
+    for (Connection& c : result.connections_)
+        if (Spring* spring = std::get_if<Spring>(&c.coupling)) {
+            take_spring(*spring);
+        } else {
+            for (const std::string_view effect : couplings::effects_of(c.coupling))
+                if (is_gone(effect)) c.coupling = couplings::nothing_of(c.coupling);
+        }
     for (AppliedLoad& l : result.loads_)
         if (auto* torsion = std::get_if<TorsionSpring>(&l.load))
             take_spring(*torsion);
-        else if (is_gone(std::holds_alternative<Drag>(l.load)     ? "drag"
-                         : std::holds_alternative<Torque>(l.load) ? "user torque"
-                                                                  : "user force"))
+        else if (is_gone(std::holds_alternative<Drag>(l.load) ? "drag"
+                         : acting::turns(l.load)              ? "user torque"
+                                                              : "user force"))
             l.load = acting::nothing_of(l.load);
     if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))
         for (Body& b : result.bodies_)
@@ -193,7 +209,7 @@ RBDYN_INLINE void Scene::hold_attitudes() {
         for (End* end : {&c.a, &c.b})
             if (const int body = body_of(*end); body >= 0 && held[static_cast<std::size_t>(body)])
                 *end = BodyHandle{body};
-        if (c.a == c.b) c.coupling = Spring{};
+        if (c.a == c.b) c.coupling = couplings::nothing_of(c.coupling);
     }
     for (const Watch& w : watches_) require_observables(w.function, "without rotation, watch " + w.name);
     for (const Integral& i : integrals_) require_observables(i.function, "without rotation, integral " + i.name);

@@ -6,6 +6,8 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/scene/surfaces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -20,6 +22,16 @@ struct BodyHandle {
     int index = -1;
     /// One of its points, in body axes [m].
     BodyPoint point(const Vector3& place) const { return {index, place}; }
+    /// Parts of it that touch (contacts.hpp), in body axes [m].
+    BodySphere sphere(double radius, const Vector3& center = Vector3::Zero()) const { return {index, radius, center}; }
+    BodyDisc disc(double radius, const Vector3& normal, const Vector3& center = Vector3::Zero()) const {
+        return {index, radius, normal, center};
+    }
+    BodyEllipsoid ellipsoid(const Vector3& semi_axes, const Vector3& center = Vector3::Zero(),
+                            const Attitude& attitude = {}) const {
+        return {index, semi_axes, center, attitude};
+    }
+    BodyPlane plane(const Plane& plane) const { return {index, plane}; }
     bool operator==(const BodyHandle&) const = default;
 };
 /// A load of a scene.
@@ -31,6 +43,16 @@ struct LoadHandle {
 struct CouplingHandle {
     int index = -1;
     bool operator==(const CouplingHandle&) const = default;
+};
+/// A constraint of a scene.
+struct ConstraintHandle {
+    int index = -1;
+    bool operator==(const ConstraintHandle&) const = default;
+};
+/// A contact of a scene.
+struct ContactHandle {
+    int index = -1;
+    bool operator==(const ContactHandle&) const = default;
 };
 /// A watched function of a scene.
 struct WatchHandle {

@@ -1,6 +1,11 @@
 // Joints: how a body may move, and where its motion starts, in the joint's own words.
+//
+// A joint lies between a body and its parent: the ground, or a body that was added before (`parent` of the start). Then
+// `at`, axes and a rail's curve are in the parent's axes, from its origin, and the initial state is relative to it. At
+// coordinates zero the axes of both coincide.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <variant>
@@ -15,6 +20,7 @@
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/time_function.hpp"
 #include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -23,6 +29,7 @@ namespace joints {
 
 void require_finite(const std::string& object, const std::string& what, const Vector3& v);
 void require_direction(const std::string& object, const Vector3& axis);
+void require_right_angle(const std::string& object, const std::string& what, const Vector3& a, const Vector3& b);
 
 /// The angular velocity in body axes that a start gives, or what it is otherwise.
 template <class Start>
@@ -52,6 +59,7 @@ struct Free {
 struct FreeStart {
     Vector3 position = Vector3::Zero();
     Vector3 velocity = Vector3::Zero();
+    BodyHandle parent = {};  // the ground, or the body it is joined to
 };
 
 /// Initial state of a free rigid body: position [m] and velocity [m/s] of the origin of the body's frame, world axes;
@@ -62,6 +70,7 @@ struct BodyStart {
     Attitude attitude = {};
     std::optional<Vector3> angular_velocity = std::nullopt;
     std::optional<Vector3> angular_velocity_world = std::nullopt;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
 };
 
 /// Coulomb-Morin friction (eq. 7.23): sliding, the tangential reaction is mu_dynamic times the perpendicular one,
@@ -137,6 +146,7 @@ struct RailStart {
     std::optional<double> parameter = std::nullopt;
     std::optional<double> arc_length = std::nullopt;
     double speed = 0.0;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
 };
 
 /// A ball joint: one point of the body (body axes) is held at a point of the world [m]; it turns as it likes (7.57).
@@ -153,6 +163,7 @@ struct SphericalStart {
     Attitude attitude = {};
     std::optional<Vector3> angular_velocity = std::nullopt;
     std::optional<Vector3> angular_velocity_world = std::nullopt;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
 };
 
 /// A hinge: the body turns about an axis through a point of the world, where it holds a point of its own (7.60). At
@@ -161,6 +172,7 @@ struct Revolute {
     Vector3 axis{0, 0, 1};
     Vector3 at = Vector3::Zero();
     Vector3 point = Vector3::Zero();
+    std::optional<TimeFunction> motion = std::nullopt;  // its coordinate as a function of time, prescribed
 
     bool operator==(const Revolute&) const = default;
     void validate() const;
@@ -170,6 +182,7 @@ struct Revolute {
 struct RevoluteStart {
     double angle = 0.0;
     double rate = 0.0;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
 };
 
 /// A slide: the body moves along an axis without turning, body axes along the world's. At displacement 0 its point is
@@ -178,6 +191,7 @@ struct Prismatic {
     Vector3 axis{1, 0, 0};
     Vector3 at = Vector3::Zero();
     Vector3 point = Vector3::Zero();
+    std::optional<TimeFunction> motion = std::nullopt;  // its coordinate as a function of time, prescribed
 
     bool operator==(const Prismatic&) const = default;
     void validate() const;
@@ -187,9 +201,77 @@ struct Prismatic {
 struct PrismaticStart {
     double displacement = 0.0;
     double rate = 0.0;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
 };
 
-using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic>;
+/// Two hinges with a massless cross between them: the body turns about `first`, fixed in the parent, and then about
+/// `second`, fixed in the body, at right angles at angles zero.
+struct Universal {
+    Vector3 first{1, 0, 0}, second{0, 1, 0};
+    Vector3 at = Vector3::Zero();
+    Vector3 point = Vector3::Zero();
+
+    bool operator==(const Universal&) const = default;
+    void validate() const;
+};
+
+/// Initial state on a universal joint: angles [rad] about its two axes and their rates [rad/s].
+struct UniversalStart {
+    std::array<double, 2> angles{}, rates{};
+    BodyHandle parent = {};  // the ground, or the body it is joined to
+};
+
+/// A hinge that slides along its axis.
+struct Cylindrical {
+    Vector3 axis{0, 0, 1};
+    Vector3 at = Vector3::Zero();
+    Vector3 point = Vector3::Zero();
+
+    bool operator==(const Cylindrical&) const = default;
+    void validate() const;
+};
+
+/// Initial state on a cylindrical joint: angle [rad], displacement [m] along the axis, and their rates.
+struct CylindricalStart {
+    double angle = 0.0, rate = 0.0;
+    double displacement = 0.0, displacement_rate = 0.0;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
+};
+
+/// Motion along a plane: the body's origin moves along x and y, unit vectors at right angles, and the body turns about
+/// x cross y.
+struct Planar {
+    Vector3 x{1, 0, 0}, y{0, 1, 0};
+    Vector3 at = Vector3::Zero();
+
+    bool operator==(const Planar&) const = default;
+    void validate() const;
+};
+
+/// Initial state on a planar joint: position [m] of the body's origin from `at` along x and y, its velocity [m/s], the
+/// angle from x to y [rad] and its rate [rad/s].
+struct PlanarStart {
+    std::array<double, 2> position{}, velocity{};
+    double angle = 0.0, rate = 0.0;
+    BodyHandle parent = {};  // the ground, or the body it is joined to
+};
+
+/// No motion: welded to its parent, in an attitude relative to it.
+struct Fixed {
+    Attitude attitude = {};
+    Vector3 at = Vector3::Zero();
+    Vector3 point = Vector3::Zero();
+
+    bool operator==(const Fixed&) const = default;
+    void validate() const;
+};
+
+/// What a weld starts with: nothing but where it is.
+struct FixedStart {
+    BodyHandle parent = {};  // the ground, or the body it is joined to
+};
+
+using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic, Universal, Cylindrical, Planar, Fixed>;
 
 /// Where arc length counts from on a curve.
 double arc_length_origin(const Curve& curve);

@@ -32,6 +32,13 @@ RBDYN_INLINE void require_direction(const std::string& object, const Vector3& ax
     require(axis.norm() > 0.0, object, "length of axis", axis.norm(), "an axis has a direction; its length is free");
 }
 
+RBDYN_INLINE void require_right_angle(const std::string& object, const std::string& what, const Vector3& a,
+                                      const Vector3& b) {
+    const double cosine = a.dot(b) / (a.norm() * b.norm());
+    require(std::abs(cosine) <= 1e-6, object, "cosine of the angle between " + what, cosine,
+            "they are at right angles (within 1e-6, and then made so)");
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM::joints
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -128,6 +135,32 @@ RBDYN_INLINE void Prismatic::validate() const {
     joints::require_direction("Prismatic", axis);
     joints::require_finite("Prismatic", "at", at);
     joints::require_finite("Prismatic", "point", point);
+}
+
+RBDYN_INLINE void Universal::validate() const {
+    joints::require_direction("Universal, first axis", first);
+    joints::require_direction("Universal, second axis", second);
+    joints::require_right_angle("Universal", "first and second axis", first, second);
+    joints::require_finite("Universal", "at", at);
+    joints::require_finite("Universal", "point", point);
+}
+
+RBDYN_INLINE void Cylindrical::validate() const {
+    joints::require_direction("Cylindrical", axis);
+    joints::require_finite("Cylindrical", "at", at);
+    joints::require_finite("Cylindrical", "point", point);
+}
+
+RBDYN_INLINE void Planar::validate() const {
+    joints::require_direction("Planar, x", x);
+    joints::require_direction("Planar, y", y);
+    joints::require_right_angle("Planar", "x and y", x, y);
+    joints::require_finite("Planar", "at", at);
+}
+
+RBDYN_INLINE void Fixed::validate() const {
+    joints::require_finite("Fixed", "at", at);
+    joints::require_finite("Fixed", "point", point);
 }
 
 RBDYN_INLINE double arc_length_origin(const Curve& curve) {

@@ -17,6 +17,7 @@
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/torque.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -173,7 +174,7 @@ struct TorsionSpring {
     bool operator==(const TorsionSpring&) const = default;
 };
 
-using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring>;
+using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring, JointTorque, JointForce>;
 
 /// Whether a load does anything.
 bool is_present(const Load& load);

@@ -136,6 +136,8 @@ RBDYN_INLINE void give(const Load& load, GivenNumbers& numbers) {
     };
     if (const auto* force = std::get_if<Force>(&load)) force->function().give(numbers);
     if (const auto* torque = std::get_if<Torque>(&load)) torque->function().give(numbers);
+    if (const auto* torque = std::get_if<JointTorque>(&load)) torque->give(numbers);
+    if (const auto* force = std::get_if<JointForce>(&load)) force->give(numbers);
     if (const auto* potential = std::get_if<Potential>(&load)) potential->function().give(numbers);
     if (const auto* lorentz = std::get_if<Lorentz>(&load)) give_all({&lorentz->strength});
     if (const auto* drag = std::get_if<Drag>(&load)) give_all({&drag->linear, &drag->quadratic});

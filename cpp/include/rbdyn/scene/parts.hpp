@@ -1,9 +1,10 @@
 // The parts of a scene: bodies that nothing joins, each part a scene of its own that is solved apart.
 //
-// Two bodies are joined by a coupling between them and by a recorded watched function that asks for both. Nobody knows
-// what a function that is called back looks at, nor what an action that changes the state does: one of them joins all
-// bodies. Functions of time, numbers that several bodies share and integrals of the user's, which are looked at when
-// the motion is known, join nothing. A function of the time alone is watched with the first body.
+// Two bodies are joined by a joint, a coupling or a constraint between them and by a recorded watched function that
+// asks for both. Nobody knows what a function that is called back looks at, nor what an action that changes the state
+// does: one of them joins all bodies. Functions of time, numbers that several bodies share and integrals of the user's,
+// which are looked at when the motion is known, join nothing. A function of the time alone is watched with the first
+// body.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +20,9 @@ namespace rbdyn::inline RBDYN_FORM {
 
 struct SceneParts {
     struct Part {
-        Scene scene;              // without integrals
-        std::vector<int> bodies;  // by order of addition, as the rest of it
+        Scene scene;                // without integrals
+        std::vector<int> bodies;    // by order of addition, as the rest of it
+        std::vector<int> contacts;  // of the whole
     };
     /// Where something of the scene is; a coupling that does nothing may be in no part (-1).
     struct Place {
@@ -28,7 +30,7 @@ struct SceneParts {
     };
 
     std::vector<Part> parts;  // in the order of their first bodies; none if there is one only
-    std::vector<Place> bodies, loads, couplings;
+    std::vector<Place> bodies, loads, couplings, constraints, contacts;
     std::string joined_by;  // the watched function that keeps together what else falls apart; empty if none does
 
     [[gnu::cold]] explicit SceneParts(const Scene& scene);

@@ -33,7 +33,8 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
         Part& part = parts[at(bodies.back().part)];
         bodies.back().index = static_cast<int>(part.bodies.size());
         part.bodies.push_back(i);
-        part.scene.bodies_.push_back(scene.bodies_[at(i)]);
+        Scene::Body& added = part.scene.bodies_.emplace_back(scene.bodies_[at(i)]);
+        if (added.parent >= 0) added.parent = bodies[at(added.parent)].index;
     }
     for (Part& part : parts) part.scene.gravity_ = scene.gravity_;
     for (Scene::AppliedLoad load : scene.loads_) {
@@ -41,17 +42,41 @@ RBDYN_INLINE SceneParts::SceneParts(const Scene& scene) {
         load.body = body;
         put(loads, part, &Scene::loads_, std::move(load));
     }
+    const auto renumber = [&](End& end) {
+        if (BodyHandle* body = std::get_if<BodyHandle>(&end); body != nullptr && body->index >= 0)
+            body->index = bodies[at(body->index)].index;
+        if (BodyPoint* point = std::get_if<BodyPoint>(&end)) point->body = bodies[at(point->body)].index;
+    };
     for (Scene::Connection c : scene.connections_) {
         const int a = part_of(c.a), b = part_of(c.b);
         if (a >= 0 && b >= 0 && a != b) {
             couplings.emplace_back();
             continue;
         }
-        for (End* end : {&c.a, &c.b}) {
-            if (BodyHandle* body = std::get_if<BodyHandle>(end)) body->index = bodies[at(body->index)].index;
-            if (BodyPoint* point = std::get_if<BodyPoint>(end)) point->body = bodies[at(point->body)].index;
-        }
+        for (End* end : {&c.a, &c.b}) renumber(*end);
         put(couplings, std::max(a, b), &Scene::connections_, std::move(c));
+    }
+    for (Scene::Held c : scene.constraints_) {
+        const int a = part_of(c.a), b = part_of(c.b);
+        for (End* end : {&c.a, &c.b}) renumber(*end);
+        put(constraints, std::max(a, b), &Scene::constraints_, std::move(c));
+    }
+    for (Scene::Touch c : scene.contacts_) {
+        const int part = bodies[at(body_of(c.a))].part;
+        const auto renumbered = [&](auto& side) {
+            std::visit(
+                [&](auto& s) {
+                    if constexpr (requires { s.index; })
+                        s.index = bodies[at(s.index)].index;
+                    else if constexpr (requires { s.body; })
+                        s.body = bodies[at(s.body)].index;
+                },
+                side);
+        };
+        renumbered(c.a);
+        renumbered(c.b);
+        parts[at(part)].contacts.push_back(static_cast<int>(contacts.size()));
+        put(contacts, part, &Scene::contacts_, std::move(c));
     }
     for (const Scene::Watch& w : scene.watches_) {
         int part = 0;
@@ -82,6 +107,9 @@ RBDYN_INLINE std::vector<int> SceneParts::joined(const Scene& scene) {
         const auto [first, second] = std::minmax({head(a), head(b)});
         heads[at(second)] = first;
     };
+    for (int i = 0; i < static_cast<int>(heads.size()); ++i) join(i, scene.bodies()[at(i)].parent);
+    for (const Scene::Held& c : scene.constraints()) join(body_of(c.a), body_of(c.b));
+    for (const Scene::Touch& c : scene.contacts()) join(body_of(c.a), body_of(c.b));
     for (const Scene::Connection& c : scene.connections())
         if (is_present(c.coupling)) join(body_of(c.a), body_of(c.b));
     for (const Scene::Watch& w : scene.watches()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -14,6 +15,8 @@
 #include "rbdyn/body/particle.hpp"
 #include "rbdyn/body/rigid_body.hpp"
 #include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/scene/constraints.hpp"
+#include "rbdyn/scene/contacts.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -33,6 +36,8 @@ public:
         double parameter_rest = 0.0;                                     // what the parameter is short of 32 digits
         Attitude attitude = {};                                          // of a body that turns freely
         Vector3Of<DoubleDouble> angular_velocity = {};                   // its own, body axes
+        std::array<double, 3> coordinates{}, rates{};                    // of a joint with two or three
+        int parent = -1;                                                 // the body it is joined to; -1: the ground
         std::string name;
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
@@ -50,6 +55,19 @@ public:
         Coupling coupling;
         End a, b;
         bool operator==(const Connection&) const = default;
+    };
+    struct Held {
+        Constraint constraint;
+        End a, b;
+        std::string name;
+        bool operator==(const Held&) const = default;
+    };
+    struct Touch {
+        ContactPart a;
+        ContactSurface b;
+        ContactOptions options;
+        std::string name;
+        bool operator==(const Touch&) const = default;
     };
     struct Watch {
         std::string name;
@@ -84,6 +102,13 @@ public:
     BodyHandle add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start = {},
                    std::string name = {});
 
+    BodyHandle add(const RigidBody& body, const Universal& joint, const UniversalStart& start = {},
+                   std::string name = {});
+    BodyHandle add(const RigidBody& body, const Cylindrical& joint, const CylindricalStart& start = {},
+                   std::string name = {});
+    BodyHandle add(const RigidBody& body, const Planar& joint, const PlanarStart& start = {}, std::string name = {});
+    BodyHandle add(const RigidBody& body, const Fixed& joint, const FixedStart& start = {}, std::string name = {});
+
     /// The start of a body that turns freely, in 32 digits: what another scene has of it.
     void start_turning(BodyHandle body, const Attitude& attitude, const Vector3Of<DoubleDouble>& angular_velocity);
 
@@ -94,6 +119,21 @@ public:
     LoadHandle apply(Load load, BodyHandle body, std::optional<Vector3> at = std::nullopt);
 
     CouplingHandle connect(Coupling coupling, End a, End b);
+
+    /// Holds a to b beside their joints. `b`: none is the world: its origin and axes for planes and curves, else the
+    /// place where a starts. Starts that do not satisfy it are moved to the nearest that do if they are within 1e-6 of
+    /// the scene's size, else a run is refused; assemble() finds some from rough guesses.
+    ConstraintHandle constrain(Constraint constraint, End a, std::optional<End> b = std::nullopt,
+                               std::string name = {});
+
+    /// Solves the start for all constraints from the guesses given, coordinates, then rates; those of the bodies in
+    /// `keep` are left as they are. Returns how far it moved, the largest change of a coordinate. Throws InvalidInput,
+    /// with the gaps left, where there is no way.
+    double assemble(const std::vector<BodyHandle>& keep = {});
+
+    /// Lets a part of a body touch a surface: it does not go beyond it. A start may be open, closed and at rest, or
+    /// closed and moving: a gap within 1e-12 of the size of what it joins is none. Deeper is refused when a run starts.
+    ContactHandle contact(ContactPart a, ContactSurface b, ContactOptions options = {}, std::string name = {});
 
     /// A function of the motion whose zeros are events: noted, or acted upon. Its name must be its own.
     WatchHandle watch(std::string name, WatchFunction function, WatchOptions options = {});
@@ -115,6 +155,8 @@ public:
     const std::vector<Body>& bodies() const { return bodies_; }
     const std::vector<AppliedLoad>& loads() const { return loads_; }
     const std::vector<Connection>& connections() const { return connections_; }
+    const std::vector<Held>& constraints() const { return constraints_; }
+    const std::vector<Touch>& contacts() const { return contacts_; }
     const std::vector<Watch>& watches() const { return watches_; }
     const std::vector<Integral>& integrals() const { return integrals_; }
     /// The plan that was made of it as it is, if any.
@@ -132,6 +174,9 @@ private:
     static Rail without(const Rail& rail, const std::string& name, const std::vector<std::string>& gone);
     void hold_attitudes();
     BodyHandle add(Body body);
+    /// The parent that a start gives: the ground, or a body of this scene.
+    int parent_of(BodyHandle parent, const std::string& name) const;
+    void require_end(const End& end, const std::string& verb) const;
     /// A body turns freely about a point only if no moment there vanishes.
     static void require_turnable(const RigidBody& body, const Vector3& point, const std::string& name);
     static void require_fitting(const Load& load, const Body& body, const std::optional<Vector3>& at);
@@ -148,6 +193,8 @@ private:
     std::vector<Body> bodies_;
     std::vector<AppliedLoad> loads_;
     std::vector<Connection> connections_;
+    std::vector<Held> constraints_;
+    std::vector<Touch> contacts_;
     std::vector<Watch> watches_;
     std::vector<Integral> integrals_;
     PlanSlot plan_;

@@ -20,8 +20,11 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/scene/constraints.hpp"
+#include "rbdyn/scene/contacts.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/joint_loads.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/plan_slot.hpp"
@@ -52,7 +55,11 @@ RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Free&, const 
         require(std::isfinite(start.velocity[i]), name, "component " + std::to_string(i) + " of velocity",
                 start.velocity[i], "a velocity is finite; give it in m/s");
     }
-    return add({.body = particle, .position = start.position, .velocity = start.velocity, .name = std::move(name)});
+    return add({.body = particle,
+                .position = start.position,
+                .velocity = start.velocity,
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const FreeStart& start, std::string name) {
@@ -83,7 +90,8 @@ RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Rail& rail, c
                 .parameter = u.hi,
                 .speed = start.speed,
                 .parameter_rest = u.lo,
-                .name = std::move(name)});
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free&, const BodyStart& start, std::string name) {
@@ -96,7 +104,8 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free&, const Bod
                 .velocity = start.velocity,
                 .attitude = start.attitude,
                 .angular_velocity = joints::angular_velocity(start, start.attitude, name),
-                .name = std::move(name)});
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const BodyStart& start, std::string name) {
@@ -112,7 +121,8 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Spherical& joint
                 .joint = joint,
                 .attitude = start.attitude,
                 .angular_velocity = joints::angular_velocity(start, start.attitude, name),
-                .name = std::move(name)});
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start,
@@ -126,7 +136,12 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint,
     const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
     require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
             "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
-    return add({.body = body, .joint = joint, .parameter = start.angle, .speed = start.rate, .name = std::move(name)});
+    return add({.body = body,
+                .joint = joint,
+                .parameter = start.angle,
+                .speed = start.rate,
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start,
@@ -136,8 +151,79 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint
     require(std::isfinite(start.displacement), name, "displacement", start.displacement,
             "a displacement is finite; give it in m");
     require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
-    return add(
-        {.body = body, .joint = joint, .parameter = start.displacement, .speed = start.rate, .name = std::move(name)});
+    return add({.body = body,
+                .joint = joint,
+                .parameter = start.displacement,
+                .speed = start.rate,
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Universal& joint, const UniversalStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    for (std::size_t k = 0; k < 2; ++k) {
+        require(std::isfinite(start.angles[k]), name, "angles " + std::to_string(k), start.angles[k],
+                "an angle is finite; give it in rad");
+        require(std::isfinite(start.rates[k]), name, "rates " + std::to_string(k), start.rates[k],
+                "a rate is finite; give it in rad/s");
+    }
+    return add({.body = body,
+                .joint = joint,
+                .coordinates = {start.angles[0], start.angles[1], 0.0},
+                .rates = {start.rates[0], start.rates[1], 0.0},
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Cylindrical& joint, const CylindricalStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
+    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    require(std::isfinite(start.displacement), name, "displacement", start.displacement,
+            "a displacement is finite; give it in m");
+    require(std::isfinite(start.displacement_rate), name, "displacement_rate", start.displacement_rate,
+            "a rate is finite; give it in m/s");
+    return add({.body = body,
+                .joint = joint,
+                .coordinates = {start.angle, start.displacement, 0.0},
+                .rates = {start.rate, start.displacement_rate, 0.0},
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Planar& joint, const PlanarStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    for (std::size_t k = 0; k < 2; ++k) {
+        require(std::isfinite(start.position[k]), name, "position " + std::to_string(k), start.position[k],
+                "a position is finite; give it in m");
+        require(std::isfinite(start.velocity[k]), name, "velocity " + std::to_string(k), start.velocity[k],
+                "a velocity is finite; give it in m/s");
+    }
+    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
+    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    return add({.body = body,
+                .joint = joint,
+                .coordinates = {start.position[0], start.position[1], start.angle},
+                .rates = {start.velocity[0], start.velocity[1], start.rate},
+                .parent = parent_of(start.parent, name),
+                .name = name});
+}
+
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Fixed& joint, const FixedStart& start,
+                                   std::string name) {
+    joint.validate();
+    name = named(std::move(name), "body");
+    return add({.body = body,
+                .joint = joint,
+                .attitude = joint.attitude,
+                .parent = parent_of(start.parent, name),
+                .name = name});
 }
 
 RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude,
@@ -166,28 +252,123 @@ RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<V
 }
 
 RBDYN_INLINE CouplingHandle Scene::connect(Coupling coupling, End a, End b) {
-    for (const End* end : {&a, &b}) {
-        if (body_of(*end) >= 0 || !std::holds_alternative<Vector3>(*end))
-            require_body(BodyHandle{body_of(*end)}, "connect");
-        if (const BodyPoint* point = std::get_if<BodyPoint>(end)) {
-            joints::require_finite("connect", "a point of a body", point->point);
-            const Body& body = bodies_[static_cast<std::size_t>(point->body)];
-            if (body.rigid() == nullptr)
-                throw InvalidInput("connect: a point of " + body.name +
-                                   " is given, which is a particle and has no other; give its handle");
-        }
-        if (const Vector3* point = std::get_if<Vector3>(end))
-            for (int i = 0; i < 3; ++i)
-                require(std::isfinite((*point)[i]), "connect", "component " + std::to_string(i) + " of a point",
-                        (*point)[i], "a point of the world is finite, in m");
-    }
+    for (const End* end : {&a, &b}) require_end(*end, "connect");
     if (std::holds_alternative<Vector3>(a) && std::holds_alternative<Vector3>(b))
         throw InvalidInput("connect: both ends are points of the world; at least one is a body");
     if (a == b) throw InvalidInput("connect: both ends are the same body; a coupling joins two points");
     std::visit([](const auto& c) { c.validate(); }, coupling);
+    if (std::holds_alternative<Gravitation>(coupling))
+        for (const End* end : {&a, &b})
+            if (!std::holds_alternative<BodyHandle>(*end))
+                throw InvalidInput(
+                    std::string("connect: Gravitation acts between two bodies' centres of mass, and an end "
+                                "is ") +
+                    (std::holds_alternative<Vector3>(*end)
+                         ? "a point of the world, which has no mass; connect a Central to it"
+                         : "a point of a body; give the body's handle"));
     connections_.push_back({std::move(coupling), std::move(a), std::move(b)});
     plan_.forget();
     return {static_cast<int>(connections_.size()) - 1};
+}
+
+RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std::optional<End> b, std::string name) {
+    require_end(a, "constrain");
+    if (b) require_end(*b, "constrain");
+    if (const Universal* joint = std::get_if<Universal>(&constraint)) {
+        // each in axes of its own body: how they lie to each other is what is held
+        joints::require_direction("constrain, Universal, first axis", joint->first);
+        joints::require_direction("constrain, Universal, second axis", joint->second);
+    } else {
+        std::visit([](const auto& c) { c.validate(); }, constraint);
+    }
+    if (body_of(a) < 0)
+        throw InvalidInput(
+            "constrain: a is a point of the world; what is held is a point of a body, and the world is "
+            "b");
+    if (b && body_of(*b) == body_of(a))
+        throw InvalidInput("constrain: both ends are on " + bodies_[static_cast<std::size_t>(body_of(a))].name +
+                           "; a constraint joins two bodies, or one and the world");
+    const auto turns = [&](const End& end) {
+        return body_of(end) < 0 || bodies_[static_cast<std::size_t>(body_of(end))].rigid() != nullptr;
+    };
+    const bool needs_axes = std::holds_alternative<Weld>(constraint) || std::holds_alternative<Hinge>(constraint) ||
+                            std::holds_alternative<Universal>(constraint);
+    if (needs_axes && !(turns(a) && (!b || turns(*b))))
+        throw InvalidInput("constrain: a particle has no axes to be held; Ball() holds two points together");
+    const auto taken = [&](const std::string& n) {
+        return has(constraints_, n) || has(bodies_, n) || has(watches_, n);
+    };
+    if (!name.empty() && taken(name))
+        throw InvalidInput("constrain: there is a body, a watch or a constraint named \"" + name +
+                           "\" already; names differ");
+    std::size_t number = constraints_.size();
+    while (name.empty() || taken(name)) name = "constraint " + std::to_string(++number);
+    constraints_.push_back({std::move(constraint), std::move(a), b.value_or(End(BodyHandle{})), std::move(name)});
+    plan_.forget();
+    return {static_cast<int>(constraints_.size()) - 1};
+}
+
+RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, ContactOptions options, std::string name) {
+    options.validate();
+    const int first = body_of(a), second = body_of(b);
+    require_body(BodyHandle{first}, "contact");
+    if (second >= 0) require_body(BodyHandle{second}, "contact");
+    const Body& body = bodies_[static_cast<std::size_t>(first)];
+    if (first == second)
+        throw InvalidInput("contact: both sides are on " + body.name +
+                           "; a contact is between two bodies, or one and "
+                           "the world");
+    const bool has_axes = std::holds_alternative<BodyPoint>(a) || std::holds_alternative<BodyDisc>(a) ||
+                          std::holds_alternative<BodyEllipsoid>(a);
+    if (body.rigid() == nullptr && has_axes)
+        throw InvalidInput("contact: " + body.name +
+                           " is a particle, which has no other points and no shape but a "
+                           "sphere; give its handle, or .sphere(radius)");
+    const auto positive = [](double x, const std::string& what) {
+        require(std::isfinite(x) && x > 0.0, "contact", what, x, "it is positive and finite, in m");
+    };
+    if (const BodySphere* sphere = std::get_if<BodySphere>(&a)) {
+        require(std::isfinite(sphere->radius) && sphere->radius >= 0.0, "contact", "radius", sphere->radius,
+                "it is zero or positive and finite, in m");
+        joints::require_finite("contact", "center", sphere->center);
+        if (body.rigid() == nullptr && !sphere->center.isZero(0.0))
+            throw InvalidInput("contact: center is given, and " + body.name + " is a particle, which is its centre");
+    }
+    if (const BodyDisc* disc = std::get_if<BodyDisc>(&a)) {
+        positive(disc->radius, "radius");
+        joints::require_direction("contact, normal of a disc", disc->normal);
+        joints::require_finite("contact", "center", disc->center);
+    }
+    if (const BodyEllipsoid* solid = std::get_if<BodyEllipsoid>(&a)) {
+        for (int i = 0; i < 3; ++i) positive(solid->semi_axes[i], "semi-axis " + std::to_string(i));
+        joints::require_finite("contact", "center", solid->center);
+    }
+    if (const Plane* plane = std::get_if<Plane>(&b)) plane->validate();
+    if (const BodyPlane* plane = std::get_if<BodyPlane>(&b)) plane->plane.validate();
+    if (const Sphere* sphere = std::get_if<Sphere>(&b)) sphere->validate();
+    if (const BodySphere* sphere = std::get_if<BodySphere>(&b)) {
+        positive(sphere->radius, "radius");
+        joints::require_finite("contact", "center", sphere->center);
+    }
+    const bool is_round = std::holds_alternative<BodyDisc>(a) || std::holds_alternative<BodyEllipsoid>(a),
+               on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
+    if (is_round && !on_plane)
+        throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
+    if (second >= 0 && std::holds_alternative<BodyPlane>(b) &&
+        bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
+        throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
+                           " is a particle, which has no plane");
+    const auto taken = [&](const std::string& n) {
+        return has(contacts_, n) || has(constraints_, n) || has(bodies_, n) || has(watches_, n);
+    };
+    if (!name.empty() && taken(name))
+        throw InvalidInput("contact: there is a body, a watch, a constraint or a contact named \"" + name +
+                           "\" already; names differ");
+    std::size_t number = contacts_.size();
+    while (name.empty() || taken(name)) name = "contact " + std::to_string(++number);
+    contacts_.push_back({std::move(a), std::move(b), std::move(options), std::move(name)});
+    plan_.forget();
+    return {static_cast<int>(contacts_.size()) - 1};
 }
 
 RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, WatchOptions options) {
@@ -217,6 +398,10 @@ RBDYN_INLINE Scene Scene::frozen() const {
     for (Body& b : result.bodies_) {
         if (const Particle* particle = std::get_if<Particle>(&b.body)) b.body = particle->frozen();
         if (const Rail* rail = b.rail()) b.joint = rail->frozen();
+        if (Revolute* hinge = std::get_if<Revolute>(&b.joint); hinge != nullptr && hinge->motion)
+            hinge->motion = hinge->motion->frozen();
+        if (Prismatic* slide = std::get_if<Prismatic>(&b.joint); slide != nullptr && slide->motion)
+            slide->motion = slide->motion->frozen();
     }
     for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
     for (Connection& c : result.connections_)
@@ -271,6 +456,31 @@ RBDYN_INLINE BodyHandle Scene::add(Body body) {
     return {static_cast<int>(bodies_.size()) - 1};
 }
 
+RBDYN_INLINE int Scene::parent_of(BodyHandle parent, const std::string& name) const {
+    if (parent.index == -1) return -1;
+    require(parent.index >= 0 && parent.index < static_cast<int>(bodies_.size()), name, "parent", parent.index,
+            "a parent is a body that this scene has already, of " + std::to_string(bodies_.size()) + "; or none");
+    if (bodies_[static_cast<std::size_t>(parent.index)].rigid() == nullptr)
+        throw InvalidInput(name + ": its parent " + bodies_[static_cast<std::size_t>(parent.index)].name +
+                           " is a particle, which has no axes to hold a joint; a RigidBody can be a parent");
+    return parent.index;
+}
+
+RBDYN_INLINE void Scene::require_end(const End& end, const std::string& verb) const {
+    if (body_of(end) >= 0 || !std::holds_alternative<Vector3>(end)) require_body(BodyHandle{body_of(end)}, verb);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&end)) {
+        joints::require_finite(verb, "a point of a body", point->point);
+        const Body& body = bodies_[static_cast<std::size_t>(point->body)];
+        if (body.rigid() == nullptr)
+            throw InvalidInput(verb + ": a point of " + body.name +
+                               " is given, which is a particle and has no other; give its handle");
+    }
+    if (const Vector3* point = std::get_if<Vector3>(&end))
+        for (int i = 0; i < 3; ++i)
+            require(std::isfinite((*point)[i]), verb, "component " + std::to_string(i) + " of a point", (*point)[i],
+                    "a point of the world is finite, in m");
+}
+
 RBDYN_INLINE void Scene::require_turnable(const RigidBody& body, const Vector3& point, const std::string& name) {
     const Vector3 moments = body.principal(point).moments;
     const double lowest = moments[least(moments)], highest = moments[greatest(moments)];
@@ -291,7 +501,26 @@ RBDYN_INLINE void Scene::require_fitting(const Load& load, const Body& body, con
     }
     if (is_turning && at)
         throw InvalidInput("apply: at is given for a Torque, which is the same about every point; leave it out");
-    if (std::holds_alternative<TorsionSpring>(load) && (!std::holds_alternative<Revolute>(body.joint) || at))
+    const bool is_driven = [&] {
+        if (const Revolute* hinge = std::get_if<Revolute>(&body.joint)) return hinge->motion.has_value();
+        if (const Prismatic* slide = std::get_if<Prismatic>(&body.joint)) return slide->motion.has_value();
+        return false;
+    }();
+    const bool turns_about_axis =
+                   !is_driven &&
+                   (std::holds_alternative<Revolute>(body.joint) || std::holds_alternative<Cylindrical>(body.joint) ||
+                    std::holds_alternative<Universal>(body.joint) || std::holds_alternative<Planar>(body.joint)),
+               slides = !is_driven && (std::holds_alternative<Prismatic>(body.joint) ||
+                                       std::holds_alternative<Cylindrical>(body.joint));
+    if (std::holds_alternative<JointTorque>(load) && (!turns_about_axis || at))
+        throw InvalidInput(
+            "apply: a JointTorque acts about the axis of a Revolute, Cylindrical, Universal or Planar "
+            "joint that is not driven, " +
+            std::string(at ? "at no point" : "which " + body.name + " is not on"));
+    if (std::holds_alternative<JointForce>(load) && (!slides || at))
+        throw InvalidInput("apply: a JointForce acts along a Prismatic or Cylindrical joint that is not driven, " +
+                           std::string(at ? "at no point" : "which " + body.name + " is not on"));
+    if (std::holds_alternative<TorsionSpring>(load) && (!turns_about_axis || at))
         throw InvalidInput("apply: a TorsionSpring acts about the axis of a Revolute joint, " +
                            std::string(at ? "at no point" : "which " + body.name + " is not on"));
 }

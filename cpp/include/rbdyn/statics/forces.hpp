@@ -7,15 +7,19 @@
 // Places are kept as the positions of point_laws.hpp; users give and get them as `coordinates` (equilibrium.hpp).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/closed_form/symmetric_modes.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/points.hpp"
@@ -67,6 +71,13 @@ public:
         double misfit() const;
     };
     State at_rest(const std::vector<double>& q);
+    /// The Jacobian and the metric in 32 digits.
+    struct WideJacobian {
+        WideMatrix entries;
+        bool is_constant = true;  // the same in all places
+    };
+    WideJacobian wide_jacobian(const std::vector<double>& q) const;
+    std::vector<DoubleDouble> wide_metric(const std::vector<double>& q) const;
     /// What is not finite in a place, in words.
     std::string not_finite(const std::vector<double>& q) const;
 
@@ -82,6 +93,10 @@ private:
     /// The formula that is right in a place.
     void choose(const std::vector<double>& q);
     void record(const std::vector<double>& q);
+    /// Q of positions that are recorded.
+    std::vector<Expression> recorded(const std::vector<Expression>& q) const;
+    /// The rates of a quaternion p with small turns about the axes of its frame, twice.
+    static std::array<std::array<double, 4>, 3> turning(const Quaternion& p);
 
     PointsModel model_;
     std::vector<int> first_;

@@ -4,19 +4,27 @@
 #include "rbdyn/statics/forces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/closed_form/symmetric_modes.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
@@ -24,6 +32,7 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/points.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/plan/plan.hpp"
@@ -186,10 +195,11 @@ RBDYN_INLINE Forces::State Forces::at_rest(const std::vector<double>& q) {
     const double zero[6] = {};
     for (const PointLaws::Body& b : laws().bodies())
         states.push_back(laws().moving<double>(b, 0.0, &q[at(b.first)], zero, false));
+    const CouplingForces<double> couplings(laws(), 0.0, states);
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws().body(i);
         add_columns(i, q, s.jacobian);
-        const Effort size = effort(laws(), i, states);
+        const Effort size = effort(laws(), i, couplings);
         const bool is_hinge = b.rigid && b.rigid->kind == RigidLaw::Kind::revolute;
         const double speed_squared = b.curve ? states[at(i)].curve.speed_squared : 1.0;
         for (int k = 0; k < displacements(i); ++k) {
@@ -203,7 +213,7 @@ RBDYN_INLINE Forces::State Forces::at_rest(const std::vector<double>& q) {
             s.size.push_back(1.0);
         }
         if (b.side == RailSide::both) continue;
-        const auto f = laws().resultant<double>(i, 0.0, states, false, [](double w) { return w; });
+        const auto f = laws().resultant<double>(i, couplings, false, [](double w) { return w; });
         s.pushed = s.pushed && -b.binormal.dot(states[at(i)].curve.first.cross(f.force)) >=
                                    -16.0 * std::numeric_limits<double>::epsilon() * s.effort.back();
     }
@@ -223,16 +233,19 @@ RBDYN_INLINE void Forces::write(double* to, const Quaternion& p) {
     for (const double x : {p.w, p.x, p.y, p.z}) *to++ = x;
 }
 
+RBDYN_INLINE std::array<std::array<double, 4>, 3> Forces::turning(const Quaternion& p) {
+    return {{{-p.x, p.w, p.z, -p.y}, {-p.y, -p.z, p.w, p.x}, {-p.z, p.y, -p.x, p.w}}};
+}
+
 RBDYN_INLINE void Forces::add_columns(int body, const std::vector<double>& q, SquareMatrix& jacobian) const {
     const int own = laws().body(body).first, moves = displacements(body);
     for (int i = 0; i < freedoms_; ++i) {
         for (int k = 0; k < moves; ++k) jacobian(i, first(body) + k) = values_->derivative(i, own + k);
         if (!turns(body)) continue;
-        const Quaternion p = attitude(q, body);
-        const double by[3][4] = {{-p.x, p.w, p.z, -p.y}, {-p.y, -p.z, p.w, p.x}, {-p.z, p.y, -p.x, p.w}};
+        const auto by = turning(attitude(q, body));
         for (int k = 0; k < 3; ++k) {
             double sum = 0.0;
-            for (int j = 0; j < 4; ++j) sum += 0.5 * by[k][j] * values_->derivative(i, own + moves + j);
+            for (int j = 0; j < 4; ++j) sum += 0.5 * by[at(k)][at(j)] * values_->derivative(i, own + moves + j);
             jacobian(i, first(body) + moves + k) = sum;
         }
     }
@@ -244,17 +257,13 @@ RBDYN_INLINE void Forces::choose(const std::vector<double>& q) {
     values_->set_parameters(parameters_);
 }
 
-RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
+RBDYN_INLINE std::vector<Expression> Forces::recorded(const std::vector<Expression>& q) const {
     using S = Expression;
-    Recorder r;
-    r.follow(0.0, q, {});
     const std::vector<S> zero(6, S(0.0));
     std::vector<PointState<S>> states;
-    for (const PointLaws::Body& b : laws().bodies()) {
-        std::vector<S> own;
-        for (int k = 0; k < b.positions(); ++k) own.push_back(r.input(b.first + k));
-        states.push_back(laws().moving<S>(b, S(0.0), own.data(), zero.data(), false));
-    }
+    for (const PointLaws::Body& b : laws().bodies())
+        states.push_back(laws().moving<S>(b, S(0.0), &q[at(b.first)], zero.data(), false));
+    const CouplingForces<S> couplings(laws(), S(0.0), states);
     std::vector<S> outputs;
     const auto add = [&](const Vector3Of<S>& v) {
         for (int k = 0; k < 3; ++k) outputs.push_back(v[k]);
@@ -262,7 +271,7 @@ RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws().body(i);
         if (b.rigid) {
-            const Wrench<S> w = laws().wrench<S>(i, S(0.0), states);
+            const Wrench<S> w = laws().wrench<S>(i, couplings);
             if (displacements(i) == 3) add(w.force);
             if (turns(b))
                 add(w.moment);
@@ -272,16 +281,69 @@ RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
                                       : dot<S>(states[at(i)].rigid->axes.e3, w.force));
             continue;
         }
-        const auto f = laws().resultant<S>(i, S(0.0), states, false, [](const S& w) { return w; });
+        const auto f = laws().resultant<S>(i, couplings, false, [](const S& w) { return w; });
         if (b.curve)
             outputs.push_back(dot<S>(states[at(i)].curve.first, f.force));
         else
             add(f.force);
     }
-    program_ = Program(r, outputs, laws().positions());
+    return outputs;
+}
+
+RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
+    Recorder r;
+    r.follow(0.0, q, {});
+    std::vector<Expression> inputs;
+    for (int i = 0; i < laws().positions(); ++i) inputs.push_back(r.input(i));
+    program_ = Program(r, recorded(inputs), laws().positions());
     distinguishes_ = !r.branches().empty();
     parameters_.clear();
     values_ = std::make_unique<JacobianEvaluator>(program_);
+}
+
+RBDYN_INLINE Forces::WideJacobian Forces::wide_jacobian(const std::vector<double>& q) const {
+    const recording::WideFolding all_digits;
+    const Function forces = Function::record_growing([&](Recorder& r) {
+        r.follow(0.0, q, {});
+        std::vector<Expression> inputs;
+        for (int i = 0; i < laws().positions(); ++i) inputs.push_back(r.input(i));
+        return std::pair{recorded(inputs), laws().positions()};
+    });
+    const std::vector<DoubleDouble> place(q.begin(), q.end());
+    WideJacobian result{WideMatrix(freedoms_)};
+    const auto add_column = [&](int column, int variable, const DoubleDouble& factor) {
+        if (factor.hi == 0.0 || !forces.depends_on(variable)) return;
+        const Function derivative = forces.derivative(variable);
+        result.is_constant = result.is_constant && derivative.constants().has_value();
+        const std::vector<DoubleDouble> slope = derivative(std::span<const DoubleDouble>(place));
+        for (int i = 0; i < freedoms_; ++i) result.entries(i, column) += factor * slope[at(i)];
+    };
+    for (int body = 0; body < bodies(); ++body) {
+        const int own = laws().body(body).first, moves = displacements(body);
+        for (int k = 0; k < moves; ++k) add_column(first(body) + k, own + k, 1.0);
+        if (!turns(body)) continue;
+        const auto by = turning(attitude(q, body));
+        for (int k = 0; k < 3; ++k)
+            for (int j = 0; j < 4; ++j) add_column(first(body) + moves + k, own + moves + j, 0.5 * by[at(k)][at(j)]);
+    }
+    return result;
+}
+
+RBDYN_INLINE std::vector<DoubleDouble> Forces::wide_metric(const std::vector<double>& q) const {
+    std::vector<DoubleDouble> result;
+    for (int i = 0; i < bodies(); ++i) {
+        const PointLaws::Body& b = laws().body(i);
+        const bool is_hinge = b.rigid && b.rigid->kind == RigidLaw::Kind::revolute;
+        const DoubleDouble speed_squared =
+            b.curve ? b.curve->at<DoubleDouble>(DoubleDouble(q[at(b.first)]), laws().view()).speed_squared
+                    : DoubleDouble(1.0);
+        for (int k = 0; k < displacements(i); ++k)
+            result.push_back(is_hinge  ? b.rigid->exact.moments[2]
+                             : b.rigid ? b.rigid->exact.mass
+                                       : speed_squared * b.mass);
+        for (int k = 0; k < 3 && turns(b); ++k) result.push_back(b.rigid->exact.moments[k]);
+    }
+    return result;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

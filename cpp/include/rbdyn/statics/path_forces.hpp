@@ -25,6 +25,7 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/points.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/scene/handles.hpp"
@@ -53,7 +54,7 @@ struct Effort {
 
     void add(double size, const Vector3& point);
 };
-Effort effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states);
+Effort effort(const PointLaws& laws, int body, const CouplingForces<double>& couplings);
 
 }  // namespace statics
 
@@ -125,7 +126,7 @@ private:
     /// Q on a hinge or a slide.
     template <class S>
     S along_joint(const std::vector<PointState<S>>& states) const {
-        const Wrench<S> w = laws().wrench<S>(0, S(0.0), states);
+        const Wrench<S> w = laws().wrench<S>(0, CouplingForces<S>(laws(), S(0.0), states));
         return is_on_hinge() ? w.moment[2] : dot<S>(states[0].rigid->axes.e3, w.force);
     }
     PointState<double> at_rest(double u) const;

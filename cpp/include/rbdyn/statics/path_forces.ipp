@@ -28,10 +28,12 @@
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/rounded.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/point_state.hpp"
 #include "rbdyn/model/points.hpp"
+#include "rbdyn/model/points_now.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/rigid_state.hpp"
@@ -48,6 +50,10 @@
 namespace rbdyn::inline RBDYN_FORM::statics {
 
 RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::string& user) {
+    if (needs_tree(scene))
+        throw InvalidInput(user +
+                           ": this scene has bodies joined to bodies, constraints or contacts, whose equilibria are "
+                           "not found in this version; simulate it with damping until it rests");
     const std::string& name = scene.bodies()[static_cast<std::size_t>(body)].name;
     for (const Scene::AppliedLoad& load : scene.loads()) {
         if (load.body != body) continue;
@@ -62,6 +68,17 @@ RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::stri
         };
         check(std::get_if<Force>(&load.load), "force");
         check(std::get_if<Torque>(&load.load), "torque");
+    }
+    for (const Scene::Connection& c : scene.connections()) {
+        const OwnFunction* own = own_function(c.coupling);
+        if (own == nullptr || !is_present(c.coupling) || (body_of(c.a) != body && body_of(c.b) != body)) continue;
+        const std::string subject =
+            user + ": " + std::string(kind_of(c.coupling)) + " \"" + own->name() + "\" on " + name;
+        if (own->callback())
+            throw InvalidInput(subject + " is called back (" + own->callback()->reason +
+                               "), so that nobody knows how it changes; write it so that it can be recorded");
+        if (const PairForce* pair = std::get_if<PairForce>(&c.coupling); pair != nullptr && pair->depends_on_time())
+            throw InvalidInput(subject + " depends on time; leave it out, or replace t by the time that is meant");
     }
     const Rail* rail = scene.bodies()[static_cast<std::size_t>(body)].rail();
     if (rail == nullptr) return;
@@ -89,7 +106,7 @@ RBDYN_INLINE Scene alone(const Scene& scene, BodyHandle bead, const std::string&
         if ((a != bead.index && b != bead.index) || !is_present(c.coupling)) continue;
         if (a >= 0 && b >= 0) {
             const int other = a == bead.index ? b : a;
-            throw InvalidInput(user + ": a spring joins " + body.name + " with " +
+            throw InvalidInput(user + ": a " + std::string(kind_of(c.coupling)) + " joins " + body.name + " with " +
                                scene.bodies()[static_cast<std::size_t>(other)].name +
                                "; the force on it does not depend on its own place alone");
         }
@@ -128,7 +145,8 @@ RBDYN_INLINE void Effort::add(double size, const Vector3& point) {
     moment += size * point.norm();
 }
 
-RBDYN_INLINE Effort effort(const PointLaws& laws, int body, const std::vector<PointState<double>>& states) {
+RBDYN_INLINE Effort effort(const PointLaws& laws, int body, const CouplingForces<double>& couplings) {
+    const std::vector<PointState<double>>& states = couplings.states();
     const PointLaws::Body& b = laws.body(body);
     const PointState<double>& p = states[static_cast<std::size_t>(body)];
     const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
@@ -146,12 +164,12 @@ RBDYN_INLINE Effort effort(const PointLaws& laws, int body, const std::vector<Po
         sum.add(w.force.norm(), rounded(load.point));
         if (std::holds_alternative<Torque>(load.load)) sum.moment += w.moment.norm();
     }
-    for (const auto& c : laws.springs()) {
-        if (c.a.body != body && c.b.body != body) continue;
-        const double size =
-            c.spring.stiffness * (PointLaws::motion_of<double>(c.a, states).first.norm() +
-                                  PointLaws::motion_of<double>(c.b, states).first.norm() + c.spring.rest_length);
-        for (const PointLaws::SpringEnd* end : {&c.a, &c.b})
+    for (const int k : b.couplings) {
+        const PointLaws::Connected& c = laws.couplings()[static_cast<std::size_t>(k)];
+        const bool is_spring = std::holds_alternative<Spring>(c.coupling);
+        const double force = is_spring ? 0.0 : couplings[k].norm();
+        const double size = force + effort_of(c.coupling, laws.ends<double>(c, 0.0, states), force);
+        for (const PointLaws::CouplingEnd* end : {&c.a, &c.b})
             if (end->body == body) sum.add(size, end->is_on_rigid ? rounded(end->point_on_rigid) : zero);
     }
     return sum;
@@ -191,7 +209,8 @@ RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
     if (body().rigid) {
         outputs.push_back(along_joint<S>(states));
     } else {
-        const Resultant<S> f = laws().resultant<S>(0, zero, states, false, [](const S& w) { return w; });
+        const CouplingForces<S> couplings(laws(), zero, states);
+        const Resultant<S> f = laws().resultant<S>(0, couplings, false, [](const S& w) { return w; });
         const CurvePoint<S>& c = states[0].curve;
         outputs.push_back(dot<S>(c.first, f.force));
         const Vector3Of<S> across = cross<S>(c.first, f.force);
@@ -229,13 +248,14 @@ RBDYN_INLINE double PathForces::Values::operator()(double u) {
 RBDYN_INLINE double PathForces::along_path(double u) const {
     const std::vector<PointState<double>> states{at_rest(u)};
     if (body().rigid) return along_joint<double>(states);
-    const auto f = laws().resultant<double>(0, 0.0, states, false, [](double w) { return w; });
+    const CouplingForces<double> couplings(laws(), 0.0, states);
+    const auto f = laws().resultant<double>(0, couplings, false, [](double w) { return w; });
     return dot<double>(states[0].curve.first, f.force);
 }
 
 RBDYN_INLINE double PathForces::effort(double u) const {
     const std::vector<PointState<double>> states{at_rest(u)};
-    const statics::Effort sum = statics::effort(laws(), 0, states);
+    const statics::Effort sum = statics::effort(laws(), 0, CouplingForces<double>(laws(), 0.0, states));
     if (body().rigid) return is_on_hinge() ? sum.moment : sum.force;
     return std::sqrt(states[0].curve.speed_squared) * sum.force;
 }

@@ -24,6 +24,7 @@
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
+#include "rbdyn/curve/quadrature.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/scene/couplings.hpp"
@@ -35,7 +36,6 @@
 #include "rbdyn/statics/path_forces.hpp"
 #include "rbdyn/statics/path_pieces.hpp"
 #include "rbdyn/statics/path_zero.hpp"
-#include "rbdyn/statics/quadrature.hpp"
 #include "rbdyn/statics/rail_work.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -51,8 +51,8 @@ namespace statics {
 
 /// The integral of Q over a way from a.
 inline double gained(PathForces::Values& q, double a, double way, double effort) {
-    return integral([&](double d) { return q(a + d); }, 0.0, way,
-                    std::numeric_limits<double>::epsilon() * std::abs(way) * effort);
+    return curves::integral([&](double d) { return q(a + d); }, 0.0, way,
+                            std::numeric_limits<double>::epsilon() * std::abs(way) * effort);
 }
 
 /// Whether a polynomial force along the whole way pushes on from the end of a piece for ever.
@@ -159,7 +159,10 @@ RBDYN_INLINE Scene RailPotential::checked(const Scene& scene, BodyHandle bead) {
             refuse("force \"" + force->name() + "\", which depends on velocity, acts on");
     }
     for (const Scene::Connection& c : one.connections())
-        if (std::get<Spring>(c.coupling).damping != 0.0) refuse("a damper acts on");
+        if (!keeps_energy(c.coupling))
+            refuse(std::holds_alternative<Spring>(c.coupling)
+                       ? "a damper acts on"
+                       : "a pair force, of which no potential is known, acts on");
     return one;
 }
 
@@ -190,14 +193,23 @@ RBDYN_INLINE std::pair<double, double> RailPotential::closed_form(double u) cons
             sum += here - there;
             size += std::abs(here) + std::abs(there);
         }
-    for (const auto& c : laws.springs()) {
+    for (const int index : b.couplings) {
+        const PointLaws::Connected& c = laws.couplings()[static_cast<std::size_t>(index)];
         const Vector3 point = rounded(c.a.body >= 0 ? c.b.point : c.a.point);
-        const double l = (r - point).norm(), l0 = (r0 - point).norm(), k = c.spring.stiffness;
+        const double l = (r - point).norm(), l0 = (r0 - point).norm();
+        if (const Central* central = std::get_if<Central>(&c.coupling)) {
+            const double gain = central->gain(l0, l);
+            sum += gain;
+            size += std::abs(gain) + std::abs(central->magnitude<double>(l)) * (r.norm() + point.norm());
+            continue;
+        }
+        const Spring& spring = std::get<Spring>(c.coupling);
+        const double k = spring.stiffness;
         // l^2 - l0^2 by the places, which may be near each other
         const double squares = (r - r0).dot(r + r0 - 2.0 * point);
         sum -= 0.5 * k * squares;
-        if (l + l0 > 0.0) sum += k * c.spring.rest_length * squares / (l + l0);
-        size += k * (l + l0) * (l + l0 + c.spring.rest_length);
+        if (l + l0 > 0.0) sum += k * spring.rest_length * squares / (l + l0);
+        size += k * (l + l0) * (l + l0 + spring.rest_length);
     }
     return {sum, size};
 }
@@ -336,7 +348,7 @@ RBDYN_INLINE double RailPotential::half_duration(double u, double way, double k)
         return 2.0 * x * r / std::sqrt(2.0 * kinetic / mass());
     };
     if (k == 0.0 && force <= 16.0 * epsilon * effort) return std::numeric_limits<double>::infinity();
-    const double t = statics::integral(rate, 0.0, reach, 0.0, noise);
+    const double t = curves::integral(rate, 0.0, reach, 0.0, noise);
     if (std::isnan(t))
         throw Error(user() + ": the kinetic energy vanishes within rounding on the way from parameter " + text(u) +
                     " to " + text(u + way) + ": the energy is that of a separatrix");

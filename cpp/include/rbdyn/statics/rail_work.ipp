@@ -11,11 +11,11 @@
 
 #include "rbdyn/body/particle.hpp"
 #include "rbdyn/curve/curve.hpp"
+#include "rbdyn/curve/quadrature.hpp"
 #include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/path_forces.hpp"
-#include "rbdyn/statics/quadrature.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -36,7 +36,7 @@ RBDYN_INLINE double RailWork::operator()(double u) const {
     PathForces::Values q(*forces_);
     const double floor = 2.0 * std::numeric_limits<double>::epsilon() * std::abs(u - origin_) *
                          std::max(forces_->effort(u), forces_->effort(origin_));
-    return statics::integral([&](double place) { return q(place); }, origin_, u, floor);
+    return curves::integral([&](double place) { return q(place); }, origin_, u, floor);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

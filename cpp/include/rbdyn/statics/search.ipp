@@ -138,7 +138,8 @@ RBDYN_INLINE bool relax(Forces& forces, std::vector<double>& q) {
     double damping = 0.0;
     bool found = false;
     for (int iteration = 0; iteration < 300 && !found; ++iteration) {
-        if (is_zero(now, 64.0)) {
+        // at a zero of all coordinates steps go on until squares underflow
+        if (is_zero(now, 64.0) || now.misfit() == 0.0) {
             found = true;
             break;
         }

@@ -1,10 +1,12 @@
-// Motion of one body and of one spring of a run, computed when asked for.
+// Motion of one body and of one coupling of a run, computed when asked for.
 //
 // Conventions: times in s, world axes. At a jump a value is the one after it, unless side = before is asked for.
 // Accelerations and reactions come from the model at the state, never from differentiating a piece.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "rbdyn/basics/error.hpp"
@@ -18,9 +20,11 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-struct PointReport;  // model/point_laws.hpp
-struct RigidReport;  // model/rigid_loads.hpp
-struct RunData;      // trajectory/run_data.hpp
+struct ContactReport;  // model/scene_model.hpp
+struct JointReport;    // model/scene_model.hpp
+struct PointReport;    // model/point_laws.hpp
+struct RigidReport;    // model/rigid_loads.hpp
+struct RunData;        // trajectory/run_data.hpp
 
 /// Motion of one body of a run.
 class BodyMotion {
@@ -72,12 +76,17 @@ public:
     std::pair<Vector3, Vector3> instantaneous_axis(double t, Side side = Side::after) const;
     /// Moment that its joint exerts about the point it holds [N m], world axes. Not on a free body.
     Vector3 reaction_torque(double t, Side side = Side::after) const;
-    /// Of a hinge [rad].
+    /// Of a joint that turns its body about one axis: a hinge, also one that slides, or in a plane [rad].
     double angle(double t, Side side = Side::after) const;
-    /// Of a slide [m].
+    /// Of a slide, also of a hinge that slides [m].
     double displacement(double t, Side side = Side::after) const;
-    /// Of a hinge [rad/s] or a slide [m/s].
+    /// Of the angle [rad/s], or of the displacement of a slide [m/s].
     double rate(double t, Side side = Side::after) const;
+    /// Of a hinge that slides [m/s].
+    double displacement_rate(double t, Side side = Side::after) const;
+    /// Of a universal joint, about its first axis and its second [rad], and their rates [rad/s].
+    std::array<double, 2> angles(double t, Side side = Side::after) const;
+    std::array<double, 2> rates(double t, Side side = Side::after) const;
     /// Theta, psi, phi [rad], continuous in time from the start of the run (rotation/euler_angles.hpp), and there those
     /// that its attitude was given by.
     EulerAngles euler_angles(double t, Side side = Side::after) const;
@@ -94,8 +103,9 @@ private:
     const Scene::Body& body() const;
     bool is_rigid() const;
     RigidReport jointed(double t, Side side) const;
-    template <class J>
-    RigidReport on(double t, Side side, const char* what) const;
+    /// Of a joint with coordinates of its own.
+    JointReport joint(double t, Side side) const;
+    [[noreturn]] void refuse(const char* what) const;
     PointReport railed(double t, Side side) const;
     const Curve& curve() const;
 
@@ -103,10 +113,47 @@ private:
     int body_;
 };
 
-/// Length and force of a spring of a run.
-class SpringMotion {
+/// What a constraint of a run does.
+class ConstraintMotion {
 public:
-    SpringMotion(const std::shared_ptr<const RunData>& data, int index);
+    ConstraintMotion(const std::shared_ptr<const RunData>& data, int index);
+
+    /// Force and torque on its first end, world axes [N, N m]; the torque about the point that is held.
+    Vector3 force(double t, Side side = Side::after) const;
+    Vector3 torque(double t, Side side = Side::after) const;
+    /// How far its points are from where they should be [m], with the angles of its axes [rad] taken for metres.
+    double gap(double t, Side side = Side::after) const;
+
+private:
+    std::shared_ptr<const RunData> data_;
+    int index_;
+};
+
+/// What a contact of a run does. Vectors are in world axes.
+class ContactMotion {
+public:
+    ContactMotion(const std::shared_ptr<const RunData>& data, int index);
+
+    /// The distance between the part and the surface [m]; negative inside.
+    double gap(double t, Side side = Side::after) const;
+    /// On the first side, from the second: normal force and friction together [N], at the point of contact.
+    Vector3 force(double t, Side side = Side::after) const;
+    /// The velocity of the first side's point of contact relative to the second's, along the surface [m/s].
+    Vector3 slip(double t, Side side = Side::after) const;
+    /// "open", "sticks" or "slides".
+    std::string state(double t, Side side = Side::after) const;
+
+private:
+    ContactReport report(double t, Side side) const;
+
+    std::shared_ptr<const RunData> data_;
+    int index_;
+};
+
+/// Length and force of a coupling of a run.
+class CouplingMotion {
+public:
+    CouplingMotion(const std::shared_ptr<const RunData>& data, int index);
 
     double length(double t, Side side = Side::after) const;  // m
     /// Force on the first end [N], world axes.

@@ -18,9 +18,9 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/points.hpp"
 #include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
@@ -36,11 +36,13 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-template <class J>
-RigidReport BodyMotion::on(double t, Side side, const char* what) const {
-    if (!std::holds_alternative<J>(body().joint))
-        throw InvalidInput(body().name + ": " + what + " is asked for, and its joint has none");
-    return rigid(t, side);
+RBDYN_INLINE JointReport BodyMotion::joint(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->joint(m.mode, body_, t, m.x);
+}
+
+RBDYN_INLINE void BodyMotion::refuse(const char* what) const {
+    throw InvalidInput(body().name + ": " + what + " is asked for, and its joint has none");
 }
 
 RBDYN_INLINE BodyMotion::BodyMotion(const std::shared_ptr<const RunData>& data, int body) {
@@ -92,7 +94,8 @@ RBDYN_INLINE Vector3 BodyMotion::reaction_frenet(double t, Side side) const {
     const PointReport r = railed(t, side);
     const Frenet f = curve().frenet(r.u);
     // the axes turn with the rail
-    const Vector3 reaction = data_->model->laws().rail_turn(body_, t).transpose() * r.reaction;
+    const Moment m(*data_, t, side);
+    const Vector3 reaction = data_->model->rail_turn(body_, t, m.x).transpose() * r.reaction;
     return {reaction.dot(f.tangent), reaction.dot(f.normal), reaction.dot(f.binormal)};
 }
 
@@ -128,19 +131,48 @@ RBDYN_INLINE std::pair<Vector3, Vector3> BodyMotion::instantaneous_axis(double t
 
 RBDYN_INLINE Vector3 BodyMotion::reaction_torque(double t, Side side) const { return jointed(t, side).reaction_torque; }
 
-RBDYN_INLINE double BodyMotion::angle(double t, Side side) const { return on<Revolute>(t, side, "angle").coordinate; }
+RBDYN_INLINE double BodyMotion::angle(double t, Side side) const {
+    const Joint& j = body().joint;
+    if (std::holds_alternative<Planar>(j)) return joint(t, side).coordinates[2];
+    if (!std::holds_alternative<Revolute>(j) && !std::holds_alternative<Cylindrical>(j)) refuse("angle");
+    return joint(t, side).coordinates[0];
+}
 
 RBDYN_INLINE double BodyMotion::displacement(double t, Side side) const {
-    return on<Prismatic>(t, side, "displacement").coordinate;
+    const Joint& j = body().joint;
+    if (std::holds_alternative<Cylindrical>(j)) return joint(t, side).coordinates[1];
+    if (!std::holds_alternative<Prismatic>(j)) refuse("displacement");
+    return joint(t, side).coordinates[0];
+}
+
+RBDYN_INLINE double BodyMotion::displacement_rate(double t, Side side) const {
+    if (!std::holds_alternative<Cylindrical>(body().joint)) refuse("displacement_rate");
+    return joint(t, side).rates[1];
+}
+
+RBDYN_INLINE std::array<double, 2> BodyMotion::angles(double t, Side side) const {
+    if (!std::holds_alternative<Universal>(body().joint)) refuse("angles");
+    const JointReport r = joint(t, side);
+    return {r.coordinates[0], r.coordinates[1]};
+}
+
+RBDYN_INLINE std::array<double, 2> BodyMotion::rates(double t, Side side) const {
+    if (!std::holds_alternative<Universal>(body().joint)) refuse("rates");
+    const JointReport r = joint(t, side);
+    return {r.rates[0], r.rates[1]};
 }
 
 RBDYN_INLINE double BodyMotion::rate(double t, Side side) const {
-    const RigidReport r = rigid(t, side);
-    if (data_->model->laws().body(body_).rigid->turns_freely())
+    const Joint& j = body().joint;
+    if (std::holds_alternative<Planar>(j)) return joint(t, side).rates[2];
+    if (!std::holds_alternative<Revolute>(j) && !std::holds_alternative<Prismatic>(j) &&
+        !std::holds_alternative<Cylindrical>(j)) {
+        (void)rigid(t, side);
         throw InvalidInput(body().name +
                            ": rate is asked for, and its joint has not one coordinate; Revolute and "
                            "Prismatic have");
-    return r.rate;
+    }
+    return joint(t, side).rates[0];
 }
 
 RBDYN_INLINE Vector3 BodyMotion::euler_rates(double t, Side side) const {
@@ -172,7 +204,7 @@ RBDYN_INLINE bool BodyMotion::is_rigid() const { return body().rigid() != nullpt
 
 RBDYN_INLINE RigidReport BodyMotion::jointed(double t, Side side) const {
     RigidReport r = rigid(t, side);
-    if (data_->model->laws().body(body_).rigid->kind == RigidLaw::Kind::free)
+    if (std::holds_alternative<Free>(body().joint))
         throw InvalidInput(body().name + ": it is free, and only a joint exerts a reaction");
     return r;
 }
@@ -188,12 +220,13 @@ RBDYN_INLINE const Curve& BodyMotion::curve() const { return body().rail()->curv
 
 RBDYN_INLINE EulerAngles BodyMotion::euler_angles(double t, Side side) const {
     if (!is_rigid()) throw InvalidInput(body().name + ": it is a particle, and only a rigid body has an attitude");
-    const PointsModel& model = *data_->model;
+    const SceneModel& model = *data_->model;
     const Record& record = data_->record;
-    const auto turning = [&](double time, Side at) { return model.turning(body_, state_at(record, time, at)); };
+    const auto turning = [&](double time, Side at) { return model.turning(body_, time, state_at(record, time, at)); };
     const Turning now = turning(t, side);
     // a hinge counts its turns itself
-    if (const Revolute* hinge = std::get_if<Revolute>(&body().joint))
+    const Revolute* hinge = std::get_if<Revolute>(&body().joint);
+    if (hinge != nullptr && body().parent < 0 && !hinge->motion)
         return continue_from(euler_path::of_turn(hinge->axis / hinge->axis.norm(), angle(t, side), body().parameter),
                              now.attitude);
     // so do runs that keep some times only
@@ -209,22 +242,56 @@ RBDYN_INLINE EulerAngles BodyMotion::euler_angles(double t, Side side) const {
         record.closed ? record.closed->recurrence(body_) : std::nullopt);
 }
 
-RBDYN_INLINE SpringMotion::SpringMotion(const std::shared_ptr<const RunData>& data, int index) {
+RBDYN_INLINE ConstraintMotion::ConstraintMotion(const std::shared_ptr<const RunData>& data, int index) {
+    std::tie(data_, index_) = part_of(data, &SceneParts::constraints, index);
+}
+
+RBDYN_INLINE Vector3 ConstraintMotion::force(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->constraint(m.mode, index_, t, m.x).force;
+}
+
+RBDYN_INLINE Vector3 ConstraintMotion::torque(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->constraint(m.mode, index_, t, m.x).torque;
+}
+
+RBDYN_INLINE double ConstraintMotion::gap(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->constraint(m.mode, index_, t, m.x).gap;
+}
+
+RBDYN_INLINE ContactMotion::ContactMotion(const std::shared_ptr<const RunData>& data, int index) {
+    std::tie(data_, index_) = part_of(data, &SceneParts::contacts, index);
+}
+
+RBDYN_INLINE ContactReport ContactMotion::report(double t, Side side) const {
+    const Moment m(*data_, t, side);
+    return data_->model->contact(m.mode, index_, t, m.x);
+}
+
+RBDYN_INLINE double ContactMotion::gap(double t, Side side) const { return report(t, side).gap; }
+
+RBDYN_INLINE Vector3 ContactMotion::force(double t, Side side) const { return report(t, side).force; }
+
+RBDYN_INLINE Vector3 ContactMotion::slip(double t, Side side) const { return report(t, side).slip; }
+
+RBDYN_INLINE std::string ContactMotion::state(double t, Side side) const { return report(t, side).state; }
+
+RBDYN_INLINE CouplingMotion::CouplingMotion(const std::shared_ptr<const RunData>& data, int index) {
     std::tie(data_, index_) = part_of(data, &SceneParts::couplings, index);
 }
 
-RBDYN_INLINE double SpringMotion::length(double t, Side side) const { return relative(t, side).first.norm(); }
+RBDYN_INLINE double CouplingMotion::length(double t, Side side) const { return relative(t, side).first.norm(); }
 
-RBDYN_INLINE Vector3 SpringMotion::force(double t, Side side) const {
-    if (data_->model) {
-        const Moment m(*data_, t, side);
-        if (const auto force = data_->model->spring_force(m.mode, index_, t, m.x)) return *force;
-    }
-    const auto [d, v] = relative(t, side);
-    return std::get<Spring>(connection().coupling)(d, v);
+RBDYN_INLINE Vector3 CouplingMotion::force(double t, Side side) const {
+    // what is in no part does nothing
+    if (!data_->model || !is_present(connection().coupling)) return Vector3::Zero();
+    const Moment m(*data_, t, side);
+    return data_->model->coupling_force(m.mode, index_, t, m.x);
 }
 
-RBDYN_INLINE std::pair<Vector3, Vector3> SpringMotion::relative(double t, Side side) const {
+RBDYN_INLINE std::pair<Vector3, Vector3> CouplingMotion::relative(double t, Side side) const {
     const auto end = [&](const End& e) -> std::pair<Vector3, Vector3> {
         if (const Vector3* point = std::get_if<Vector3>(&e)) return {*point, Vector3::Zero()};
         const BodyMotion motion(data_, body_of(e));
@@ -237,7 +304,7 @@ RBDYN_INLINE std::pair<Vector3, Vector3> SpringMotion::relative(double t, Side s
     return {a.first - b.first, a.second - b.second};
 }
 
-RBDYN_INLINE const Scene::Connection& SpringMotion::connection() const {
+RBDYN_INLINE const Scene::Connection& CouplingMotion::connection() const {
     return data_->scene.connections()[static_cast<std::size_t>(index_)];
 }
 

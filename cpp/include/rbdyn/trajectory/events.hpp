@@ -20,6 +20,8 @@ public:
 
     /// Times of the events of a kind or name, of one body if given.
     std::vector<double> times(const std::string& kind_or_name, std::optional<BodyHandle> subject = std::nullopt) const;
+    /// The same of one contact.
+    std::vector<double> times(const std::string& kind_or_name, ContactHandle contact) const;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

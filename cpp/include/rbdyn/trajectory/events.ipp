@@ -18,4 +18,12 @@ RBDYN_INLINE std::vector<double> Events::times(const std::string& kind_or_name,
     return result;
 }
 
+RBDYN_INLINE std::vector<double> Events::times(const std::string& kind_or_name, ContactHandle contact) const {
+    std::vector<double> result;
+    for (const Event& e : *this)
+        if ((name_of(e.kind) == kind_or_name || e.name == kind_or_name) && e.contact == contact.index)
+            result.push_back(e.time);
+    return result;
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM

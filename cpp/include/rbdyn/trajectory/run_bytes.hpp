@@ -19,7 +19,7 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/own_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -29,7 +29,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace run_bytes {
 
-inline constexpr std::string_view head = "rbdyn run 1", state_head = "rbdyn state run 1";
+inline constexpr std::string_view head = "rbdyn run 2", state_head = "rbdyn state run 2";
 
 /// Bytes that are written one after the other.
 class Writer {
@@ -95,7 +95,7 @@ struct Choice {
 
 void put(Writer& w, const Mode& mode);
 /// A mode that a motion is in at a time, at a state. No model: one that was put without its equations.
-Mode take_mode(Reader& r, const PointsModel* model, double t, std::span<const double> x);
+Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x);
 
 /// What is kept of an entry, one by one: what lies between its fields in memory is nobody's.
 template <class Entry, class Visit>
@@ -108,7 +108,7 @@ void each_field(Entry& e, const Visit& visit) {
     visit(e.after_event);
 }
 void put(Writer& w, const Record& record);
-Record take_record(Reader& r, const PointsModel* model, const std::shared_ptr<const ClosedForm>& closed);
+Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed);
 
 void put(Writer& w, const RunData& data);
 RunData take_run(Reader& r, Scene scene, Plan plan);

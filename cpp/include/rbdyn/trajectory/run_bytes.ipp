@@ -77,6 +77,8 @@ RBDYN_INLINE void put(Writer& w, const Event& e) {
     w.put(std::string_view(e.name));
     w.put(e.direction);
     w.put(e.impulse);
+    w.put(e.contact);
+    for (int i = 0; i < 3; ++i) w.put(e.push[i]);
     w.put(e.instant);
 }
 
@@ -88,6 +90,8 @@ RBDYN_INLINE Event take_event(Reader& r) {
     e.name = r.text();
     r.take(e.direction);
     r.take(e.impulse);
+    r.take(e.contact);
+    for (int i = 0; i < 3; ++i) r.take(e.push[i]);
     r.take(e.instant);
     return e;
 }
@@ -97,6 +101,7 @@ RBDYN_INLINE void put(Writer& w, const Mode& mode) {
     w.put(mode.parameters);
     w.put(mode.still);
     w.put(mode.jumps);
+    w.put(mode.memory);
     w.put(mode.equations != nullptr);
     if (mode.equations == nullptr) return;
     std::vector<Choice> choices;
@@ -105,12 +110,13 @@ RBDYN_INLINE void put(Writer& w, const Mode& mode) {
     w.put(std::vector<std::uint64_t>(mode.equations->sliding.begin(), mode.equations->sliding.end()));
 }
 
-RBDYN_INLINE Mode take_mode(Reader& r, const PointsModel* model, double t, std::span<const double> x) {
+RBDYN_INLINE Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x) {
     Mode mode;
     mode.slip = r.list<signed char>();
     mode.parameters = r.list<double>();
     r.take(mode.still);
     r.take(mode.jumps);
+    mode.memory = r.list<double>();
     if (!r.take<bool>()) return mode;
     if (model == nullptr) Reader::refuse();
     Decisions decided;
@@ -143,7 +149,7 @@ RBDYN_INLINE void put(Writer& w, const Record& record) {
     for (const Event& e : record.events) put(w, e);
 }
 
-RBDYN_INLINE Record take_record(Reader& r, const PointsModel* model, const std::shared_ptr<const ClosedForm>& closed) {
+RBDYN_INLINE Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed) {
     Record record;
     r.take(record.start);
     r.take(record.end);

@@ -11,7 +11,7 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/parts.hpp"
@@ -26,8 +26,8 @@ namespace rbdyn::inline RBDYN_FORM {
 struct RunData {
     Scene scene;
     Plan plan;
-    std::vector<RunData> parts;                // those of the plan, which then have the motion and this has none
-    std::shared_ptr<const PointsModel> model;  // none if there are parts
+    std::vector<RunData> parts;               // those of the plan, which then have the motion and this has none
+    std::shared_ptr<const SceneModel> model;  // none if there are parts
     Record record;
     Events events;
     std::string engine;

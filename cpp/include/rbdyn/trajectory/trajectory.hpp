@@ -17,6 +17,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/keep.hpp"
+#include "rbdyn/model/system_report.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -24,6 +25,7 @@
 #include "rbdyn/trajectory/any_run.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/events.hpp"
+#include "rbdyn/trajectory/pole.hpp"
 #include "rbdyn/trajectory/statistics.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -46,19 +48,30 @@ public:
     std::vector<double> t() const;
 
     BodyMotion operator[](BodyHandle body) const;
-    SpringMotion operator[](CouplingHandle coupling) const;
+    CouplingMotion operator[](CouplingHandle coupling) const;
+    ConstraintMotion operator[](ConstraintHandle constraint) const;
+    ContactMotion operator[](ContactHandle contact) const;
 
     // --- of the whole system, or of some bodies (`of`; empty: all) ---
     using Bodies = std::vector<BodyHandle>;
 
     double kinetic_energy(double t, const Bodies& of = {}, Side side = Side::after) const;
-    /// V = -U of gravity, constant forces, potentials and springs [J], zero at the origin and at rest length; and of
-    /// forces that have a potential along a smooth rail at rest, zero where its arc length is.
-    double potential_energy(double t, Side side = Side::after) const;
+    /// The same of the motion relative to axes that do not turn and move with a pole; without one with the centre of
+    /// mass of the bodies asked for, T^(G) of Koenig's theorem (7.37).
+    double relative_kinetic_energy(double t, const std::optional<Pole>& pole = std::nullopt, const Bodies& of = {},
+                                   Side side = Side::after) const;
+    /// V = -U of gravity, constant forces, potentials and couplings [J], zero at the origin, at rest length, at
+    /// infinity for gravitation, at the distance of the start for a central force; and of forces that have a potential
+    /// along a smooth rail at rest, zero where its arc length is. Of some bodies: with the couplings among them and to
+    /// the world.
+    double potential_energy(double t, const Bodies& of = {}, Side side = Side::after) const;
+    double potential_energy(double t, Side side) const { return potential_energy(t, {}, side); }
     /// U, with F = +grad U (the chapter's sign).
-    double potential(double t, Side side = Side::after) const;
+    double potential(double t, const Bodies& of = {}, Side side = Side::after) const;
+    double potential(double t, Side side) const { return potential(t, {}, side); }
     /// T + V = T - U [J].
-    double energy(double t, Side side = Side::after) const;
+    double energy(double t, const Bodies& of = {}, Side side = Side::after) const;
+    double energy(double t, Side side) const { return energy(t, {}, side); }
 
     /// Power of all forces on the bodies, reactions included: dT/dt (Thm 7.6) [W].
     double power(double t, const Bodies& of = {}, Side side = Side::after) const;
@@ -73,11 +86,19 @@ public:
     double work(double t0, double t1, CouplingHandle coupling) const;
 
     Vector3 momentum(double t, const Bodies& of = {}, Side side = Side::after) const;
-    Vector3 angular_momentum(double t, const Vector3& pole = Vector3::Zero(), const Bodies& of = {},
-                             Side side = Side::after) const;
+    Vector3 angular_momentum(double t, const Pole& pole = {}, const Bodies& of = {}, Side side = Side::after) const;
     Vector3 center_of_mass(double t, const Bodies& of = {}, Side side = Side::after) const;
     Vector3 center_of_mass_velocity(double t, const Bodies& of = {}, Side side = Side::after) const;
     Vector3 center_of_mass_acceleration(double t, const Bodies& of = {}, Side side = Side::after) const;
+
+    /// Resultant and moment of what acts on the bodies from outside them [N, N m]: loads, gravity, rails and joints,
+    /// and couplings to the world and to other bodies (theorems.hpp).
+    Vector3 external_force(double t, const Bodies& of = {}, Side side = Side::after) const;
+    Vector3 external_moment(double t, const Pole& pole = {}, const Bodies& of = {}, Side side = Side::after) const;
+    /// R - dQ/dt (7.38) and M - dK/dt - v x Q (7.39), v the velocity of the pole [N, N m]: rounding, but for the moment
+    /// of forces between the bodies that are not along their lines.
+    std::pair<Vector3, Vector3> cardinal_residuals(double t, const Pole& pole = {}, const Bodies& of = {},
+                                                   Side side = Side::after) const;
 
     /// The value of a watched function, by the handle of its watch, at a time.
     double watched(WatchHandle watch, double t, Side side = Side::after) const;
@@ -92,30 +113,31 @@ public:
 private:
     static constexpr int closed_times = 128;
 
-    /// What a first integral is a sum of, in size.
-    double size_of_terms(const std::string& name, double time) const;
+    /// All bodies and couplings at a time, of all parts.
+    SystemReport system_at(double t, Side side, Asked asked) const;
+    /// A first integral by name, and the size of what it is a sum of.
+    std::pair<double, double> integral_of(const std::string& name, const SystemReport& system, double t,
+                                          Side side) const;
+    double potential_in(const SystemReport& system, const Bodies& of) const;
+    /// The lengths at which potentials of central forces are zero: those the scene starts with.
+    const std::vector<double>& start_lengths() const;
     const Scene::AppliedLoad& applied(LoadHandle load) const;
-    /// Position and velocity of the point where a load acts.
-    std::pair<Vector3, Vector3> place_of(const Scene::AppliedLoad& load, double t, Side side) const;
     /// f of what can be observed at a time.
     template <class F>
     double now(double t, Side side, F&& f) const;
     /// What can be observed of a run in parts at a time.
     Observe observing_parts(double t, Side side) const;
-    /// U of a load; none of one that has none by itself, damping included.
-    std::optional<double> potential_of(const Scene::AppliedLoad& load, double t, Side side) const;
-    double potential_of(CouplingHandle coupling, double t, Side side) const;
+    /// U of a load on a body; none of one that has none by itself, damping included.
+    static std::optional<double> potential_of(const Scene::AppliedLoad& load, const BodyReport& body);
+    double potential_of(const CouplingReport& coupling, int index) const;
     /// Work from t0 to t1 by one that takes it from an earlier to a later time.
     template <class F>
     double work_between(double t0, double t1, F&& forwards) const;
-    template <class F>
-    void each(const Bodies& of, double t, Side side, F&& f) const;
-    template <class F>
-    Vector3 mean(const Bodies& of, double t, Side side, F&& f) const;
-
     std::shared_ptr<const RunData> data_;
     struct BodyWork;
     std::shared_ptr<const std::vector<BodyWork>> works_;  // of forces that have a potential along a rail
+    struct Lengths;
+    std::shared_ptr<Lengths> start_lengths_;
 };
 
 std::ostream& operator<<(std::ostream& out, const Trajectory& run);

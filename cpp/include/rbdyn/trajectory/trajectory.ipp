@@ -9,6 +9,7 @@
 #include <iomanip>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <ostream>
 #include <sstream>
@@ -39,7 +40,9 @@
 #include "rbdyn/scene/watch.hpp"
 #include "rbdyn/statics/rail_work.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
+#include "rbdyn/trajectory/pole.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
+#include "rbdyn/trajectory/theorems.hpp"
 #include "rbdyn/trajectory/work.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -47,6 +50,11 @@ namespace rbdyn::inline RBDYN_FORM {
 struct Trajectory::BodyWork {
     int body;
     RailWork work;
+};
+
+struct Trajectory::Lengths {
+    std::once_flag known;
+    std::vector<double> values;
 };
 
 template <class F>
@@ -67,28 +75,6 @@ double Trajectory::work_between(double t0, double t1, F&& forwards) const {
     return t1 > t0 ? forwards(t0, t1) : t1 < t0 ? -forwards(t1, t0) : 0.0;
 }
 
-template <class F>
-void Trajectory::each(const Bodies& of, double t, Side side, F&& f) const {
-    const auto& bodies = data_->scene.bodies();
-    if (of.empty()) {
-        for (int i = 0; i < static_cast<int>(bodies.size()); ++i)
-            f((*this)[BodyHandle{i}].report(t, side), bodies[static_cast<std::size_t>(i)].mass());
-    } else {
-        for (BodyHandle b : of) f((*this)[b].report(t, side), bodies[static_cast<std::size_t>(b.index)].mass());
-    }
-}
-
-template <class F>
-Vector3 Trajectory::mean(const Bodies& of, double t, Side side, F&& f) const {
-    Vector3 sum = Vector3::Zero();
-    double mass = 0.0;
-    each(of, t, side, [&](const PointReport& r, double m) {
-        sum += m * f(r);
-        mass += m;
-    });
-    return sum / mass;
-}
-
 RBDYN_INLINE Trajectory::Trajectory(RunData data)
     : AnyRun(data.record.status, data.record.start, data.record.end.hi, data.certain_until, data.engine, data.error),
       data_(std::make_shared<const RunData>(std::move(data))) {
@@ -100,6 +86,7 @@ RBDYN_INLINE Trajectory::Trajectory(RunData data)
     for (int body = 0; body < static_cast<int>(has_work.size()); ++body)
         if (has_work[static_cast<std::size_t>(body)]) works.push_back({body, RailWork(data_->scene, BodyHandle{body})});
     works_ = std::make_shared<const std::vector<BodyWork>>(std::move(works));
+    start_lengths_ = std::make_shared<Lengths>();
 }
 
 RBDYN_INLINE const Statistics& Trajectory::statistics() const { return data_->statistics; }
@@ -136,66 +123,143 @@ RBDYN_INLINE BodyMotion Trajectory::operator[](BodyHandle body) const {
     return {data_, body.index};
 }
 
-RBDYN_INLINE SpringMotion Trajectory::operator[](CouplingHandle coupling) const {
+RBDYN_INLINE CouplingMotion Trajectory::operator[](CouplingHandle coupling) const {
     require(coupling.index >= 0 && coupling.index < static_cast<int>(data_->scene.connections().size()), "Trajectory",
             "coupling", coupling.index, "a handle comes from the scene of this run");
     return {data_, coupling.index};
 }
 
+RBDYN_INLINE ConstraintMotion Trajectory::operator[](ConstraintHandle constraint) const {
+    require(constraint.index >= 0 && constraint.index < static_cast<int>(data_->scene.constraints().size()),
+            "Trajectory", "constraint", constraint.index, "a handle comes from the scene of this run");
+    return {data_, constraint.index};
+}
+
+RBDYN_INLINE ContactMotion Trajectory::operator[](ContactHandle contact) const {
+    require(contact.index >= 0 && contact.index < static_cast<int>(data_->scene.contacts().size()), "Trajectory",
+            "contact", contact.index, "a handle comes from the scene of this run");
+    return {data_, contact.index};
+}
+
+RBDYN_INLINE SystemReport Trajectory::system_at(double t, Side side, Asked asked) const {
+    if (data_->parts.empty()) {
+        const Moment m(*data_, t, side);
+        return data_->model->system_report(m.mode, t, m.x, asked);
+    }
+    SystemReport all;
+    const SceneParts& apart = *data_->plan.apart;
+    all.bodies.resize(data_->scene.bodies().size());
+    all.couplings.resize(data_->scene.connections().size());
+    std::vector<SystemReport> parts;
+    for (const RunData& part : data_->parts) {
+        const Moment m(part, t, side);
+        parts.push_back(part.model->system_report(m.mode, t, m.x, asked));
+    }
+    for (std::size_t i = 0; i < all.bodies.size(); ++i) {
+        const auto [part, index] = apart.bodies[i];
+        all.bodies[i] = parts[static_cast<std::size_t>(part)].bodies[static_cast<std::size_t>(index)];
+    }
+    for (std::size_t k = 0; k < all.couplings.size(); ++k) {
+        CouplingReport& c = all.couplings[k];
+        const auto [part, index] = apart.couplings[k];
+        // what does nothing may be in no part
+        if (part >= 0) c = parts[static_cast<std::size_t>(part)].couplings[static_cast<std::size_t>(index)];
+        c.a = body_of(data_->scene.connections()[k].a);
+        c.b = body_of(data_->scene.connections()[k].b);
+    }
+    return all;
+}
+
 RBDYN_INLINE double Trajectory::kinetic_energy(double t, const Bodies& of, Side side) const {
+    const SystemReport system = system_at(t, side, Asked::motion);
+    return SystemPart(system, of).kinetic_energy();
+}
+
+RBDYN_INLINE double Trajectory::relative_kinetic_energy(double t, const std::optional<Pole>& pole, const Bodies& of,
+                                                        Side side) const {
+    const SystemReport system = system_at(t, side, Asked::motion);
+    const SystemPart part(system, of);
+    return part.kinetic_energy(pole ? pole->at(t, system).velocity : part.center_of_mass_velocity());
+}
+
+RBDYN_INLINE double Trajectory::potential_energy(double t, const Bodies& of, Side side) const {
+    return -potential(t, of, side);
+}
+
+RBDYN_INLINE double Trajectory::potential(double t, const Bodies& of, Side side) const {
+    return potential_in(system_at(t, side, Asked::motion), of);
+}
+
+RBDYN_INLINE double Trajectory::potential_in(const SystemReport& system, const Bodies& of) const {
+    const SystemPart part(system, of);
     double sum = 0.0;
-    each(of, t, side,
-         [&](const PointReport& r, double m) { sum += 0.5 * m * r.velocity.squaredNorm() + r.spin_energy; });
+    std::vector<bool> is_meant(system.bodies.size(), false);
+    part.each([&](const BodyReport& b, int i) {
+        sum += b.mass * data_->scene.gravity().dot(b.position);
+        is_meant[static_cast<std::size_t>(i)] = true;
+    });
+    for (const Scene::AppliedLoad& load : data_->scene.loads()) {
+        const auto body = static_cast<std::size_t>(load.body);
+        if (!is_meant[body]) continue;
+        if (const auto own = potential_of(load, system.bodies[body])) sum += *own;
+    }
+    for (const auto& [body, work] : *works_)
+        if (const auto i = static_cast<std::size_t>(body); is_meant[i]) sum += work(system.bodies[i].coordinate);
+    for (std::size_t k = 0; k < system.couplings.size(); ++k)
+        if (part.is_within_or_to_world(system.couplings[k]))
+            sum += potential_of(system.couplings[k], static_cast<int>(k));
     return sum;
 }
 
-RBDYN_INLINE double Trajectory::potential_energy(double t, Side side) const { return -potential(t, side); }
-
-RBDYN_INLINE double Trajectory::potential(double t, Side side) const {
-    double sum = 0.0;
-    each({}, t, side, [&](const PointReport& r, double m) { sum += m * data_->scene.gravity().dot(r.position); });
-    for (const auto& load : data_->scene.loads())
-        if (const auto own = potential_of(load, t, side)) sum += *own;
-    for (const auto& [body, work] : *works_) sum += work((*this)[BodyHandle{body}].parameter(t, side));
-    for (int i = 0; i < static_cast<int>(data_->scene.connections().size()); ++i)
-        sum += potential_of(CouplingHandle{i}, t, side);
-    return sum;
-}
-
-RBDYN_INLINE double Trajectory::energy(double t, Side side) const {
-    return kinetic_energy(t, {}, side) - potential(t, side);
+RBDYN_INLINE double Trajectory::energy(double t, const Bodies& of, Side side) const {
+    const SystemReport system = system_at(t, side, Asked::motion);
+    return SystemPart(system, of).kinetic_energy() - potential_in(system, of);
 }
 
 RBDYN_INLINE double Trajectory::power(double t, const Bodies& of, Side side) const {
-    double sum = 0.0;
-    each(of, t, side,
-         [&](const PointReport& r, double) { sum += (r.force + r.reaction).dot(r.velocity) + r.spin_power; });
-    return sum;
+    const SystemReport system = system_at(t, side, Asked::forces);
+    return SystemPart(system, of).power();
 }
 
 RBDYN_INLINE Vector3 Trajectory::momentum(double t, const Bodies& of, Side side) const {
-    Vector3 sum = Vector3::Zero();
-    each(of, t, side, [&](const PointReport& r, double m) { sum += m * r.velocity; });
-    return sum;
+    const SystemReport system = system_at(t, side, Asked::motion);
+    return SystemPart(system, of).momentum();
 }
 
-RBDYN_INLINE Vector3 Trajectory::angular_momentum(double t, const Vector3& pole, const Bodies& of, Side side) const {
-    Vector3 sum = Vector3::Zero();
-    each(of, t, side,
-         [&](const PointReport& r, double m) { sum += (r.position - pole).cross(m * r.velocity) + r.spin_momentum; });
-    return sum;
+RBDYN_INLINE Vector3 Trajectory::angular_momentum(double t, const Pole& pole, const Bodies& of, Side side) const {
+    const SystemReport system = system_at(t, side, Asked::motion);
+    return SystemPart(system, of).angular_momentum(pole.at(t, system).place);
 }
 
 RBDYN_INLINE Vector3 Trajectory::center_of_mass(double t, const Bodies& of, Side side) const {
-    return mean(of, t, side, [](const PointReport& r) { return r.position; });
+    const SystemReport system = system_at(t, side, Asked::motion);
+    return SystemPart(system, of).center_of_mass();
 }
 
 RBDYN_INLINE Vector3 Trajectory::center_of_mass_velocity(double t, const Bodies& of, Side side) const {
-    return mean(of, t, side, [](const PointReport& r) { return r.velocity; });
+    const SystemReport system = system_at(t, side, Asked::motion);
+    return SystemPart(system, of).center_of_mass_velocity();
 }
 
 RBDYN_INLINE Vector3 Trajectory::center_of_mass_acceleration(double t, const Bodies& of, Side side) const {
-    return mean(of, t, side, [](const PointReport& r) { return r.acceleration; });
+    const SystemReport system = system_at(t, side, Asked::forces);
+    return SystemPart(system, of).center_of_mass_acceleration();
+}
+
+RBDYN_INLINE Vector3 Trajectory::external_force(double t, const Bodies& of, Side side) const {
+    const SystemReport system = system_at(t, side, Asked::forces);
+    return SystemPart(system, of).external_force();
+}
+
+RBDYN_INLINE Vector3 Trajectory::external_moment(double t, const Pole& pole, const Bodies& of, Side side) const {
+    const SystemReport system = system_at(t, side, Asked::forces);
+    return SystemPart(system, of).external_moment(pole.at(t, system).place);
+}
+
+RBDYN_INLINE std::pair<Vector3, Vector3> Trajectory::cardinal_residuals(double t, const Pole& pole, const Bodies& of,
+                                                                        Side side) const {
+    const SystemReport system = system_at(t, side, Asked::forces);
+    return SystemPart(system, of).cardinal_residuals(pole.at(t, system));
 }
 
 RBDYN_INLINE double Trajectory::watched(WatchHandle watch, double t, Side side) const {
@@ -223,29 +287,48 @@ RBDYN_INLINE const Scene::AppliedLoad& Trajectory::applied(LoadHandle load) cons
     return loads[static_cast<std::size_t>(load.index)];
 }
 
-RBDYN_INLINE std::pair<Vector3, Vector3> Trajectory::place_of(const Scene::AppliedLoad& load, double t,
-                                                              Side side) const {
-    const BodyMotion motion = (*this)[BodyHandle{load.body}];
-    if (load.at) return motion.point(*load.at, t, side);
-    const PointReport r = motion.report(t, side);
-    return {r.position, r.velocity};
-}
-
-RBDYN_INLINE std::optional<double> Trajectory::potential_of(const Scene::AppliedLoad& load, double t, Side side) const {
+RBDYN_INLINE std::optional<double> Trajectory::potential_of(const Scene::AppliedLoad& load, const BodyReport& body) {
+    const auto place = [&] { return load.at ? body.place(*load.at) : body.position; };
     if (const Force* f = std::get_if<Force>(&load.load); f != nullptr && f->is_constant() && f->frame() == Frame::world)
-        return f->constant().dot(place_of(load, t, side).first);
-    if (const Potential* u = std::get_if<Potential>(&load.load)) return u->value<double>(place_of(load, t, side).first);
+        return f->constant().dot(place());
+    if (const Potential* u = std::get_if<Potential>(&load.load)) return u->value<double>(place());
     if (const TorsionSpring* s = std::get_if<TorsionSpring>(&load.load)) {
-        const double turned = (*this)[BodyHandle{load.body}].angle(t, side) - s->rest_angle;
+        const double turned = body.coordinate - s->rest_angle;
         return -0.5 * s->stiffness * turned * turned;
     }
     return std::nullopt;
 }
 
-RBDYN_INLINE double Trajectory::potential_of(CouplingHandle coupling, double t, Side side) const {
-    const Spring& s = std::get<Spring>(scene().connections()[static_cast<std::size_t>(coupling.index)].coupling);
-    const double stretch = SpringMotion(data_, coupling.index).length(t, side) - s.rest_length;
-    return -0.5 * s.stiffness * stretch * stretch;
+RBDYN_INLINE double Trajectory::potential_of(const CouplingReport& coupling, int index) const {
+    const auto k = static_cast<std::size_t>(index);
+    const Coupling& given = data_->scene.connections()[k].coupling;
+    const auto mass = [&](int body) {
+        return body >= 0 ? data_->scene.bodies()[static_cast<std::size_t>(body)].mass() : 0.0;
+    };
+    const double reference = std::holds_alternative<Central>(given) ? start_lengths()[k] : 0.0;
+    return rbdyn::potential_of(given, coupling.length(), reference, mass(coupling.a) * mass(coupling.b)).value_or(0.0);
+}
+
+RBDYN_INLINE const std::vector<double>& Trajectory::start_lengths() const {
+    std::call_once(start_lengths_->known, [&] {
+        std::vector<double>& lengths = start_lengths_->values;
+        lengths.resize(data_->scene.connections().size());
+        const auto of = [&](const RunData& run) {
+            const SceneModel& model = *run.model;
+            return model.system_report(model.undecided(), run.record.start, model.start(run.record.start),
+                                       Asked::motion);
+        };
+        std::vector<SystemReport> parts;
+        if (data_->parts.empty()) parts.push_back(of(*data_));
+        for (const RunData& part : data_->parts) parts.push_back(of(part));
+        for (std::size_t k = 0; k < lengths.size(); ++k) {
+            const auto [part, own] =
+                data_->parts.empty() ? SceneParts::Place{0, static_cast<int>(k)} : data_->plan.apart->couplings[k];
+            if (part >= 0)
+                lengths[k] = parts[static_cast<std::size_t>(part)].couplings[static_cast<std::size_t>(own)].length();
+        }
+    });
+    return start_lengths_->values;
 }
 
 RBDYN_INLINE double Trajectory::work(double t0, double t1, const Bodies& of) const {
@@ -272,13 +355,18 @@ RBDYN_INLINE double Trajectory::work(double t0, double t1, LoadHandle load) cons
     // a magnetic force does none
     if (!is_present(given.load) || std::holds_alternative<Lorentz>(given.load)) return 0.0;
     const auto run = part_of(data_, &SceneParts::loads, load.index).first;
+    const auto body = [&](int index, double t, Side side) {
+        return system_at(t, side, Asked::motion).bodies[static_cast<std::size_t>(index)];
+    };
     const auto potential_gain = [&](const Scene::AppliedLoad& of, double from, double to) {
-        return working::gain(*run, from, to, [&](double t, Side side) { return *potential_of(of, t, side); });
+        return working::gain(*run, from, to,
+                             [&](double t, Side side) { return *potential_of(of, body(of.body, t, side)); });
     };
     const TorsionSpring* spring = std::get_if<TorsionSpring>(&given.load);
     const bool is_damped = spring != nullptr && spring->damping != 0.0;
     return work_between(t0, t1, [&](double from, double to) {
-        if (!is_damped && potential_of(given, from, Side::after)) return potential_gain(given, from, to);
+        if (!is_damped && potential_of(given, body(given.body, from, Side::after)))
+            return potential_gain(given, from, to);
         // in closed form a damped spring about a hinge is alone with what has a potential
         if (is_damped && run->record.closed && !std::isfinite(run->record.closed->pace())) {
             double sum = work(from, to, Bodies{{given.body}});
@@ -301,8 +389,11 @@ RBDYN_INLINE double Trajectory::work(double t0, double t1, CouplingHandle coupli
     if (!is_present(given)) return 0.0;
     const auto run = part_of(data_, &SceneParts::couplings, coupling.index).first;
     return work_between(t0, t1, [&](double from, double to) {
-        if (std::get<Spring>(given).damping == 0.0)
-            return working::gain(*run, from, to, [&](double t, Side side) { return potential_of(coupling, t, side); });
+        if (keeps_energy(given))
+            return working::gain(*run, from, to, [&](double t, Side side) {
+                const SystemReport system = system_at(t, side, Asked::motion);
+                return potential_of(system.couplings[static_cast<std::size_t>(coupling.index)], coupling.index);
+            });
         return working::integral(run->record, from, to, [&](double t) { return power(t, coupling); });
     });
 }
@@ -319,7 +410,7 @@ RBDYN_INLINE Observe Trajectory::observing_parts(double t, Side side) const {
         const bool of_coupling = is_of_coupling(o.quantity);
         const auto [part, index] = part_of(run, of_coupling ? &SceneParts::couplings : &SceneParts::bodies, o.subject);
         if (part == run) {
-            const SpringMotion idle(run, index);
+            const CouplingMotion idle(run, index);
             return o.quantity == Quantity::length ? idle.length(t, side) : idle.force(t, side)[o.component];
         }
         auto present = known->find(part.get());
@@ -340,63 +431,71 @@ RBDYN_INLINE double Trajectory::power(double t, LoadHandle load, Side side) cons
 }
 
 RBDYN_INLINE double Trajectory::power(double t, CouplingHandle coupling, Side side) const {
-    const SpringMotion spring = (*this)[coupling];
+    const CouplingMotion spring = (*this)[coupling];
     return spring.force(t, side).dot(spring.relative(t, side).second);
 }
 
 RBDYN_INLINE double Trajectory::integral(const std::string& name, double t, Side side) const {
-    if (name == "energy") return energy(t, side);
-    if (name.starts_with("momentum ")) return momentum(t, {}, side)[name.back() - 'x'];
+    return integral_of(name, system_at(t, side, Asked::motion), t, side).first;
+}
+
+RBDYN_INLINE std::pair<double, double> Trajectory::integral_of(const std::string& name, const SystemReport& system,
+                                                               double t, Side side) const {
+    const SystemPart all(system);
+    if (name == "energy") {
+        const double kinetic = all.kinetic_energy(), potential = potential_in(system, {});
+        return {kinetic - potential, kinetic + std::abs(potential)};
+    }
+    if (name.starts_with("momentum ")) return {all.momentum()[name.back() - 'x'], all.size_of_momentum()};
     const Plan& p = data_->plan;
-    if (name == "angular momentum") return angular_momentum(t, p.pole, {}, side).norm();
-    if (name == "angular momentum z") return angular_momentum(t, p.pole, {}, side)[2];
-    if (name == "vertical angular momentum") return angular_momentum(t, p.pole, {}, side).dot(p.up);
+    if (name.find("angular momentum") != std::string::npos) {
+        const Vector3 k = all.angular_momentum(p.pole);
+        const double size = all.size_of_angular_momentum(p.pole);
+        if (name == "angular momentum") return {k.norm(), size};
+        return {name.starts_with("vertical") ? k.dot(p.up) : k[name.back() - 'x'], size};
+    }
+    const auto alone = [](double value) { return std::pair{value, std::abs(value)}; };
     if ((name == "spin" || name == "Kovalevskaya") && data_->parts.empty()) {
-        const PointLaws& laws = data_->model->laws();
+        const PointLaws& laws = *data_->model->special();
         const RigidLaw& law = *laws.body(0).rigid;
         const PointLaws::Variables own = laws.variables_of(laws.body(0), Moment(*data_, t, side).x);
         const RigidState<double> s = law.state(own.q, own.v);
-        if (name == "spin") return s.omega[2];
-        return planning::kovalevskaya(law, data_->scene.gravity().norm(), s.omega, s.to_frame(p.up));
+        if (name == "spin") return alone(s.omega[2]);
+        return alone(planning::kovalevskaya(law, data_->scene.gravity().norm(), s.omega, s.to_frame(p.up)));
     }
     for (const auto& i : data_->scene.integrals())
-        if (i.name == name) return now(t, side, [&](const Observe& observe) { return i.function(observe); });
+        if (i.name == name) return alone(now(t, side, [&](const Observe& observe) { return i.function(observe); }));
     throw InvalidInput("Trajectory: no first integral is named \"" + name + "\" in this scene");
 }
 
 RBDYN_INLINE std::map<std::string, double> Trajectory::drift() const {
-    std::map<std::string, double> result;
     std::vector<double> times = t();
     // a closed form has no pieces to look between
     const auto is_closed = [](const RunData& run) { return run.record.closed != nullptr; };
     if ((is_closed(*data_) || std::any_of(data_->parts.begin(), data_->parts.end(), is_closed)) &&
         times.size() < closed_times)
         for (int i = 0; i <= closed_times; ++i) times.push_back(start() + (end() - start()) * i / closed_times);
-    for (const std::string& name : data_->plan.integrals) {
-        const bool is_vector = name == "angular momentum";
-        const Vector3 vector = is_vector ? angular_momentum(start(), data_->plan.pole) : Vector3::Zero().eval();
-        const double first = is_vector ? 0.0 : integral(name, start());
-        double largest = 0.0, scale = 0.0;
-        for (const double time : times) {
-            largest = std::max(largest, is_vector ? (angular_momentum(time, data_->plan.pole) - vector).norm()
-                                                  : std::abs(integral(name, time) - first));
-            scale = std::max(scale, size_of_terms(name, time));
+    const std::vector<std::string>& names = data_->plan.integrals;
+    if (names.empty()) return {};
+    const auto is_vector = [](const std::string& name) { return name == "angular momentum"; };
+    const Vector3& pole = data_->plan.pole;
+    const SystemReport begin = system_at(start(), Side::after, Asked::motion);
+    const Vector3 vector = SystemPart(begin).angular_momentum(pole);
+    std::vector<double> first, largest(names.size()), scale(names.size());
+    for (const std::string& name : names) first.push_back(integral_of(name, begin, start(), Side::after).first);
+    for (const double time : times) {
+        const SystemReport system = system_at(time, Side::after, Asked::motion);
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            const auto [value, size] = integral_of(names[k], system, time, Side::after);
+            largest[k] =
+                std::max(largest[k], is_vector(names[k]) ? (SystemPart(system).angular_momentum(pole) - vector).norm()
+                                                         : std::abs(value - first[k]));
+            scale[k] = std::max(scale[k], size);
         }
-        result[name] = scale > 0.0 ? largest / scale : 0.0;
     }
+    std::map<std::string, double> result;
+    for (std::size_t k = 0; k < names.size(); ++k) result[names[k]] = scale[k] > 0.0 ? largest[k] / scale[k] : 0.0;
     return result;
-}
-
-RBDYN_INLINE double Trajectory::size_of_terms(const std::string& name, double time) const {
-    if (name == "energy") return kinetic_energy(time) + std::abs(potential(time));
-    const bool is_momentum = name.starts_with("momentum "), is_angular = name.find("angular") != std::string::npos;
-    if (!is_momentum && !is_angular) return std::abs(integral(name, time));
-    double terms = 0.0;
-    each({}, time, Side::after, [&](const PointReport& r, double m) {
-        terms += is_momentum ? m * r.velocity.norm()
-                             : m * (r.position - data_->plan.pole).norm() * r.velocity.norm() + r.spin_momentum.norm();
-    });
-    return terms;
 }
 
 RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Trajectory& run) {

@@ -11,7 +11,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/curve/arc_length.hpp"
 
-namespace rbdyn::inline RBDYN_FORM::statics {
+namespace rbdyn::inline RBDYN_FORM::curves {
 
 /// The integral of f from a to b. `floor`: the rounding of f itself, times the range. `noise`: relative rounding of f
 /// where that is more than usual; f may raise it.
@@ -32,10 +32,10 @@ double integral(F&& f, double a, double b, double floor = 0.0, const double& noi
         low = y - (next - sum);
         sum = next;
     };
-    std::vector<curves::Piece> waiting{curves::measured(f, a, b)};
+    std::vector<Piece> waiting{measured(f, a, b)};
     double size = std::abs(waiting.front().length);
     for (int pieces = 1; !waiting.empty(); ++pieces) {
-        const curves::Piece piece = waiting.back();
+        const Piece piece = waiting.back();
         waiting.pop_back();
         const double middle = piece.begin + 0.5 * (piece.end - piece.begin), doubt = std::abs(piece.doubt);
         const bool is_indivisible = !((piece.begin < middle) == (middle < piece.end) && piece.begin != middle);
@@ -44,8 +44,7 @@ double integral(F&& f, double a, double b, double floor = 0.0, const double& noi
             add(piece.length);
             continue;
         }
-        const curves::Piece left = curves::measured(f, piece.begin, middle),
-                            right = curves::measured(f, middle, piece.end);
+        const Piece left = measured(f, piece.begin, middle), right = measured(f, middle, piece.end);
         size += std::abs(left.length) + std::abs(right.length) - std::abs(piece.length);
         // halves in which the rules differ as much as in the whole differ by rounding: at a corner it is half or less
         const bool is_rounding =
@@ -61,4 +60,4 @@ double integral(F&& f, double a, double b, double floor = 0.0, const double& noi
     return sum + low;
 }
 
-}  // namespace rbdyn::inline RBDYN_FORM::statics
+}  // namespace rbdyn::inline RBDYN_FORM::curves

@@ -1,0 +1,240 @@
+// Accelerations of a tree of bodies, and of one whose loops are closed by constraints.
+//
+// The articulated-body recursion (R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7), one
+// velocity of a joint after the other: from the leaves to the ground the inertia that each motion meets, U = I s,
+// d = s.U, is taken from what its parent feels, I - U U^T/d; the wrench that is left drives it, u = tau - s.p,
+// p + U u/d. From the ground to the leaves v' = (u - U.a)/d. This is the factorisation of the tree's matrix of masses,
+// M = L D L^T, without fill-in, with u = L^-1 of the generalised forces.
+//
+// Constraints J v' + bias = 0 act with wrenches J^T lambda (chapter 8):
+//     (J M^-1 J^T) lambda = -(bias + J M^-1 (tau - h)),  J M^-1 J^T = sum over the tree's velocities of u_j u_k / d.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/mechanics/moving.hpp"
+#include "rbdyn/mechanics/six.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+template <class S>
+bool is_nothing(const S& x) {
+    if constexpr (std::is_same_v<S, Expression>)
+        return x.is_zero();
+    else
+        return x == S(0.0);
+}
+template <class S>
+bool is_nothing(const Wrench<S>& w) {
+    for (int k = 0; k < 3; ++k)
+        if (!is_nothing(w.force[k]) || !is_nothing(w.moment[k])) return false;
+    return true;
+}
+
+/// One condition on the accelerations of two bodies: on_a . acc_a + on_b . acc_b + bias = 0, with wrenches about P of
+/// each, that are also what a unit of its force exerts. A body -1 is the ground.
+template <class S>
+struct Row {
+    int a = -1, b = -1;
+    Wrench<S> on_a, on_b;
+    S bias = S(0.0);
+};
+
+/// x of A x = b, A symmetric and positive definite, given by its lower half, without pivots: A = L D L^T. Rows that are
+/// zero give zero. `pivots`: D.
+template <class S>
+std::vector<S> solve_definite(std::vector<std::vector<S>> a, std::vector<S> b, std::vector<S>* pivots = nullptr) {
+    const std::size_t n = b.size();
+    for (std::size_t j = 0; j < n; ++j) {
+        if (pivots != nullptr) pivots->push_back(a[j][j]);
+        if (is_nothing(a[j][j])) {
+            b[j] = S(0.0);
+            continue;
+        }
+        const S inverse = S(1.0) / a[j][j];
+        for (std::size_t i = j + 1; i < n; ++i) {
+            if (is_nothing(a[i][j])) continue;
+            const S factor = a[i][j] * inverse;
+            for (std::size_t k = j + 1; k <= i; ++k)
+                if (!is_nothing(a[k][j])) a[i][k] -= factor * a[k][j];
+            b[i] -= factor * b[j];
+        }
+        // columns of L stay scaled by D
+        b[j] *= inverse;
+        for (std::size_t i = j + 1; i < n; ++i)
+            if (!is_nothing(a[i][j])) a[i][j] *= inverse;
+    }
+    for (std::size_t j = n; j-- > 0;)
+        for (std::size_t i = 0; i < j; ++i)
+            if (!is_nothing(a[j][i])) b[i] -= a[j][i] * b[j];
+    return b;
+}
+
+template <class S>
+class Accelerate {
+public:
+    /// A body: its parent, its motion, its inertia about P.
+    struct Body {
+        int parent;
+        Moving<S> moving;
+        SixInertia<S> inertia;
+    };
+
+    explicit Accelerate(std::vector<Body> bodies) : bodies_(std::move(bodies)) {
+        std::vector<SixInertia<S>> felt;
+        for (const Body& b : bodies_) {
+            first_.push_back(static_cast<int>(steps_.size()));
+            steps_.resize(steps_.size() + b.moving.joint.size());
+            felt.push_back(b.inertia);
+        }
+        for (int i = count() - 1; i >= 0; --i) {
+            const Body& b = bodies_[at(i)];
+            for (int k = velocities(i) - 1; k >= 0; --k) {
+                Step& step = steps_[at(first_[at(i)] + k)];
+                const Wrench<S> u = felt[at(i)] * twist(i, k);
+                step.mass = power(twist(i, k), u);
+                step.inverse = S(1.0) / step.mass;
+                step.scaled.force = u.force * step.inverse;
+                step.scaled.moment = u.moment * step.inverse;
+                if (b.parent >= 0 || k > 0) felt[at(i)].release(u, step.scaled);
+            }
+            if (b.parent >= 0) felt[at(b.parent)] += felt[at(i)].about(arm(i));
+        }
+    }
+
+    int count() const { return static_cast<int>(bodies_.size()); }
+    int freedoms() const { return static_cast<int>(steps_.size()); }
+    /// What a velocity of a joint meets: the tree's inertia along it.
+    const S& mass(int velocity) const { return steps_[at(velocity)].mass; }
+
+    /// What drives each velocity, L^-1 (tau - h), from the wrenches that are left to be balanced at zero accelerations
+    /// of the joints (inertia of the bias, less loads), about P, and from forces of the joints.
+    std::vector<S> driven(std::vector<Wrench<S>> left, const std::vector<S>& forces) const {
+        std::vector<S> u(steps_.size(), S(0.0));
+        for (int i = count() - 1; i >= 0; --i) {
+            for (int k = velocities(i) - 1; k >= 0; --k) {
+                const int n = first_[at(i)] + k;
+                u[at(n)] = forces[at(n)] - power(twist(i, k), left[at(i)]);
+                add<S>(left[at(i)], steps_[at(n)].scaled, u[at(n)]);
+            }
+            const int parent = bodies_[at(i)].parent;
+            if (parent >= 0) add<S>(left[at(parent)], about<S>(left[at(i)], arm(i)), S(1.0));
+        }
+        return u;
+    }
+
+    /// Of a row: L^-1 J^T, by velocity, those on the ways of its bodies to the ground.
+    using Sparse = std::vector<std::pair<int, S>>;
+    Sparse response(const Row<S>& row) const {
+        Sparse u;
+        int a = row.a, b = row.b;
+        Wrench<S> at_a = row.on_a, at_b = row.on_b;
+        while (a >= 0 || b >= 0) {
+            if (a == b) {
+                add<S>(at_a, at_b, S(1.0));
+                at_b = {};
+                b = -1;
+            }
+            if (b > a) {
+                std::swap(a, b);
+                std::swap(at_a, at_b);
+            }
+            if (!is_nothing(at_a))
+                for (int k = velocities(a) - 1; k >= 0; --k) {
+                    const int n = first_[at(a)] + k;
+                    const S one = power(twist(a, k), at_a);
+                    if (is_nothing(one)) continue;
+                    u.emplace_back(n, one);
+                    add<S>(at_a, steps_[at(n)].scaled, S(-one));
+                }
+            at_a = about<S>(at_a, arm(a));
+            a = bodies_[at(a)].parent;
+        }
+        std::sort(u.begin(), u.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+        return u;
+    }
+
+    /// J M^-1 J^T between two rows.
+    S between(const Sparse& one, const Sparse& other) const {
+        S sum(0.0);
+        for (std::size_t i = 0, j = 0; i < one.size() && j < other.size();) {
+            if (one[i].first == other[j].first) {
+                sum += one[i].second * (other[j].second * steps_[at(one[i].first)].inverse);
+                ++i, ++j;
+            } else if (one[i].first < other[j].first) {
+                ++i;
+            } else {
+                ++j;
+            }
+        }
+        return sum;
+    }
+    /// J M^-1 of what drives each velocity.
+    S along(const Sparse& row, const std::vector<S>& u) const {
+        S sum(0.0);
+        for (const auto& [n, one] : row) sum += one * (u[at(n)] * steps_[at(n)].inverse);
+        return sum;
+    }
+
+    /// The accelerations of joints, and what is linear in them of those of the bodies, from what drives each velocity.
+    struct Result {
+        std::vector<S> joints;
+        std::vector<Twist<S>> bodies;
+    };
+    Result spread(const std::vector<S>& u) const {
+        Result result;
+        result.joints.resize(steps_.size(), S(0.0));
+        for (int i = 0; i < count(); ++i) {
+            Twist<S> a;
+            if (const int parent = bodies_[at(i)].parent; parent >= 0) {
+                const Twist<S>& p = result.bodies[at(parent)];
+                a.turn = p.turn;
+                a.move = p.move + cross<S>(p.turn, arm(i));
+            }
+            for (int k = 0; k < velocities(i); ++k) {
+                const int n = first_[at(i)] + k;
+                const S rate = u[at(n)] * steps_[at(n)].inverse - power(a, steps_[at(n)].scaled);
+                result.joints[at(n)] = rate;
+                a.turn += Vector3Of<S>(twist(i, k).turn * rate);
+                a.move += Vector3Of<S>(twist(i, k).move * rate);
+            }
+            result.bodies.push_back(a);
+        }
+        return result;
+    }
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// One velocity of a joint: d, 1/d, U/d.
+    struct Step {
+        S mass, inverse;
+        Wrench<S> scaled;
+    };
+
+    int velocities(int i) const { return static_cast<int>(bodies_[at(i)].moving.joint.size()); }
+    const Twist<S>& twist(int i, int k) const { return bodies_[at(i)].moving.joint[at(k)]; }
+    /// From P of the parent to P.
+    Vector3Of<S> arm(int i) const {
+        const int parent = bodies_[at(i)].parent;
+        if (parent < 0) return none<S>();
+        return bodies_[at(i)].moving.place - bodies_[at(parent)].moving.place;
+    }
+
+    std::vector<Body> bodies_;
+    std::vector<int> first_;
+    std::vector<Step> steps_;
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,208 @@
+// Definitions of rbdyn/mechanics/assemble.hpp, and of Scene::assemble().
+#pragma once
+
+#include "rbdyn/mechanics/assemble.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/rotation/attitude.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/joints.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+RBDYN_INLINE std::vector<std::vector<double>> jacobian(const Tree& tree, const std::vector<Row<double>>& rows,
+                                                       const std::vector<Moving<double>>& all) {
+    std::vector<std::vector<double>> m;
+    for (const Row<double>& row : rows) {
+        std::vector<double> one(static_cast<std::size_t>(tree.velocities()), 0.0);
+        const auto follow = [&](int body, Wrench<double> w) {
+            while (body >= 0) {
+                const Node& n = tree.node(body);
+                const Moving<double>& here = all[static_cast<std::size_t>(body)];
+                for (int k = 0; k < n.joint.velocities(); ++k)
+                    one[static_cast<std::size_t>(n.v + k)] += power(here.joint[static_cast<std::size_t>(k)], w);
+                // what turns freely by itself does not turn with its parent
+                if (n.joint.attitude() >= 0) w.moment = Vector3::Zero();
+                if (n.parent >= 0)
+                    w = about<double>(w, Vector3(here.place - all[static_cast<std::size_t>(n.parent)].place));
+                body = n.parent;
+            }
+        };
+        follow(row.a, row.on_a);
+        follow(row.b, row.on_b);
+        m.push_back(std::move(one));
+    }
+    return m;
+}
+
+RBDYN_INLINE std::vector<double> smallest_solution(const std::vector<std::vector<double>>& m,
+                                                   const std::vector<double>& b) {
+    // m m^T y = b, x = m^T y; a little is added for rows that depend on each other, and taken back by refinement
+    const std::size_t n = m.size(), columns = n == 0 ? 0 : m[0].size();
+    std::vector<std::vector<double>> a(n, std::vector<double>(n, 0.0));
+    double trace = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j <= i; ++j)
+            for (std::size_t k = 0; k < columns; ++k) a[i][j] += m[i][k] * m[j][k];
+        trace += a[i][i];
+    }
+    for (std::size_t i = 0; i < n; ++i) a[i][i] += 1e-13 * trace;
+    std::vector<double> x(columns, 0.0), left = b;
+    for (int pass = 0; pass < 3 && trace > 0.0; ++pass) {
+        const std::vector<double> y = solve_definite<double>(a, left);
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t k = 0; k < columns; ++k) x[k] += m[i][k] * y[i];
+        for (std::size_t i = 0; i < n; ++i) {
+            left[i] = b[i];
+            for (std::size_t k = 0; k < columns; ++k) left[i] -= m[i][k] * x[k];
+        }
+    }
+    return x;
+}
+
+namespace assembling {
+
+/// Puts the state of a tree back into the start of a scene's body, relative to its parent.
+inline void put(const Tree& tree, int i, const std::vector<Moving<DoubleDouble>>& all,
+                const std::vector<DoubleDouble>& x, Scene::Body& body) {
+    const auto at = [](int k) { return static_cast<std::size_t>(k); };
+    const Node& n = tree.node(i);
+    const Moving<DoubleDouble> ground;
+    const Moving<DoubleDouble>&parent = body.parent < 0 ? ground : all[at(body.parent)], &own = all[at(i)];
+    const DoubleDouble *q = x.data() + n.q, *v = x.data() + tree.positions() + n.v;
+    if (const int first = n.joint.attitude(); first >= 0) {
+        const auto matrix = [](const AxesOf<DoubleDouble>& axes) {
+            Matrix3Of<DoubleDouble> m;
+            m.col(0) = axes.e1;
+            m.col(1) = axes.e2;
+            m.col(2) = axes.e3;
+            return m;
+        };
+        body.attitude = Attitude(quaternion(product(matrix(parent.axes).transpose(), matrix(own.axes))));
+        body.angular_velocity = own.to_body(own.omega - parent.omega);
+    }
+    if (std::holds_alternative<Free>(body.joint)) {
+        const auto origin = n.is_point ? Vector3Of<DoubleDouble>{} : own.to_world(n.joint.held().point);
+        const auto held = body.parent < 0 ? Vector3Of<DoubleDouble>{} : tree.node(body.parent).joint.held().point;
+        const auto arm = own.place - origin - parent.place;
+        body.position = rounded(parent.to_body(arm) + held);
+        body.velocity = rounded(parent.to_body(own.velocity_at(-origin) - parent.velocity_at(arm)));
+    } else if (const RailLaw* rail = n.joint.as<RailLaw>()) {
+        body.parameter = q[0].hi;
+        body.parameter_rest = q[0].lo;
+        body.speed = static_cast<double>(v[0] * sqrt(rail->curve->at<DoubleDouble>(q[0], Placement{}).speed_squared));
+    } else if (n.joint.attitude() < 0 && n.joint.positions() == 1) {
+        body.parameter = static_cast<double>(q[0]);
+        body.speed = static_cast<double>(v[0]);
+    } else if (n.joint.attitude() < 0) {
+        for (int k = 0; k < n.joint.positions(); ++k) {
+            body.coordinates[at(k)] = static_cast<double>(q[k]);
+            body.rates[at(k)] = static_cast<double>(v[k]);
+        }
+    }
+}
+
+}  // namespace assembling
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
+    for (const BodyHandle b : keep) require_body(b, "assemble");
+    if (constraints_.empty())
+        throw InvalidInput(
+            "assemble: the scene has no constraints, so every start satisfies them; constrain() adds "
+            "one");
+    const mechanics::Tree tree(*this);
+    std::vector<DoubleDouble> x = tree.start(0.0);
+    const std::vector<DoubleDouble> before = x;
+    const auto wide = [&] { return mechanics::closing::moving<DoubleDouble>(tree, 0.0, x); };
+    const mechanics::Conditions conditions(*this, tree, wide());
+    const auto locked = [&](std::vector<std::vector<double>> m) {
+        for (const BodyHandle b : keep) {
+            const mechanics::Node& n = tree.node(b.index);
+            for (auto& row : m)
+                for (int k = 0; k < n.joint.velocities(); ++k) row[static_cast<std::size_t>(n.v + k)] = 0.0;
+        }
+        return m;
+    };
+    double size = 0.0, left = 0.0;
+    constexpr int most = 200;
+    constexpr double longest = 0.5;  // of one step: rad, and of the size of the scene
+    for (int pass = 0; pass < most; ++pass) {
+        const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
+        for (const auto& m : all) size = std::max(size, m.place.norm());
+        for (const mechanics::Condition& c : conditions.all())
+            for (const mechanics::Anchor* a : {&c.a, &c.b})
+                size = std::max(size, tree.point<double>(*a, all).place.norm());
+        const auto gaps = mechanics::closing::nearest(
+            mechanics::closing::of_constraints(conditions.gaps<DoubleDouble>(tree, wide()), conditions));
+        left = mechanics::closing::largest(gaps);
+        if (left <= 1e-15 * size) break;
+        std::vector<double> asked;
+        for (const double g : gaps) asked.push_back(-g);
+        std::vector<double> step = mechanics::smallest_solution(
+            locked(mechanics::jacobian(
+                tree, mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions), all)),
+            asked);
+        const double length = mechanics::closing::largest(step), allowed = longest * std::max(1.0, size);
+        if (length > allowed)
+            for (double& s : step) s *= allowed / length;
+        mechanics::closing::move<DoubleDouble>(tree, step, x);
+        mechanics::closing::normalize<DoubleDouble>(tree, x);
+        if (length <= 1e-16 * std::max(1.0, size) && pass > 5) break;
+    }
+    if (!(left <= 1e-10 * size)) {
+        std::string gaps;
+        const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
+        for (int k = 0; k < static_cast<int>(conditions.all().size()); ++k)
+            gaps += (gaps.empty() ? "" : ", ") + conditions.all()[static_cast<std::size_t>(k)].name + " " +
+                    text(conditions.gap(tree, k, all)) + " m";
+        throw InvalidInput("assemble: no start near the guesses satisfies the constraints; gaps that are left: " +
+                           gaps + "; give guesses nearer to one, or keep fewer bodies as they are");
+    }
+    const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
+    const auto rows = mechanics::closing::of_constraints(conditions.rows<double>(tree, all), conditions);
+    const auto now = mechanics::closing::moving<DoubleDouble>(tree, 0.0, x);
+    std::vector<double> asked;
+    for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, now), conditions))
+        asked.push_back(-static_cast<double>(mechanics::Conditions::rate(row, now)));
+    // of the rates that were given, too: what is held to stand still is left with rounding of them
+    double fastest = 0.0, off = 0.0;
+    const auto take = [&](const std::vector<mechanics::Moving<DoubleDouble>>& moving) {
+        for (const auto& m : moving)
+            fastest = std::max(fastest, rounded(m.velocity).norm() + rounded(m.omega).norm() * std::max(1.0, size));
+    };
+    take(now);
+    const std::vector<double> change =
+        mechanics::smallest_solution(locked(mechanics::jacobian(tree, rows, all)), asked);
+    for (int k = 0; k < tree.velocities(); ++k)
+        x[static_cast<std::size_t>(tree.positions() + k)] += change[static_cast<std::size_t>(k)];
+    const auto then = wide();
+    for (const auto& row : mechanics::closing::of_constraints(conditions.rows<DoubleDouble>(tree, then), conditions))
+        off = std::max(off, std::abs(static_cast<double>(mechanics::Conditions::rate(row, then))));
+    take(then);
+    require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
+            "rates that are kept or driven can be kept by the constraints; keep fewer bodies as they are, or give "
+            "those of `keep` and of driven joints rates that fit");
+    double moved = 0.0;
+    for (int i = 0; i < tree.size(); ++i)
+        mechanics::assembling::put(tree, i, then, x, bodies_[static_cast<std::size_t>(i)]);
+    for (int k = 0; k < tree.positions(); ++k)
+        moved = std::max(
+            moved, std::abs(static_cast<double>(x[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)])));
+    plan_.forget();
+    return moved;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

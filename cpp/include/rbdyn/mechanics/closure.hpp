@@ -1,0 +1,179 @@
+// Holds a tree on its constraints: positions and velocities moved to the nearest that satisfy them.
+//
+// Nearest in the metric of the masses: the change of the coordinates is M^-1 J^T lambda with J M^-1 J^T lambda = -gap,
+// and of the velocities the same with -gap' (E. Eich, SIAM J. Numer. Anal. 30, 1993, 1467-1482). Gaps are computed in
+// more digits than doubles have, so that what is left of them is the rounding of the state. Of rows that depend on each
+// other as many are used as are independent.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/mechanics/accelerate.hpp"
+#include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+#include "rbdyn/model/equations.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+/// The bodies of a tree where they are, to accelerate.
+template <class S>
+Accelerate<S> accelerate(const Tree& tree, const std::vector<Moving<S>>& all) {
+    std::vector<typename Accelerate<S>::Body> bodies;
+    bodies.reserve(all.size());
+    for (int i = 0; i < tree.size(); ++i) {
+        const Node& n = tree.node(i);
+        const Moving<S>& m = all[static_cast<std::size_t>(i)];
+        bodies.push_back(
+            {n.parent, m,
+             SixInertia<S>(exactly<S>(n.mass), m.to_world(exactly<S>(n.center)), tree.inertia_of<S>(i, m))});
+    }
+    return Accelerate<S>(std::move(bodies));
+}
+
+/// Changes of velocity variables from what accelerations make of the joints: of what turns freely its own turn.
+template <class S>
+std::vector<S> velocity_changes(const Tree& tree, const typename Accelerate<S>::Result& a) {
+    std::vector<S> changes = a.joints;
+    for (int i = 0; i < tree.size(); ++i)
+        if (const int first = tree.node(i).joint.attitude(); first >= 0)
+            for (int k = 0; k < 3; ++k)
+                changes[static_cast<std::size_t>(tree.node(i).v + first + k)] =
+                    a.bodies[static_cast<std::size_t>(i)].turn[k];
+    return changes;
+}
+
+namespace closing {
+
+template <class W>
+std::vector<double> nearest(const std::vector<W>& x) {
+    std::vector<double> result;
+    for (const W& value : x) result.push_back(static_cast<double>(value));
+    return result;
+}
+template <class W>
+std::vector<double> chosen(const std::vector<W>& all, const std::vector<int>& rows) {
+    std::vector<double> result;
+    for (const int r : rows) result.push_back(-static_cast<double>(all[static_cast<std::size_t>(r)]));
+    return result;
+}
+/// Of something for each row what belongs to constraints.
+template <class T>
+std::vector<T> of_constraints(std::vector<T> all, const Conditions& conditions) {
+    all.erase(all.begin() + conditions.constraint_rows(), all.end());
+    return all;
+}
+inline double largest(const std::vector<double>& values) {
+    double most = 0.0;
+    for (const double v : values) most = std::max(most, std::abs(v));
+    return most;
+}
+
+template <class W>
+std::vector<Moving<W>> moving(const Tree& tree, double t, const std::vector<W>& x) {
+    return tree.moving<W>(W(t), x.data(), x.data() + tree.positions());
+}
+
+/// Moves positions by the changes of velocities.
+template <class W>
+void move(const Tree& tree, const std::vector<double>& changes, std::vector<W>& x) {
+    for (int i = 0; i < tree.size(); ++i) {
+        const Node& n = tree.node(i);
+        W v[6], rate[7];
+        for (int k = 0; k < n.joint.velocities(); ++k) v[k] = W(changes[static_cast<std::size_t>(n.v + k)]);
+        W* const q = x.data() + n.q;
+        n.joint.rates<W>(q, v, rate);
+        for (int k = 0; k < n.joint.positions(); ++k) q[k] += rate[k];
+    }
+}
+
+template <class W>
+void normalize(const Tree& tree, std::vector<W>& x) {
+    for (const Node& n : tree.nodes())
+        if (const int first = n.joint.attitude(); first >= 0) {
+            W* const q = x.data() + n.q + first;
+            W square = W(0.0);
+            for (int k = 0; k < 4; ++k) square += q[k] * q[k];
+            // 1/sqrt(s) near s = 1; twice where it starts further off
+            const W off = square - W(1.0), factor = W(1.0) - off * W(0.5) + off * off * W(0.375);
+            for (int k = 0; k < 4; ++k) q[k] *= factor;
+        }
+}
+
+/// The rows of a tree where it is, and what they do to it.
+class Responses {
+public:
+    using Sparse = Accelerate<double>::Sparse;
+
+    Responses(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
+              const std::vector<Moving<double>>& all)
+        : tree_(tree), accelerate_(accelerate<double>(tree, all)) {
+        const auto every = conditions.rows<double>(tree, all);
+        for (const int r : rows) responses_.push_back(accelerate_.response(every[static_cast<std::size_t>(r)]));
+    }
+    std::vector<std::vector<double>> matrix() const {
+        std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
+        for (std::size_t i = 0; i < a.size(); ++i)
+            for (std::size_t j = 0; j <= i; ++j) a[i][j] = a[j][i] = accelerate_.between(responses_[i], responses_[j]);
+        return a;
+    }
+    /// The change of the velocities that changes each row by what is asked.
+    std::vector<double> changes(const std::vector<double>& asked) const {
+        const std::vector<double> lambda = solve_definite<double>(matrix(), asked);
+        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0);
+        for (std::size_t j = 0; j < responses_.size(); ++j)
+            for (const auto& [n, one] : responses_[j]) u[static_cast<std::size_t>(n)] += one * lambda[j];
+        return velocity_changes<double>(tree_, accelerate_.spread(u));
+    }
+
+private:
+    const Tree& tree_;
+    Accelerate<double> accelerate_;
+    std::vector<Sparse> responses_;
+};
+
+}  // namespace closing
+
+/// Which of some rows are used: as many as are independent where the tree is, by pivots of J M^-1 J^T.
+[[gnu::cold]] std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
+                                                const std::vector<int>& candidates,
+                                                const std::vector<Moving<double>>& all);
+
+/// How rows that are not used depend on those that are: for each a combination of all rows that is zero, its own part
+/// 1. Rows that do nothing are none of them.
+std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
+                                             const std::vector<int>& rows, const std::vector<Moving<double>>& all);
+
+/// All variables moved onto the constraints, from where they are, in 32 digits. Returns the largest gap that is left.
+/// `most`: changes to try.
+[[gnu::cold]] double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
+                           std::vector<DoubleDouble>& x, int most = 12);
+
+/// The same after every step, and |q| = 1 of attitudes.
+class TreeProjection : public Projection {
+public:
+    TreeProjection(std::shared_ptr<const Tree> tree, std::shared_ptr<const Conditions> conditions,
+                   std::vector<int> rows)
+        : tree_(std::move(tree)), conditions_(std::move(conditions)), rows_(std::move(rows)) {}
+
+    void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
+
+private:
+    std::shared_ptr<const Tree> tree_;
+    std::shared_ptr<const Conditions> conditions_;
+    std::vector<int> rows_;
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

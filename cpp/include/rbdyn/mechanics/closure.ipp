@@ -1,0 +1,142 @@
+// Definitions of rbdyn/mechanics/closure.hpp.
+#pragma once
+
+#include "rbdyn/mechanics/closure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/model/projection.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
+                                               const std::vector<int>& candidates,
+                                               const std::vector<Moving<double>>& all) {
+    auto a = closing::Responses(tree, conditions, candidates, all).matrix();
+    const std::size_t n = a.size();
+    std::vector<double> own(n);
+    double nothing = 0.0;
+    for (std::size_t i = 0; i < n; ++i) nothing = std::max(nothing, 1e-26 * a[i][i]);
+    // between bodies that cannot move against each other a row does nothing, but for the square of rounding
+    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i] > nothing ? a[i][i] : 0.0;
+    std::vector<int> chosen;
+    std::vector<bool> is_used(n, false);
+    // Cholesky's decomposition, the row next that keeps most of itself; what is left of dependent ones is rounding
+    constexpr double rounding = 1e-11;
+    while (true) {
+        std::size_t best = n;
+        double most = rounding;
+        for (std::size_t i = 0; i < n; ++i)
+            if (!is_used[i] && own[i] > 0.0 && a[i][i] / own[i] > most) {
+                // of equals the first
+                most = a[i][i] / own[i] * (1.0 + 1e-6);
+                best = i;
+            }
+        if (best == n) break;
+        is_used[best] = true;
+        chosen.push_back(candidates[best]);
+        for (std::size_t i = 0; i < n; ++i) {
+            if (is_used[i]) continue;
+            const double factor = a[i][best] / a[best][best];
+            for (std::size_t j = 0; j < n; ++j)
+                if (!is_used[j]) a[i][j] -= factor * a[best][j];
+        }
+    }
+    std::sort(chosen.begin(), chosen.end());
+    return chosen;
+}
+
+RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
+                                                          const std::vector<int>& rows,
+                                                          const std::vector<Moving<double>>& all) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    std::vector<std::vector<double>> result;
+    const auto held = std::lower_bound(rows.begin(), rows.end(), conditions.constraint_rows());
+    if (held - rows.begin() == conditions.constraint_rows()) return result;
+    std::vector<int> every(at(conditions.rows()));
+    for (int r = 0; r < conditions.rows(); ++r) every[at(r)] = r;
+    const auto a = closing::Responses(tree, conditions, every, all).matrix();
+    std::vector<std::vector<double>> used;
+    double most = 0.0;
+    for (const int r : rows) {
+        used.emplace_back();
+        for (const int other : rows) used.back().push_back(a[at(r)][at(other)]);
+        most = std::max(most, a[at(r)][at(r)]);
+    }
+    for (int r = 0; r < conditions.constraint_rows(); ++r) {
+        if (std::binary_search(rows.begin(), rows.end(), r) || a[at(r)][at(r)] <= 1e-24 * most) continue;
+        std::vector<double> b;
+        for (const int other : rows) b.push_back(a[at(other)][at(r)]);
+        const std::vector<double> parts = solve_definite<double>(used, b);
+        std::vector<double> combination(every.size(), 0.0);
+        combination[at(r)] = 1.0;
+        for (std::size_t k = 0; k < rows.size(); ++k) combination[at(rows[k])] = -parts[k];
+        result.push_back(std::move(combination));
+    }
+    return result;
+}
+
+RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
+                          std::vector<DoubleDouble>& x, int most) {
+    const auto doubles = [&] { return closing::moving<double>(tree, t, closing::nearest(x)); };
+    double left = 0.0, before = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < most; ++pass) {
+        const auto gaps = closing::of_constraints(
+            conditions.gaps<DoubleDouble>(tree, closing::moving<DoubleDouble>(tree, t, x)), conditions);
+        left = closing::largest(closing::nearest(gaps));
+        if (left == 0.0 || (pass > 3 && left >= before)) break;
+        before = left;
+        const closing::Responses now(tree, conditions, rows, doubles());
+        closing::move<DoubleDouble>(tree, now.changes(closing::chosen(gaps, rows)), x);
+        closing::normalize<DoubleDouble>(tree, x);
+    }
+    for (int pass = 0; pass < 3; ++pass) {
+        const auto all = closing::moving<DoubleDouble>(tree, t, x);
+        std::vector<DoubleDouble> rates;
+        for (const auto& row : conditions.rows<DoubleDouble>(tree, all)) rates.push_back(Conditions::rate(row, all));
+        const closing::Responses now(tree, conditions, rows, doubles());
+        const std::vector<double> changes = now.changes(closing::chosen(rates, rows));
+        for (int k = 0; k < tree.velocities(); ++k)
+            x[static_cast<std::size_t>(tree.positions() + k)] += changes[static_cast<std::size_t>(k)];
+    }
+    return left;
+}
+
+RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> low, double /*step*/, double t) const {
+    using Real = long double;
+    std::vector<Real> wide(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
+    const std::vector<Real> before = wide;
+    closing::normalize<Real>(*tree_, wide);
+    if (!rows_.empty()) {
+        const closing::Responses now(*tree_, *conditions_, rows_,
+                                     closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
+        // once is enough after a step of full accuracy
+        double last = std::numeric_limits<double>::infinity();
+        for (int pass = 0; pass < 3; ++pass) {
+            const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
+            const std::vector<double> asked = closing::chosen(gaps, rows_);
+            const double left = closing::largest(asked);
+            if (left == 0.0 || left > 1e-3 * last) break;
+            last = left;
+            closing::move<Real>(*tree_, now.changes(asked), wide);
+            if (left < 1e-9) break;
+        }
+        const auto moved = closing::moving<Real>(*tree_, t, wide);
+        std::vector<Real> rates;
+        for (const auto& row : conditions_->rows<Real>(*tree_, moved)) rates.push_back(Conditions::rate(row, moved));
+        const std::vector<double> changes = now.changes(closing::chosen(rates, rows_));
+        for (int k = 0; k < tree_->velocities(); ++k)
+            wide[static_cast<std::size_t>(tree_->positions() + k)] +=
+                static_cast<Real>(changes[static_cast<std::size_t>(k)]);
+    }
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics

@@ -1,0 +1,188 @@
+// Constraints of a scene as conditions on the motion of a tree.
+//
+// Each is a number of rows, gap = 0, gap' = on_a . (omega_a, v_a) + on_b . (omega_b, v_b) = 0, and gap'' = 0:
+//     two points          e_k . (a - b), e_k the world's axes
+//     a distance          (|a - b|^2 - l^2) / 2
+//     a point on a plane  n . (a - c), n and c fixed in b
+//     right angles        u . e, u fixed in a and e fixed in b:  (u . e)' = (omega_a - omega_b) . (u x e)
+// A hinge is two points and two right angles with its axis, a weld two points and three, a universal joint two and one.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/mechanics/accelerate.hpp"
+#include "rbdyn/mechanics/contact.hpp"
+#include "rbdyn/mechanics/moving.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+#include "rbdyn/model/rigid_state.hpp"
+#include "rbdyn/scene/scene.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+/// The rows of one constraint, with what is fixed in its bodies.
+struct Condition {
+    enum class Points { none, coincide, distance, plane };
+
+    std::string name;
+    Anchor a, b;
+    Points points = Points::coincide;
+    DoubleDouble length;               // of a distance
+    Vector3Of<DoubleDouble> normal{};  // of a plane, axes of b; its point is that of b
+    struct RightAngle {
+        Vector3Of<DoubleDouble> in_a{}, in_b{};
+    };
+    std::vector<RightAngle> angles;
+    int first = 0;  // among all rows
+
+    int rows() const {
+        return (points == Points::coincide ? 3 : points == Points::none ? 0 : 1) + static_cast<int>(angles.size());
+    }
+};
+
+class Conditions {
+public:
+    Conditions() = default;
+    /// Of a scene that starts at x.
+    [[gnu::cold]] Conditions(const Scene& scene, const Tree& tree, const std::vector<Moving<DoubleDouble>>& start);
+
+    const std::vector<Condition>& all() const { return conditions_; }
+    /// What touches: of each one row, its gap, behind those of the constraints.
+    const std::vector<ContactLaw>& contacts() const { return contacts_; }
+    int rows() const { return rows_ + static_cast<int>(contacts_.size()); }
+    int constraint_rows() const { return rows_; }
+    bool empty() const { return conditions_.empty() && contacts_.empty(); }
+
+    /// All rows where the tree is.
+    template <class S>
+    std::vector<Row<S>> rows(const Tree& tree, const std::vector<Moving<S>>& all) const {
+        std::vector<Row<S>> rows;
+        for (const Condition& c : conditions_) {
+            const Ends<S> ends(tree, c, all);
+            if (c.points == Condition::Points::coincide)
+                for (int k = 0; k < 3; ++k) {
+                    Vector3Of<S> e = none<S>();
+                    e[k] = S(1.0);
+                    rows.push_back(pushing(ends, e, ends.arm_b, ends.relative_bias[k]));
+                }
+            if (c.points == Condition::Points::distance)
+                rows.push_back(pushing(ends, ends.apart, ends.arm_b,
+                                       S(dot<S>(ends.apart, ends.relative_bias) +
+                                         dot<S>(ends.relative_velocity, ends.relative_velocity))));
+            if (c.points == Condition::Points::plane) {
+                // where a is, as a point of b
+                const Vector3Of<S> arm = ends.arm_b + ends.apart, n = ends.b.to_world(exactly<S>(c.normal)),
+                                   sliding = ends.velocity_a - ends.b.velocity_at(arm);
+                const S bias = dot<S>(
+                    n, Vector3Of<S>(ends.bias_a - ends.b.bias_at(arm) - cross<S>(ends.b.omega, sliding) * S(2.0)));
+                rows.push_back(pushing(ends, n, arm, bias));
+            }
+            for (const Condition::RightAngle& angle : c.angles) {
+                const Vector3Of<S> u = ends.a.to_world(exactly<S>(angle.in_a)),
+                                   e = ends.b.to_world(exactly<S>(angle.in_b)), m = cross<S>(u, e);
+                const Vector3Of<S> turning = ends.a.omega - ends.b.omega,
+                                   m_rate =
+                                       cross<S>(cross<S>(ends.a.omega, u), e) + cross<S>(u, cross<S>(ends.b.omega, e));
+                Row<S> row{c.a.body, c.b.body, {}, {}, S(0.0)};
+                row.on_a.moment = m;
+                row.on_b.moment = -m;
+                row.bias = dot<S>(m, Vector3Of<S>(ends.a.bias_turn - ends.b.bias_turn)) + dot<S>(m_rate, turning);
+                rows.push_back(row);
+            }
+        }
+        for (const ContactLaw& c : contacts_) {
+            const Touching<S> touching = c.touching<S>(tree, all);
+            rows.push_back(touching.row(touching.normal, touching.normal_rate));
+        }
+        return rows;
+    }
+
+    /// How far each row is from being satisfied.
+    template <class S>
+    std::vector<S> gaps(const Tree& tree, const std::vector<Moving<S>>& all) const {
+        std::vector<S> gaps;
+        for (const Condition& c : conditions_) {
+            const Ends<S> ends(tree, c, all);
+            if (c.points == Condition::Points::coincide)
+                for (int k = 0; k < 3; ++k) gaps.push_back(ends.apart[k]);
+            if (c.points == Condition::Points::distance) {
+                const S length = exactly<S>(c.length);
+                gaps.push_back((dot<S>(ends.apart, ends.apart) - length * length) * S(0.5));
+            }
+            if (c.points == Condition::Points::plane)
+                gaps.push_back(dot<S>(ends.b.to_world(exactly<S>(c.normal)), ends.apart));
+            for (const Condition::RightAngle& angle : c.angles)
+                gaps.push_back(
+                    dot<S>(ends.a.to_world(exactly<S>(angle.in_a)), ends.b.to_world(exactly<S>(angle.in_b))));
+        }
+        for (const ContactLaw& c : contacts_) gaps.push_back(c.touching<S>(tree, all).gap);
+        return gaps;
+    }
+
+    /// How far the points and axes of a constraint are from where they should be: m, and rad with the length 1 m.
+    double gap(const Tree& tree, int index, const std::vector<Moving<double>>& all) const;
+    /// The rate of a row from the motion of its bodies.
+    template <class S>
+    static S rate(const Row<S>& row, const std::vector<Moving<S>>& all) {
+        S sum(0.0);
+        if (row.a >= 0) {
+            const Moving<S>& m = all[static_cast<std::size_t>(row.a)];
+            sum += power(Twist<S>{m.omega, m.velocity}, row.on_a);
+        }
+        if (row.b >= 0) {
+            const Moving<S>& m = all[static_cast<std::size_t>(row.b)];
+            sum += power(Twist<S>{m.omega, m.velocity}, row.on_b);
+        }
+        return sum;
+    }
+
+private:
+    /// The two ends of a constraint.
+    template <class S>
+    struct Ends {
+        Moving<S> a, b;
+        int index_a, index_b;
+        Vector3Of<S> arm_a, arm_b, apart, relative_velocity, relative_bias, velocity_a, bias_a;
+
+        Ends(const Tree& tree, const Condition& c, const std::vector<Moving<S>>& all)
+            : index_a(c.a.body), index_b(c.b.body) {
+            if (c.a.body >= 0) a = all[static_cast<std::size_t>(c.a.body)];
+            if (c.b.body >= 0) b = all[static_cast<std::size_t>(c.b.body)];
+            const auto at_a = tree.point<S>(c.a, all), at_b = tree.point<S>(c.b, all);
+            arm_a = at_a.arm;
+            // of the world: from its origin
+            arm_b = c.b.body >= 0 ? at_b.arm : at_b.place;
+            apart = at_a.place - at_b.place;
+            velocity_a = at_a.velocity;
+            relative_velocity = at_a.velocity - at_b.velocity;
+            bias_a = a.bias_at(arm_a);
+            relative_bias = bias_a;
+            if (c.b.body >= 0) relative_bias = relative_bias - b.bias_at(arm_b);
+        }
+    };
+
+    template <class S>
+    static Row<S> pushing(const Ends<S>& ends, const Vector3Of<S>& n, const Vector3Of<S>& arm_b, const S& bias) {
+        Row<S> row{ends.index_a, ends.index_b, {}, {}, bias};
+        row.on_a.force = n;
+        row.on_a.moment = cross<S>(ends.arm_a, n);
+        row.on_b.force = -n;
+        row.on_b.moment = -cross<S>(arm_b, n);
+        return row;
+    }
+
+    std::vector<Condition> conditions_;
+    std::vector<ContactLaw> contacts_;
+    int rows_ = 0;
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

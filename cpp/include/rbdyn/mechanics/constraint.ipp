@@ -1,0 +1,144 @@
+// Definitions of rbdyn/mechanics/constraint.hpp.
+#pragma once
+
+#include "rbdyn/mechanics/constraint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/mechanics/joint/held.hpp"
+#include "rbdyn/scene/constraints.hpp"
+#include "rbdyn/scene/contacts.hpp"
+#include "rbdyn/scene/handles.hpp"
+#include "rbdyn/scene/surfaces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+namespace contacts {
+
+/// A contact with what is fixed in its bodies.
+inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
+    ContactLaw c;
+    c.name = touch.name;
+    c.restitution = touch.options.restitution;
+    const auto from_held = [&](int body, const Vector3& p) {
+        const Node& n = tree.node(body);
+        return Anchor{body, n.is_point ? Vector3Of<DoubleDouble>{} : n.from_held(p)};
+    };
+    if (const BodyHandle* body = std::get_if<BodyHandle>(&touch.a)) c.a = tree.anchor(*body);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&touch.a)) c.a = from_held(point->body, point->point);
+    if (const BodySphere* ball = std::get_if<BodySphere>(&touch.a)) {
+        c.a = from_held(ball->body, ball->center);
+        c.radius = ball->radius;
+    }
+    if (const BodyDisc* disc = std::get_if<BodyDisc>(&touch.a)) {
+        c.part = ContactLaw::Part::disc;
+        c.a = from_held(disc->body, disc->center);
+        c.radius = disc->radius;
+        c.axis = unit(disc->normal);
+    }
+    if (const BodyEllipsoid* solid = std::get_if<BodyEllipsoid>(&touch.a)) {
+        c.part = ContactLaw::Part::ellipsoid;
+        c.a = from_held(solid->body, solid->center);
+        const Matrix3Of<DoubleDouble> own = rotation_matrix(solid->attitude.exact());
+        for (int k = 0; k < 3; ++k) c.own[k] = scaled(own.col(k), solid->semi_axes[k]);
+    }
+    const auto take_plane = [&](const Plane& plane, int body) {
+        c.normal = unit(plane.normal);
+        c.b = body < 0 ? Anchor{-1, widened(plane.point)} : from_held(body, plane.point);
+    };
+    const auto take_sphere = [&](const Anchor& center, double radius, bool inside) {
+        c.surface = inside ? ContactLaw::Surface::bowl : ContactLaw::Surface::ball;
+        c.b = center;
+        c.surface_radius = radius;
+    };
+    if (const Plane* plane = std::get_if<Plane>(&touch.b)) take_plane(*plane, -1);
+    if (const BodyPlane* plane = std::get_if<BodyPlane>(&touch.b)) take_plane(plane->plane, plane->body);
+    if (const Sphere* ball = std::get_if<Sphere>(&touch.b))
+        take_sphere({-1, widened(ball->center)}, ball->radius, ball->inside);
+    if (const BodySphere* ball = std::get_if<BodySphere>(&touch.b))
+        take_sphere(from_held(ball->body, ball->center), ball->radius, false);
+    return c;
+}
+
+}  // namespace contacts
+
+RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
+                                    const std::vector<Moving<DoubleDouble>>& start) {
+    using Wide = Vector3Of<DoubleDouble>;
+    const Moving<DoubleDouble> ground;
+    for (const Scene::Held& held : scene.constraints()) {
+        Condition c;
+        c.name = held.name;
+        c.a = tree.anchor(held.a);
+        c.b = tree.anchor(held.b);
+        const auto body = [&](const Anchor& anchor) -> const Moving<DoubleDouble>& {
+            return anchor.body < 0 ? ground : start[static_cast<std::size_t>(anchor.body)];
+        };
+        const Moving<DoubleDouble>&a = body(c.a), &b = body(c.b);
+        // held to the world without a place of it: where it starts
+        if (c.b.body < 0 && !std::holds_alternative<Vector3>(held.b))
+            c.b.point = tree.point<DoubleDouble>(c.a, start).place;
+        const auto across = [&](const Wide& axis) {
+            // two directions across an axis of b, as a has them now
+            const Wide world = b.to_world(axis);
+            const Vector3 near = rounded(world);
+            Vector3 least = Vector3::Zero();
+            least[rbdyn::least(sizes(near))] = 1.0;
+            const Wide u = unit_across(least, world), w = cross<DoubleDouble>(world, u);
+            c.angles.push_back({a.to_body(u), axis});
+            c.angles.push_back({a.to_body(w), axis});
+            return u;
+        };
+        if (const Rod* rod = std::get_if<Rod>(&held.constraint)) {
+            c.points = Condition::Points::distance;
+            c.length = rod->length;
+        } else if (const PointOnPlane* on = std::get_if<PointOnPlane>(&held.constraint)) {
+            c.points = Condition::Points::plane;
+            c.normal = unit(on->plane.normal);
+            // the plane's point, in the axes of b
+            c.b.point = widened(on->plane.point);
+            if (c.b.body >= 0) c.b.point -= tree.node(c.b.body).joint.held().point;
+        } else if (const Hinge* hinge = std::get_if<Hinge>(&held.constraint)) {
+            across(unit(hinge->axis));
+        } else if (std::holds_alternative<Weld>(held.constraint)) {
+            for (int k = 0; k < 3; ++k) {
+                Wide one{}, next{};
+                one[k] = 1.0;
+                next[(k + 1) % 3] = 1.0;
+                // axis k of a, and the next one as b has it now
+                c.angles.push_back({one, b.to_body(a.to_world(next))});
+            }
+        } else if (const Universal* joint = std::get_if<Universal>(&held.constraint)) {
+            const Wide first = unit(joint->first);
+            c.angles.push_back({first, unit(joint->second)});
+        } else if (std::holds_alternative<PointOnCurve>(held.constraint)) {
+            throw InvalidInput("constrain: PointOnCurve is not simulated in this version; a Rail guides a particle");
+        }
+        c.first = rows_;
+        rows_ += c.rows();
+        conditions_.push_back(std::move(c));
+    }
+    for (const Scene::Touch& touch : scene.contacts()) contacts_.push_back(contacts::law_of(touch, tree));
+}
+
+RBDYN_INLINE double Conditions::gap(const Tree& tree, int index, const std::vector<Moving<double>>& all) const {
+    const Condition& c = conditions_[static_cast<std::size_t>(index)];
+    const Ends<double> ends(tree, c, all);
+    double squares = 0.0;
+    if (c.points == Condition::Points::coincide) squares += ends.apart.squaredNorm();
+    if (c.points == Condition::Points::distance)
+        squares += std::pow(ends.apart.norm() - static_cast<double>(c.length), 2);
+    if (c.points == Condition::Points::plane)
+        squares += std::pow(dot<double>(ends.b.to_world(exactly<double>(c.normal)), ends.apart), 2);
+    for (const Condition::RightAngle& angle : c.angles)
+        squares += std::pow(
+            dot<double>(ends.a.to_world(exactly<double>(angle.in_a)), ends.b.to_world(exactly<double>(angle.in_b))), 2);
+    return std::sqrt(squares);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics

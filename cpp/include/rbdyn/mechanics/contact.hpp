@@ -1,0 +1,135 @@
+// Where a part of a body is nearest to a surface, and how both move there.
+//
+// A convex part about a centre c reaches h(n) far against a direction n, at the point c - s, s = grad h: a sphere rho
+// n, a disc across m the rim, r w/|w| with w = n - (n.m) m, an ellipsoid Q n/h with Q = sum a_i^2 e_i e_i^T. On a plane
+// with normal n the gap is n.(c - c0) - h; on a sphere with centre c0, n = (c - c0)/|c - c0|, it is |c - c0| - R - rho,
+// in a bowl R - |c - c0| - rho with the opposite n.
+//
+// gap' = n.u, u the velocity of the part's material point relative to the surface's. It is differentiated along the
+// point of contact p, which moves on both: u' = (a + alpha x r + omega x (p' - v)) of the part, less the same of the
+// surface.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/mechanics/accelerate.hpp"
+#include "rbdyn/mechanics/moving.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+/// Two bodies at their contact, seen from the world.
+template <class S>
+struct Touching {
+    int a = -1, b = -1;
+    Vector3Of<S> place, arm_a, arm_b;  // of the point; from P of each body, or from the world's origin
+    Vector3Of<S> normal, normal_rate;  // from the surface to the part
+    Vector3Of<S> velocity, bias;       // u, and what of its rate is not linear in accelerations of joints
+    S gap = S(0.0);
+
+    /// The condition on accelerations along a direction that turns at a rate.
+    Row<S> row(const Vector3Of<S>& along, const Vector3Of<S>& along_rate) const {
+        Row<S> r{a, b, {}, {}, dot<S>(along, bias) + dot<S>(along_rate, velocity)};
+        r.on_a.force = along;
+        r.on_a.moment = cross<S>(arm_a, along);
+        r.on_b.force = -along;
+        r.on_b.moment = -cross<S>(arm_b, along);
+        return r;
+    }
+};
+
+struct ContactLaw {
+    enum class Part { ball, disc, ellipsoid };
+    enum class Surface { plane, ball, bowl };
+
+    std::string name;
+    Part part = Part::ball;
+    Surface surface = Surface::plane;
+    Anchor a, b;                               // centre of the part; a point of the plane, or the surface's centre
+    DoubleDouble radius, surface_radius;       // of a ball or a disc; of a ball or a bowl
+    Vector3Of<DoubleDouble> axis{}, normal{};  // of a disc, axes of a; of a plane, axes of b
+    Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
+    double restitution = 0.0;
+
+    template <class S>
+    Touching<S> touching(const Tree& tree, const std::vector<Moving<S>>& all) const {
+        using std::sqrt;
+        Touching<S> result;
+        result.a = a.body;
+        result.b = b.body;
+        Moving<S> on;
+        if (b.body >= 0) on = all[static_cast<std::size_t>(b.body)];
+        const Moving<S>& of = all[static_cast<std::size_t>(a.body)];
+        const auto center = tree.point<S>(a, all), foot = tree.point<S>(b, all);
+        const Vector3Of<S> apart = center.place - foot.place;
+        Vector3Of<S> s = none<S>(), s_rate = none<S>();
+        S reach = exactly<S>(radius);
+        if (surface == Surface::plane) {
+            result.normal = on.to_world(exactly<S>(normal));
+            result.normal_rate = cross<S>(on.omega, result.normal);
+        } else {
+            const S far = sqrt(dot<S>(apart, apart));
+            const S sign(surface == Surface::bowl ? -1.0 : 1.0);
+            const Vector3Of<S> moving = center.velocity - foot.velocity;
+            result.normal = apart * (sign / far);
+            result.normal_rate = Vector3Of<S>(moving - result.normal * dot<S>(result.normal, moving)) * (sign / far);
+            result.gap = (far - exactly<S>(surface_radius)) * sign - reach;
+        }
+        const Vector3Of<S>&n = result.normal, &n_rate = result.normal_rate;
+        if (part == Part::ball) {
+            s = n * reach;
+            s_rate = n_rate * reach;
+        } else if (part == Part::disc) {
+            const Vector3Of<S> m = of.to_world(exactly<S>(axis)), m_rate = cross<S>(of.omega, m);
+            const S along = dot<S>(n, m), along_rate = dot<S>(n_rate, m) + dot<S>(n, m_rate);
+            const Vector3Of<S> w = n - m * along, w_rate = n_rate - m * along_rate - m_rate * along;
+            const S length = sqrt(dot<S>(w, w));
+            const Vector3Of<S> unit_w = w * (S(1.0) / length);
+            s = unit_w * reach;
+            s_rate = Vector3Of<S>(w_rate - unit_w * dot<S>(unit_w, w_rate)) * (reach / length);
+            reach = reach * length;
+        } else {
+            Vector3Of<S> qn = none<S>(), qn_rate = none<S>();
+            for (const auto& one : own) {
+                const Vector3Of<S> e = of.to_world(exactly<S>(one)), e_rate = cross<S>(of.omega, e);
+                const S along = dot<S>(e, n), along_rate = dot<S>(e_rate, n) + dot<S>(e, n_rate);
+                qn += e * along;
+                qn_rate += e_rate * along + e * along_rate;
+            }
+            const S h = sqrt(dot<S>(n, qn)), inverse = S(1.0) / h;
+            // h' = s.n', for s is the gradient of h, and what the part itself turns
+            const S h_rate = (dot<S>(n_rate, qn) + dot<S>(n, qn_rate)) * S(0.5) * inverse;
+            s = qn * inverse;
+            s_rate = Vector3Of<S>(qn_rate - s * h_rate) * inverse;
+            reach = h;
+        }
+        if (surface == Surface::plane) result.gap = dot<S>(n, apart) - reach;
+        result.place = center.place - s;
+        const Vector3Of<S> place_rate = center.velocity - s_rate;
+        result.arm_a = center.arm - s;
+        result.arm_b = b.body >= 0 ? Vector3Of<S>(result.place - on.place) : result.place;
+        result.velocity = of.velocity_at(result.arm_a) - on.velocity_at(result.arm_b);
+        const auto bias = [&](const Moving<S>& m, const Vector3Of<S>& arm) {
+            return Vector3Of<S>(m.bias + cross<S>(m.bias_turn, arm) +
+                                cross<S>(m.omega, Vector3Of<S>(place_rate - m.velocity)));
+        };
+        result.bias = bias(of, result.arm_a);
+        if (b.body >= 0) result.bias = result.bias - bias(on, result.arm_b);
+        return result;
+    }
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

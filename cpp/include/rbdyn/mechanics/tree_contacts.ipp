@@ -1,0 +1,324 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: what contacts do at events.
+//
+// At an instant where contacts strike, Newton's law holds for all of them that are closed together (J. J. Moreau,
+// Unilateral contact and dry friction in finite freedom dynamics, 1988; C. Glocker, Set-Valued Force Laws, 2001):
+//     0 <= P,  u+ + e u- >= 0,  one of each pair zero,   u+ = u- + A P,   A = J M^-1 J^T.
+// What is then at rest pushes or opens by the same conditions on accelerations, 0 <= N, gap'' >= 0.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/complementarity.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE std::vector<int> TreeModel::rows_in(const Mode& mode) const {
+    std::vector<int> rows = rows_;
+    for (int k = 0; k < contacts(); ++k)
+        if (mode.slip[at(k)] == pushes) rows.push_back(conditions_->constraint_rows() + k);
+    return rows;
+}
+
+RBDYN_INLINE double TreeModel::size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const {
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    double size = (tree_->point<double>(c.a, all).place - tree_->point<double>(c.b, all).place).norm();
+    size = std::max({size, static_cast<double>(c.radius), static_cast<double>(c.surface_radius)});
+    for (const mechanics::Anchor* end : {&c.a, &c.b})
+        if (end->body >= 0)
+            size = std::max(size, (rounded(end->point) - rounded(tree_->node(end->body).center)).norm());
+    return size;
+}
+
+RBDYN_INLINE double TreeModel::speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const {
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    double speed = 0.0;
+    for (const mechanics::Anchor* end : {&c.a, &c.b})
+        if (end->body >= 0) {
+            const mechanics::Moving<double>& m = all[at(end->body)];
+            const double arm = rounded(end->point).norm() + static_cast<double>(c.radius);
+            speed = std::max(speed, m.velocity.norm() + m.omega.norm() * arm);
+        }
+    return speed;
+}
+
+RBDYN_INLINE std::vector<std::vector<double>> TreeModel::coupling(const std::vector<mechanics::Moving<double>>& all,
+                                                                  const std::vector<int>& of) const {
+    // the rows of constraints are eliminated first
+    std::vector<int> rows = rows_;
+    for (const int k : of) rows.push_back(conditions_->constraint_rows() + k);
+    const auto a = mechanics::closing::Responses(*tree_, *conditions_, rows, all).matrix();
+    const std::size_t held = rows_.size();
+    std::vector<std::vector<double>> used(held, std::vector<double>(held)),
+        result(of.size(), std::vector<double>(of.size()));
+    for (std::size_t i = 0; i < held; ++i)
+        for (std::size_t j = 0; j < held; ++j) used[i][j] = a[i][j];
+    for (std::size_t j = 0; j < of.size(); ++j) {
+        std::vector<double> b;
+        for (std::size_t i = 0; i < held; ++i) b.push_back(a[i][held + j]);
+        const std::vector<double> y = mechanics::solve_definite<double>(used, b);
+        for (std::size_t i = 0; i < of.size(); ++i) {
+            result[i][j] = a[held + i][held + j];
+            for (std::size_t k = 0; k < held; ++k) result[i][j] -= a[held + i][k] * y[k];
+        }
+    }
+    return result;
+}
+
+RBDYN_INLINE std::pair<std::vector<double>, std::vector<double>> TreeModel::opening(const Mode& mode, double t,
+                                                                                    std::span<const double> x,
+                                                                                    const std::vector<int>& of) const {
+    const mechanics::TreeState state = look(mode, t, x);
+    const auto rows = conditions_->rows<double>(*tree_, state.moving);
+    std::pair<std::vector<double>, std::vector<double>> result;
+    for (const int k : of) {
+        const mechanics::Row<double>& row = rows[at(conditions_->constraint_rows() + k)];
+        double sum = row.bias, size = std::abs(row.bias);
+        const auto take = [&](int body, const Wrench<double>& on) {
+            if (body < 0) return;
+            const mechanics::Moving<double>& m = state.moving[at(body)];
+            const mechanics::TreeState::Body& b = state.bodies[at(body)];
+            const mechanics::Twist<double> linear{b.angular_acceleration - m.bias_turn, b.origin_acceleration - m.bias};
+            sum += mechanics::power(linear, on);
+            size += b.angular_acceleration.norm() * on.moment.norm() + b.origin_acceleration.norm() +
+                    m.bias_turn.norm() * on.moment.norm() + m.bias.norm();
+        };
+        take(row.a, row.on_a);
+        take(row.b, row.on_b);
+        result.first.push_back(sum);
+        result.second.push_back(1e-13 * size);
+    }
+    return result;
+}
+
+RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> x) const {
+    const std::vector<int> rows = rows_in(mode);
+    if (rows.empty()) return;
+    std::vector<double> low(x.size(), 0.0);
+    const mechanics::TreeProjection projection(tree_, conditions_, rows);
+    projection.apply(x, low, 0.0, t);
+}
+
+RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of) const {
+    const auto all = moving(t, x);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    std::vector<int> used = rows_;
+    for (const int k : of) used.push_back(conditions_->constraint_rows() + k);
+    used = mechanics::independent_rows(*tree_, *conditions_, used, all);
+    std::vector<double> asked;
+    for (const int r : used) asked.push_back(-mechanics::Conditions::rate(rows[at(r)], all));
+    const std::vector<double> changes = mechanics::closing::Responses(*tree_, *conditions_, used, all).changes(asked);
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double t, std::span<const double> x,
+                                                      const std::vector<int>& closed, double& remaining) const {
+    std::vector<int> bouncing, group;
+    for (const int k : closed)
+        if (after.slip[at(k)] == flies) bouncing.push_back(k);
+    if (bouncing.empty()) return group;
+    const auto [w, noise] = opening(after, t, x, bouncing);
+    const auto all = moving(t, x);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    RoundingSizes sizes(after.equations->program);
+    sizes.set_parameters(after.parameters);
+    sizes(t, x);
+    for (std::size_t i = 0; i < bouncing.size(); ++i) {
+        const int k = bouncing[i];
+        const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
+        if (u <= 0.0 || w[i] >= -noise[i]) return {};
+        double gap_size = 0.0;
+        for (const Guard& guard : after.equations->guards)
+            if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
+        const double height = 0.5 * u * u / -w[i], next = 2.0 * u / -w[i];
+        if (height > lowest_bounce * epsilon * gap_size && next > 64.0 * epsilon * std::abs(t)) return {};
+        // bounces get shorter by the coefficient of restitution, or as the last one did
+        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[at(contacts())];
+        const double ratio = e > 0.0 ? e : last > 0.0 ? next / last : 1.0;
+        if (ratio >= 1.0) return {};
+        remaining = std::max(remaining, next / (1.0 - ratio));
+        group.push_back(k);
+    }
+    return group;
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::strike(double t, std::span<double> x, const std::vector<int>& struck,
+                                                   const std::vector<double>& restitution) const {
+    const auto all = moving(t, x);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    std::vector<double> approach, b, noise, impulses(at(contacts()), 0.0);
+    for (const int k : struck) {
+        const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
+        approach.push_back(u);
+        b.push_back(u < 0.0 ? (1.0 + restitution[at(k)]) * u : u);
+        noise.push_back(1e-14 * speed_of(k, all));
+    }
+    const auto found = mechanics::solve_complementary(coupling(all, struck), b, noise);
+    // the constraints keep their velocities; the contacts' impulses change those of the rest
+    std::vector<int> used = rows_;
+    std::vector<double> asked(used.size(), 0.0);
+    const auto a = coupling(all, struck);
+    for (std::size_t i = 0; i < struck.size(); ++i) {
+        impulses[at(struck[i])] = found.z[i];
+        if (found.z[i] <= 0.0) continue;
+        double change = 0.0;
+        for (std::size_t j = 0; j < struck.size(); ++j) change += a[i][j] * found.z[j];
+        // to the velocity that the law asks for, not to what rounding makes of the sum
+        if (found.w[i] == 0.0) change = b[i] == approach[i] ? -approach[i] : -b[i];
+        used.push_back(conditions_->constraint_rows() + struck[i]);
+        asked.push_back(change);
+    }
+    std::vector<int> independent = mechanics::independent_rows(*tree_, *conditions_, used, all);
+    std::vector<double> wanted;
+    for (const int r : independent)
+        wanted.push_back(asked[static_cast<std::size_t>(std::find(used.begin(), used.end(), r) - used.begin())]);
+    const mechanics::closing::Responses responses(*tree_, *conditions_, independent, all);
+    const std::vector<double> changes = responses.changes(wanted);
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    return impulses;
+}
+
+RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                                    const std::vector<int>& doubtful) const {
+    for (const int k : candidates) mode.slip[at(k)] = flies;
+    choose(mode, t, x, {}, true);
+    if (candidates.empty()) return;
+    const auto [b, noise] = opening(mode, t, x, candidates);
+    const auto all = moving(t, x);
+    const auto found = mechanics::solve_complementary(coupling(all, candidates), b, noise);
+    std::vector<int> pushing = rows_, uncertain;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const int k = candidates[i];
+        const bool is_doubtful = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end() ||
+                                 (found.z[i] <= 0.0 && std::abs(found.w[i]) <= 8.0 * noise[i]);
+        if (is_doubtful)
+            uncertain.push_back(k);
+        else if (found.z[i] > 0.0)
+            pushing.push_back(conditions_->constraint_rows() + k);
+    }
+    // of forces that depend on each other as many push as are independent, the others need none of their own
+    const auto independent = mechanics::independent_rows(*tree_, *conditions_, pushing, all);
+    const auto is_in = [&](const std::vector<int>& rows, int k) {
+        return std::find(rows.begin(), rows.end(), conditions_->constraint_rows() + k) != rows.end();
+    };
+    for (const int k : candidates)
+        if (is_in(pushing, k)) mode.slip[at(k)] = is_in(independent, k) ? pushes : rests;
+    choose(mode, t, x, {}, true);
+    // a force at zero pushes if it grows, and where none is needed for ever; else the contact opens
+    for (const int k : uncertain) {
+        std::vector<int> with = rows_in(mode);
+        with.push_back(conditions_->constraint_rows() + k);
+        if (mechanics::independent_rows(*tree_, *conditions_, with, all).size() < with.size()) {
+            mode.slip[at(k)] = rests;
+            choose(mode, t, x, {}, true);
+            continue;
+        }
+        Mode closed = mode;
+        closed.slip[at(k)] = pushes;
+        choose(closed, t, x, {}, true);
+        int sign = 1;
+        for (const Guard& guard : closed.equations->guards)
+            if (guard.contact == k && guard.kind == EventKind::detach) {
+                const bool fired = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end();
+                sign = leading_sign(closed, t, x, guard.output, fired ? 1 : 0);
+            }
+        if (sign >= 0) mode = std::move(closed);
+    }
+}
+
+RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,
+                                   std::span<double> x, std::vector<Happening>& happenings) const {
+    const auto all = moving(t, x);
+    const auto gaps = conditions_->gaps<double>(*tree_, all);
+    const auto before = conditions_->rows<double>(*tree_, all);
+    const auto rate = [&](const auto& rows, const auto& motion, int k) {
+        return mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], motion);
+    };
+    std::vector<int> closed, landing, doubtful;
+    for (int k = 0; k < contacts(); ++k) {
+        bool has_fired = false;
+        for (const int index : fired) {
+            const Guard& guard = mode.equations->guards[at(index)];
+            if (guard.contact != k) continue;
+            has_fired = true;
+            (guard.kind == EventKind::land ? landing : doubtful).push_back(k);
+        }
+        const bool is_closed = mode.slip[at(k)] != flies;
+        // what comes to its surface at this very instant strikes with the others
+        const bool is_there = !is_closed && !has_fired &&
+                              std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
+                              rate(before, all, k) < 0.0;
+        if (is_there) landing.push_back(k);
+        if (is_closed || has_fired || is_there) closed.push_back(k);
+    }
+    std::vector<int> at_rest = closed, group;
+    std::vector<double> impulses(at(contacts()), 0.0);
+    double remaining = 0.0;
+    if (!landing.empty()) {
+        std::vector<double> restitution;
+        for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
+        impulses = strike(t, x, closed, restitution);
+        ++after.jumps;
+        const auto motion = moving(t, x);
+        const auto rows = conditions_->rows<double>(*tree_, motion);
+        std::erase_if(at_rest, [&](int k) {
+            const double u = rate(rows, motion, k);
+            const bool opens = u > 1e-13 * std::max(speed_of(k, motion), speed_of(k, all)) &&
+                               (impulses[at(k)] <= 0.0 || restitution[at(k)] > 0.0);
+            if (opens) after.slip[at(k)] = flies;
+            return opens;
+        });
+        settle(after, t, x, at_rest, doubtful);
+        group = accumulating(after, t, x, closed, remaining);
+        after.memory[at(contacts())] = t;
+        if (!group.empty()) {
+            // what is left of their bounces is less than rounding: none of them moves any more
+            at_rest.insert(at_rest.end(), group.begin(), group.end());
+            stop(t, x, at_rest);
+            settle(after, t, x, at_rest, {});
+        }
+    } else {
+        settle(after, t, x, at_rest, doubtful);
+    }
+    hold(after, t, x);
+    const auto is_in = [](const std::vector<int>& list, int k) {
+        return std::find(list.begin(), list.end(), k) != list.end();
+    };
+    for (const int k : closed) {
+        const bool is = after.slip[at(k)] != flies;
+        // what is closed and struck from elsewhere tells of itself only if it opens; a group comes to rest once
+        const bool comes = is_in(landing, k), last = !group.empty() && k == group.front();
+        if (!comes && !last && is) continue;
+        if (!group.empty() && !last && is) continue;
+        Happening h{last     ? EventKind::accumulation
+                    : !comes ? EventKind::detach
+                    : is     ? EventKind::land
+                             : EventKind::impact,
+                    -1,
+                    Direction::falling,
+                    {}};
+        h.contact = k;
+        h.impulse = impulses[at(k)];
+        h.push = conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse;
+        if (last) h.later = remaining;
+        happenings.push_back(std::move(h));
+    }
+    std::sort(happenings.begin(), happenings.end(), [&](const Happening& a, const Happening& b) {
+        if (a.kind != b.kind) return a.kind < b.kind;
+        return a.contact >= 0 && b.contact >= 0 &&
+               conditions_->contacts()[at(a.contact)].name < conditions_->contacts()[at(b.contact)].name;
+    });
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

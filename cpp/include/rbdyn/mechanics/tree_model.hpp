@@ -1,0 +1,141 @@
+// The hybrid model of bodies joined to bodies: a tree on its joints, its loops closed by constraints.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/exert.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+#include "rbdyn/mechanics/tree_state.hpp"
+#include "rbdyn/model/equations.hpp"
+#include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/model/rigid_loads.hpp"
+#include "rbdyn/model/scene_model.hpp"
+#include "rbdyn/model/state_map.hpp"
+#include "rbdyn/scene/scene.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+/// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
+bool needs_tree(const Scene& scene);
+
+class TreeModel : public SceneModel {
+public:
+    [[gnu::cold]] explicit TreeModel(const Scene& scene, const GivenNumbers& numbers = {});
+
+    int variables() const override { return tree_->variables(); }
+    int bodies() const override { return tree_->size(); }
+    bool on_rail(int body) const override;
+    const StateMap& map() const override { return map_; }
+    const std::string& why_all() const override { return why_all_; }
+    const std::string& name(int body) const override { return tree_->node(body).name; }
+    std::string coordinates(int body) const override { return tree_->coordinates(body); }
+    bool touches() const override { return contacts() > 0; }
+    bool turns(int body) const override { return !tree_->node(body).is_point; }
+    int freedom() const override { return tree_->velocities() - static_cast<int>(rows_.size()); }
+    /// The constraints whose forces the motion does not determine.
+    std::vector<std::string> not_unique() const;
+    std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
+
+    std::vector<double> start(double t = 0.0) const override;
+    std::vector<double> start_rest() const override;
+
+    PointReport report(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    SystemReport system_report(const Mode& mode, double t, std::span<const double> x, Asked asked) const override;
+    RigidReport rigid_report(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    JointReport joint(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    ConstraintReport constraint(const Mode& mode, int index, double t, std::span<const double> x) const override;
+    ContactReport contact(const Mode& mode, int index, double t, std::span<const double> x) const override;
+    Vector3 coupling_force(const Mode& mode, int coupling, double t, std::span<const double> x) const override;
+    double power(const Mode& mode, const Scene::AppliedLoad& load, int index, double t,
+                 std::span<const double> x) const override;
+    double watched(const Mode& mode, int watch, double t, std::span<const double> x) const override;
+    Observe observing(const Mode& mode, double t, std::span<const double> x) const override;
+
+    Turning turning(int body, double t, std::span<const double> x) const override;
+    int place_of_angles(int body) const override;
+    EulerAngles wound(int body, const Piece& piece, const EulerAngles& before, double tau) const override;
+    std::vector<double> winding(double t, std::span<const double> x) const override;
+    void wind(const Piece& piece, double length, std::vector<double>& winding) const override;
+    Vector3 center(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    Vector3 position(const Mode& mode, int body, double t, std::span<const double> x) const override;
+    Matrix3 rail_turn(int body, double t, std::span<const double> x) const override;
+
+    Mode undecided() const override;
+    Mode begin(double t, std::span<double> x) const override;
+    Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+              std::vector<Happening>& happenings) const override;
+    void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
+    double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
+    std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    std::vector<signed char> kind_of(const Mode& mode) const override { return mode.slip; }
+
+    // --- contacts: open (flies), closed and pushing (1), closed and in no need of a force of its own (rests) ---
+
+    static constexpr signed char pushes = 1, rests = 3;
+    int contacts() const { return static_cast<int>(conditions_->contacts().size()); }
+    /// The rows that are used in a mode: of constraints, and of contacts that push.
+    std::vector<int> rows_in(const Mode& mode) const;
+    /// How large what a contact joins is [m]: gaps far below that are none.
+    double size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// How fast they move at most [m/s].
+    double speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// Which of some contacts, all at rest against each other, push and which open: by the accelerations they would
+    /// have if all were open. `doubtful`: those whose force is at zero, however rounding has it.
+    void settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                const std::vector<int>& doubtful) const;
+    /// The velocities after what strikes at an instant; returns the impulse of each contact.
+    std::vector<double> strike(double t, std::span<double> x, const std::vector<int>& struck,
+                               const std::vector<double>& restitution) const;
+    /// Takes from the velocities what moves contacts.
+    void stop(double t, std::span<double> x, const std::vector<int>& of) const;
+    /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are
+    /// lower than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to
+    /// come.
+    std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x,
+                                  const std::vector<int>& closed, double& remaining) const;
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    static constexpr double lowest_bounce = 65536.0;  // in units of the rounding of the gap
+    /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
+    std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
+                                                                const std::vector<int>& of) const;
+    /// J M^-1 J^T of contacts, the constraints held.
+    std::vector<std::vector<double>> coupling(const std::vector<mechanics::Moving<double>>& all,
+                                              const std::vector<int>& of) const;
+    /// What follows guards of contacts.
+    void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
+               std::vector<Happening>& happenings) const;
+    /// Moves a state onto the rows of a mode.
+    void hold(const Mode& mode, double t, std::span<double> x) const;
+    std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
+
+    std::vector<mechanics::Moving<double>> moving(double t, std::span<const double> x) const;
+    /// All that is known at a state of a mode.
+    mechanics::TreeState look(const Mode& mode, double t, std::span<const double> x) const;
+    bool has_angles(int body) const { return tree_->node(body).joint.attitude() >= 0; }
+    /// All variables as the scene starts, on its constraints.
+    std::vector<DoubleDouble> exact_start(double t) const;
+
+    Scene scene_;
+    std::shared_ptr<const mechanics::Tree> tree_;
+    std::shared_ptr<const mechanics::Conditions> conditions_;
+    std::shared_ptr<const mechanics::Exerted> exerted_;
+    std::vector<int> rows_;  // of the constraints, those that are used
+    StateMap map_;
+    std::string why_all_;
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM

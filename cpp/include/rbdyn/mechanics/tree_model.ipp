@@ -1,0 +1,494 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp.
+#pragma once
+
+#include "rbdyn/mechanics/tree_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/tree_observables.hpp"
+#include "rbdyn/mechanics/tree_writer.hpp"
+#include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/sliding.hpp"
+#include "rbdyn/model/within.hpp"
+#include "rbdyn/rotation/euler_path.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/joints.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool needs_tree(const Scene& scene) {
+    if (!scene.constraints().empty() || !scene.contacts().empty()) return true;
+    for (const Scene::AppliedLoad& l : scene.loads())
+        if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) return true;
+    const auto is_special = [](const Scene::Body& b) {
+        if (b.parent >= 0) return false;
+        if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return !hinge->motion;
+        if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return !slide->motion;
+        return std::holds_alternative<Free>(b.joint) || std::holds_alternative<Rail>(b.joint) ||
+               std::holds_alternative<Spherical>(b.joint);
+    };
+    return !std::all_of(scene.bodies().begin(), scene.bodies().end(), is_special);
+}
+
+RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& numbers)
+    : SceneModel(numbers),
+      scene_(scene),
+      tree_(std::make_shared<const mechanics::Tree>(scene)),
+      exerted_(std::make_shared<const mechanics::Exerted>(scene, *tree_)),
+      why_all_("bodies are joined to bodies") {
+    for (const Scene::Body& b : scene.bodies()) {
+        const Rail* rail = b.rail();
+        if (rail == nullptr) continue;
+        if (rail->friction() || rail->side() != RailSide::both || rail->motion().present() ||
+            rail->ends() == RailEnds::release)
+            throw InvalidInput(b.name +
+                               ": beside bodies that are joined to bodies a Rail is smooth, holds on both sides and is "
+                               "fixed in its parent in this version");
+    }
+    for (const Scene::Touch& c : scene.contacts())
+        if (c.options.friction && c.options.friction->present())
+            throw InvalidInput(c.name +
+                               ": friction at contacts is not simulated in this version; leave it out, or guide "
+                               "a Particle by a rough Rail");
+    const auto start = tree_->start(0.0);
+    const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
+    conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
+    const std::vector<double> x = mechanics::closing::nearest(start);
+    const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
+    const auto accelerate = mechanics::accelerate<double>(*tree_, now);
+    for (const mechanics::Node& n : tree_->nodes())
+        for (int k = 0; k < n.joint.velocities(); ++k) {
+            double least = 0.0;
+            for (const mechanics::Node& other : tree_->nodes())
+                least = std::max(least, static_cast<double>(other.mass));
+            require(accelerate.mass(n.v + k) > 1e-28 * least, n.name,
+                    "inertia along velocity " + std::to_string(k) + " of its joint", accelerate.mass(n.v + k),
+                    "what a joint leaves free has inertia: of the body, or of those joined to it; hold it otherwise, "
+                    "or give it a thickness");
+        }
+    if (!conditions_->empty()) {
+        std::vector<int> every(at(conditions_->constraint_rows()));
+        for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
+        rows_ = mechanics::independent_rows(*tree_, *conditions_, every, now);
+        const std::vector<DoubleDouble> closed = exact_start(0.0);
+        rows_ = mechanics::independent_rows(
+            *tree_, *conditions_, every,
+            mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(closed)));
+    }
+    map_ = StateMap(TreeModel::start(0.0), std::vector<bool>(at(tree_->variables()), false));
+}
+
+RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
+    std::vector<DoubleDouble> x = tree_->start(t);
+    if (conditions_->all().empty()) return x;
+    // of the size of the scene: how far its bodies are from each other
+    const auto all = mechanics::closing::moving<double>(*tree_, t, mechanics::closing::nearest(x));
+    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (int i = 0; i < bodies(); ++i) {
+        const mechanics::Moving<double>& m = all[at(i)];
+        for (const Vector3& p : {m.place, Vector3(m.place + m.to_world(exactly<double>(tree_->node(i).center)))}) {
+            low = lesser(low, p);
+            high = greater(high, p);
+        }
+    }
+    for (const mechanics::Condition& c : conditions_->all())
+        for (const mechanics::Anchor* a : {&c.a, &c.b}) {
+            const Vector3 p = tree_->point<double>(*a, all).place;
+            low = lesser(low, p);
+            high = greater(high, p);
+        }
+    const double size = (high - low).norm();
+    for (int k = 0; k < static_cast<int>(conditions_->all().size()); ++k) {
+        const double gap = conditions_->gap(*tree_, k, all);
+        require(gap <= 1e-6 * size, conditions_->all()[at(k)].name, "gap", gap,
+                "the start satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
+                    " m; scene.assemble() finds a start that does from a rough one");
+    }
+    mechanics::close(*tree_, *conditions_, rows_, t, x);
+    return x;
+}
+
+RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
+    const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
+                                              mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
+    std::vector<std::string> names;
+    for (const mechanics::Condition& c : conditions_->all())
+        for (const auto& one : loose) {
+            const bool is_in = std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
+                                           [](double part) { return std::abs(part) > 1e-9; });
+            if (!is_in) continue;
+            names.push_back(c.name);
+            break;
+        }
+    return names;
+}
+
+RBDYN_INLINE std::shared_ptr<const SceneModel> TreeModel::with_numbers(const Scene& scene,
+                                                                       const GivenNumbers& numbers) const {
+    return std::make_shared<const TreeModel>(scene, numbers);
+}
+
+RBDYN_INLINE bool TreeModel::on_rail(int body) const {
+    return tree_->node(body).joint.as<mechanics::RailLaw>() != nullptr;
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::start(double t) const {
+    return mechanics::closing::nearest(exact_start(t));
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::start_rest() const {
+    std::vector<double> rest;
+    bool any = false;
+    for (const DoubleDouble& value : exact_start(0.0)) {
+        rest.push_back(value.lo);
+        any = any || value.lo != 0.0;
+    }
+    return any ? rest : std::vector<double>();
+}
+
+RBDYN_INLINE std::vector<mechanics::Moving<double>> TreeModel::moving(double t, std::span<const double> x) const {
+    return tree_->moving<double>(t, x.data(), x.data() + tree_->positions());
+}
+
+RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, std::span<const double> x) const {
+    const Within state(mode, t, x, Within::unseen);
+    const auto acting = acting_in(mode, 0, 0, state.t, state.x);
+    if (!acting) return {*tree_, moving(t, x)};
+    const std::span<const double> values(acting->values);
+    return {*tree_, *conditions_, *exerted_, rows_in(mode), moving(state.t, state.x), values.subspan(at(variables()))};
+}
+
+RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t, std::span<const double> x) const {
+    PointReport r = look(mode, t, x).point(body);
+    const mechanics::Node& n = tree_->node(body);
+    if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>()) {
+        const auto all = moving(t, x);
+        const CurvePoint<double> c = rail->curve->at<double>(x[at(n.q)], Placement{});
+        const Vector3 along = n.parent < 0 ? c.first : all[at(n.parent)].to_world(c.first);
+        r.u = x[at(n.q)];
+        r.w = x[at(tree_->positions() + n.v)];
+        r.speed = std::sqrt(c.speed_squared) * r.w;
+        r.tangential_force = r.force.dot(along) / along.norm();
+    }
+    return r;
+}
+
+RBDYN_INLINE SystemReport TreeModel::system_report(const Mode& mode, double t, std::span<const double> x,
+                                                   Asked asked) const {
+    const mechanics::TreeState state =
+        asked == Asked::forces ? look(mode, t, x) : mechanics::TreeState(*tree_, moving(t, x));
+    SystemReport all;
+    for (int i = 0; i < bodies(); ++i) all.bodies.push_back(state.body_report(i, x));
+    for (std::size_t k = 0; k < exerted_->couplings().size(); ++k) {
+        const mechanics::Exerted::Coupled& c = exerted_->couplings()[k];
+        CouplingReport report{c.a.body, c.b.body, tree_->point<double>(c.a, state.moving).place,
+                              tree_->point<double>(c.b, state.moving).place};
+        if (asked == Asked::forces) {
+            report.force = state.couplings[k];
+            // of what is applied a body report has the rest
+            const auto take = [&](int body, const Vector3& place, const Vector3& force) {
+                if (body < 0) return;
+                BodyReport& b = all.bodies[at(body)];
+                b.applied -= force;
+                b.applied_moment -= (place - b.position).cross(force);
+            };
+            take(report.a, report.place_a, report.force);
+            take(report.b, report.place_b, -report.force);
+        }
+        all.couplings.push_back(report);
+    }
+    return all;
+}
+
+RBDYN_INLINE RigidReport TreeModel::rigid_report(const Mode& mode, int body, double t,
+                                                 std::span<const double> x) const {
+    return look(mode, t, x).rigid(body, x);
+}
+
+RBDYN_INLINE JointReport TreeModel::joint(const Mode&, int body, double t, std::span<const double> x) const {
+    const mechanics::Node& n = tree_->node(body);
+    JointReport r;
+    if (const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>()) {
+        r.coordinates = {law->way(t)};
+        r.rates = {law->rate(t)};
+        return r;
+    }
+    for (int k = 0; k < n.joint.positions(); ++k) r.coordinates.push_back(x[at(n.q + k)]);
+    for (int k = 0; k < n.joint.velocities(); ++k) r.rates.push_back(x[at(tree_->positions() + n.v + k)]);
+    return r;
+}
+
+RBDYN_INLINE ConstraintReport TreeModel::constraint(const Mode& mode, int index, double t,
+                                                    std::span<const double> x) const {
+    return look(mode, t, x).constraints[at(index)];
+}
+
+RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, double t, std::span<const double> x) const {
+    ContactReport report = look(mode, t, x).contacts[at(index)];
+    if (mode.slip[at(index)] != flies) report.state = "slides";
+    return report;
+}
+
+RBDYN_INLINE Vector3 TreeModel::coupling_force(const Mode& mode, int coupling, double t,
+                                               std::span<const double> x) const {
+    return look(mode, t, x).couplings[at(coupling)];
+}
+
+RBDYN_INLINE double TreeModel::power(const Mode& mode, const Scene::AppliedLoad&, int index, double t,
+                                     std::span<const double> x) const {
+    return look(mode, t, x).powers[at(index)];
+}
+
+RBDYN_INLINE double TreeModel::watched(const Mode& mode, int watch, double t, std::span<const double> x) const {
+    if (mode.equations != nullptr)
+        for (const Guard& guard : mode.equations->guards) {
+            if (guard.watch != watch || guard.output < 0) continue;
+            Evaluator<double> values(mode.equations->program);
+            values.set_parameters(mode.parameters);
+            values(t, x);
+            return values.output(guard.output);
+        }
+    return scene_.watches()[at(watch)].function(observing(mode, t, x));
+}
+
+RBDYN_INLINE Observe TreeModel::observing(const Mode& mode, double t, std::span<const double> x) const {
+    struct Present {
+        std::vector<double> x;
+        mechanics::TreeState state;
+    };
+    const auto now = std::make_shared<const Present>(Present{{x.begin(), x.end()}, look(mode, t, x)});
+    return [this, now, t](const Observable& o) { return mechanics::observed(now->state, *exerted_, o, t, now->x); };
+}
+
+RBDYN_INLINE Turning TreeModel::turning(int body, double t, std::span<const double> x) const {
+    const RigidReport r = mechanics::TreeState(*tree_, moving(t, x)).rigid(body, x);
+    return {r.attitude, r.angular_velocity};
+}
+
+RBDYN_INLINE int TreeModel::place_of_angles(int body) const {
+    int place = 0;
+    for (int i = 0; i < body; ++i) place += has_angles(i);
+    return has_angles(body) ? place : -1;
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::winding(double t, std::span<const double> x) const {
+    std::vector<double> all;
+    for (int i = 0; i < bodies(); ++i) {
+        if (!has_angles(i)) continue;
+        const EulerAngles a = euler_path::begin(turning(i, t, x), scene_.bodies()[at(i)].attitude.given_angles());
+        all.insert(all.end(), {a.theta, a.psi, a.phi});
+    }
+    return all;
+}
+
+RBDYN_INLINE void TreeModel::wind(const Piece& piece, double length, std::vector<double>& all) const {
+    auto next = all.begin();
+    for (int i = 0; i < bodies(); ++i) {
+        if (!has_angles(i)) continue;
+        const EulerAngles a = wound(i, piece, {next[0], next[1], next[2]}, length);
+        for (const double angle : {a.theta, a.psi, a.phi}) *next++ = angle;
+    }
+}
+
+RBDYN_INLINE EulerAngles TreeModel::wound(int body, const Piece& piece, const EulerAngles& before, double tau) const {
+    std::vector<double> x(at(variables()));
+    const double from = static_cast<double>(piece.start.hi);
+    const auto motion = [&](double time) {
+        piece.state(std::clamp(time / piece.unit, 0.0, tau), x);
+        return turning(body, from + time, x);
+    };
+    const Turning first = motion(0.0);
+    const double time = tau * piece.unit;
+    const EulerStep last =
+        euler_path::follow({0.0, first, continue_from(before, first.attitude)}, time, motion, [](const EulerStep&) {});
+    return continue_from(last.angles, motion(time).attitude);
+}
+
+RBDYN_INLINE Vector3 TreeModel::center(const Mode&, int body, double t, std::span<const double> x) const {
+    const auto all = moving(t, x);
+    return all[at(body)].place + all[at(body)].to_world(exactly<double>(tree_->node(body).center));
+}
+
+RBDYN_INLINE Vector3 TreeModel::position(const Mode&, int body, double t, std::span<const double> x) const {
+    const auto all = moving(t, x);
+    const mechanics::Node& n = tree_->node(body);
+    if (n.is_point) return all[at(body)].place;
+    return all[at(body)].place - all[at(body)].to_world(exactly<double>(n.joint.held().point));
+}
+
+RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const double> x) const {
+    const int parent = tree_->node(body).parent;
+    if (parent < 0) return Matrix3::Identity();
+    const auto all = moving(t, x);
+    return columns(all[at(parent)].axes.e1, all[at(parent)].axes.e2, all[at(parent)].axes.e3);
+}
+
+RBDYN_INLINE Mode TreeModel::undecided() const {
+    Mode mode;
+    mode.slip.assign(at(contacts()), flies);
+    // when anything struck last
+    mode.memory.assign(at(contacts() + 1), -std::numeric_limits<double>::infinity());
+    return mode;
+}
+
+RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
+    Mode mode = undecided();
+    if (contacts() == 0) {
+        choose(mode, t, x, {});
+        return mode;
+    }
+    const auto all = moving(t, x);
+    const auto gaps = conditions_->gaps<double>(*tree_, all);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    std::vector<int> closed;
+    for (int k = 0; k < contacts(); ++k) {
+        const auto row = at(conditions_->constraint_rows() + k);
+        const double size = size_of(k, all), gap = gaps[row];
+        require(
+            gap >= -1e-12 * size, conditions_->contacts()[at(k)].name, "gap", gap,
+            "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
+            "surface");
+        if (gap > 1e-12 * size) continue;
+        const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
+        if (speed <= noise) closed.push_back(k);
+    }
+    // what comes towards its surface strikes it before the motion begins
+    std::vector<double> restitution;
+    for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
+    if (!closed.empty()) {
+        strike(t, x, closed, restitution);
+        std::vector<int> at_rest;
+        const auto then = moving(t, x);
+        const auto later = conditions_->rows<double>(*tree_, then);
+        for (const int k : closed)
+            if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
+                1e-12 * speed_of(k, then))
+                at_rest.push_back(k);
+        settle(mode, t, x, at_rest, {});
+    } else {
+        choose(mode, t, x, {});
+    }
+    hold(mode, t, x);
+    return mode;
+}
+
+RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+                                  std::vector<Happening>& happenings) const {
+    std::vector<int> flipped;
+    bool touches = false;
+    for (const int index : fired) {
+        const Guard& guard = mode.equations->guards[at(index)];
+        if (guard.contact >= 0) {
+            touches = true;
+            continue;
+        }
+        if (guard.kind == EventKind::watch)
+            throw InvalidInput("watch " + guard.name +
+                               ": actions that change the state are not there for bodies joined to bodies in this "
+                               "version; stop, and go on from there");
+        flipped.push_back(index);
+        if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
+        if (guard.name.empty()) continue;
+        const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
+        const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
+        happenings.push_back({guard.kind, guard.subject, rises ? Direction::rising : Direction::falling, guard.name});
+    }
+    Mode after = mode;
+    if (touches) {
+        touch(mode, after, fired, t, x, happenings);
+        return after;
+    }
+    choose(after, t, x, flipped);
+    if (same_motion(mode, after, flipped))
+        std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
+    return after;
+}
+
+RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const double> x,
+                                     std::vector<Observed>& out) const {
+    out.clear();
+    const mechanics::TreeState state = look(mode, t, x);
+    for (int i = 0; i < bodies(); ++i) {
+        const mechanics::TreeState::Body& b = state.bodies[at(i)];
+        const mechanics::Moving<double>& m = state.moving[at(i)];
+        const mechanics::Node& n = tree_->node(i);
+        const double mass = static_cast<double>(n.mass);
+        out.push_back({b.center, true, 0.0, b.center.norm(), Alike::place});
+        out.push_back({b.velocity, false, 0.0, b.velocity.norm(), Alike::velocity,
+                       mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
+        if (!n.is_point) {
+            for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) out.push_back({*axis, false, 1.0, 1.0});
+            out.push_back({m.omega, false, 0.0, m.omega.norm(), Alike::turning});
+        }
+        const bool is_free =
+            n.joint.as<mechanics::FreePointLaw>() != nullptr || n.joint.as<mechanics::FreeBodyLaw>() != nullptr;
+        if (is_free || mode.equations == nullptr) continue;
+        out.push_back({b.reaction.force, false, 0.0, b.effort.force.norm(), Alike::force});
+        if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
+            out.push_back({b.reaction.moment, false, 0.0, b.effort.moment.norm(), Alike::torque});
+    }
+    for (int k = 0; k < contacts(); ++k) {
+        const ContactReport c = state.contacts[at(k)];
+        out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
+    }
+    for (const ConstraintReport& c : state.constraints) {
+        out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
+        out.push_back({c.torque, false, 0.0, c.torque.norm(), Alike::torque});
+    }
+}
+
+RBDYN_INLINE double TreeModel::guard_value(const Guard& guard, const Mode& mode, double t,
+                                           std::span<const double> x) const {
+    return scene_.watches()[at(guard.watch)].function(observing(mode, t, x));
+}
+
+RBDYN_INLINE std::string TreeModel::not_finite(const Mode&, double, std::span<const double> x) const {
+    for (const double value : x)
+        if (!std::isfinite(value)) return "the state itself";
+    return {};
+}
+
+RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, const RecordedFor& state) const {
+    const std::vector<int> rows = rows_in(mode);
+    const recording::WideFolding all_digits;
+    Recorder r;
+    r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
+    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows);
+    const int n = variables();
+    auto result = written(
+        r, n, state.decided.sliding, [&] { return tree.laws(); },
+        [&](EquationsWriter& write, std::span<const Expression> values) {
+            tree.take(values);
+            for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
+            tree.touch(write, mode.slip);
+            tree.watch(write, scene_.watches());
+            write.acting(values.subspan(at(n)));
+            return tree_->groups();
+        });
+    if (!result) return result;
+    bool turns = false;
+    for (int i = 0; i < bodies(); ++i) turns = turns || has_angles(i);
+    if (turns || !rows.empty())
+        result->equations.projection = [tree = tree_, conditions = conditions_, rows](
+
+                                           std::span<const double>, std::span<const double>) {
+            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows);
+        };
+    return result;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

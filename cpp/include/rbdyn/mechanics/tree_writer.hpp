@@ -1,0 +1,63 @@
+// The equations of a tree as recorded programs.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/node.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/exert.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+#include "rbdyn/model/equations_writer.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/scene/watch.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+/// The motion of a tree as expressions: recorded in two turns (model/sliding.hpp), first the laws, then the guards.
+class TreeWriter {
+public:
+    using S = Expression;
+
+    TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
+               const std::vector<int>& rows);
+
+    /// The rates of all variables, and what acts, in the layout of tree_state.hpp.
+    std::vector<S> laws();
+    /// Takes them as they are in the motion, each distinction weighed once.
+    void take(std::span<const S> values) { values_.assign(values.begin(), values.end()); }
+    /// The guards of contacts: what comes to touch, and what would have to pull. `states`: of each contact.
+    void touch(EquationsWriter& write, const std::vector<signed char>& states) const;
+    /// The guards of watched functions.
+    void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
+
+private:
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    /// What a watched function asks for.
+    S observed(const Observable& o) const;
+    /// A vector among what acts, by its place behind the rates.
+    Vector3Of<S> acting(int first) const;
+    Vector3Of<S> acceleration(int body, const Vector3Of<S>& arm) const;
+    /// What the parent of a body exerts on it through and along the joint, about P.
+    Wrench<S> reaction(int body) const;
+    /// The same without what is exerted along the joint: by a torsion spring, a joint torque or force.
+    Wrench<S> reaction_alone(int body) const;
+
+    Recorder& r_;
+    const Tree& tree_;
+    const Conditions& conditions_;
+    const Exerted& exerted_;
+    const std::vector<int>& rows_;
+    std::vector<S> q_, v_, values_;
+    std::vector<Moving<S>> moving_;
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,42 @@
+// Definitions of rbdyn/scene/joint_loads.hpp.
+#pragma once
+
+#include "rbdyn/scene/joint_loads.hpp"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "rbdyn/basics/error.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE JointLoad::JointLoad(Function function, std::string name)
+    : function_(std::move(function)), name_(std::move(name)) {
+    if (function_.inputs() != inputs || function_.outputs() != 1)
+        throw InvalidInput("JointTorque, JointForce: the function has " + std::to_string(function_.inputs()) +
+                           " arguments and " + std::to_string(function_.outputs()) +
+                           " results; it is f(t, q, rate) with one");
+}
+
+RBDYN_INLINE JointLoad::JointLoad(std::shared_ptr<const Callback> callback)
+    : callback_(std::move(callback)), name_(callback_->name) {}
+
+RBDYN_INLINE void JointLoad::give(GivenNumbers& numbers) const {
+    constant_.give(numbers);
+    function_.give(numbers);
+}
+
+RBDYN_INLINE JointLoad JointLoad::frozen_load() const {
+    JointLoad result = *this;
+    result.constant_ = constant_.frozen();
+    if (function_) result.function_ = function_.frozen();
+    return result;
+}
+
+RBDYN_INLINE bool JointLoad::operator==(const JointLoad& other) const {
+    return constant_ == other.constant_ && function_ == other.function_ && callback_ == other.callback_;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

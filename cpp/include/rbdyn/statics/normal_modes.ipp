@@ -1,0 +1,171 @@
+// Definitions of rbdyn/statics/normal_modes.hpp.
+#pragma once
+
+#include "rbdyn/statics/normal_modes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/closed_form/symmetric_modes.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/joints.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/statics/equilibrium.hpp"
+#include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/path_forces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace statics {
+
+/// The lower triangle L of M = L L^T.
+RBDYN_INLINE WideMatrix cholesky(const WideMatrix& m) {
+    const int n = m.size();
+    WideMatrix l(n);
+    for (int j = 0; j < n; ++j)
+        for (int i = j; i < n; ++i) {
+            DoubleDouble sum = m(i, j);
+            for (int k = 0; k < j; ++k) sum -= l(i, k) * l(j, k);
+            if (i == j && !(sum.hi > 0.0))
+                throw InvalidInput("normal_modes: the mass matrix has pivot " + text(sum.hi) + " in row " +
+                                   std::to_string(j) + "; a kinetic energy is positive for every motion");
+            l(i, j) = i == j ? sqrt(sum) : sum / l(j, j);
+        }
+    return l;
+}
+
+/// What a scene says of a place of rest.
+RBDYN_INLINE SmallMotion small_motion(const Forces& forces, const std::vector<double>& q) {
+    const int n = forces.freedoms();
+    const Forces::WideJacobian slope = forces.wide_jacobian(q);
+    const std::vector<DoubleDouble> metric = forces.wide_metric(q);
+    SmallMotion result{WideMatrix(n), WideMatrix(n), slope.is_constant};
+    for (int i = 0; i < n; ++i) {
+        result.mass(i, i) = metric[static_cast<std::size_t>(i)];
+        for (int j = 0; j < n; ++j) result.stiffness(i, j) = -slope.entries(i, j);
+    }
+    return result;
+}
+
+}  // namespace statics
+
+RBDYN_INLINE NormalModes normal_modes(const SmallMotion& motion) {
+    const int n = motion.mass.size();
+    const WideMatrix l = statics::cholesky(motion.mass);
+    // L^-1 K L^-T: first all columns of K, then all rows of that
+    WideMatrix a = motion.stiffness;
+    for (int column = 0; column < n; ++column)
+        for (int i = 0; i < n; ++i) {
+            for (int k = 0; k < i; ++k) a(i, column) -= l(i, k) * a(k, column);
+            a(i, column) /= l(i, i);
+        }
+    for (int row = 0; row < n; ++row)
+        for (int i = 0; i < n; ++i) {
+            for (int k = 0; k < i; ++k) a(row, i) -= l(i, k) * a(row, k);
+            a(row, i) /= l(i, i);
+        }
+    // that of 32 digits, or of a place in doubles
+    const double rounding = (motion.is_even ? 64.0 * 0x1p-104 : 64.0 * 0x1p-52) * n * a.largest();
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < i; ++j) {
+            const double twist = std::abs((a(i, j) - a(j, i)).hi);
+            if (twist > 0x1p-40 * a.largest() + rounding)
+                throw InvalidInput("normal_modes: the stiffness differs by " + text(twist) +
+                                   " 1/s^2 from its transpose (freedoms " + std::to_string(j) + " and " +
+                                   std::to_string(i) +
+                                   "): the forces have no potential, and only those that have one have normal modes; "
+                                   "leave out what has none");
+            a(i, j) = a(j, i) = 0.5 * (a(i, j) + a(j, i));
+        }
+    const SymmetricModes e = symmetric_modes(a);
+    std::vector<int> order(static_cast<std::size_t>(n));
+    std::iota(order.begin(), order.end(), 0);
+    const auto value = [&](int mode) { return e.values[static_cast<std::size_t>(mode)]; };
+    std::sort(order.begin(), order.end(), [&](int i, int j) { return value(i) - value(j) < 0.0; });
+    NormalModes result{{}, {}, SquareMatrix(n)};
+    for (int k = 0; k < n; ++k) {
+        const int mode = order[static_cast<std::size_t>(k)];
+        const double square = std::abs(value(mode).hi) <= rounding ? 0.0 : value(mode).hi;
+        result.squares.push_back(square);
+        result.frequencies.push_back(square < 0.0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(square));
+        // L^-T y
+        std::vector<DoubleDouble> shape(static_cast<std::size_t>(n));
+        double largest = 0.0;
+        for (int i = n - 1; i >= 0; --i) {
+            DoubleDouble x = e.vectors(i, mode);
+            for (int j = i + 1; j < n; ++j) x -= l(j, i) * shape[static_cast<std::size_t>(j)];
+            x /= l(i, i);
+            shape[static_cast<std::size_t>(i)] = x;
+            if (std::abs(x.hi) > std::abs(largest)) largest = x.hi;
+        }
+        for (int i = 0; i < n; ++i)
+            result.shapes(i, k) = std::copysign(1.0, largest) * shape[static_cast<std::size_t>(i)].hi;
+    }
+    return result;
+}
+
+RBDYN_INLINE NormalModes normal_modes(const Scene& scene, const Equilibrium& at) {
+    const std::string user = "normal_modes";
+    if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is asked");
+    const Scene now = scene.frozen();
+    int coordinates = 0;
+    for (int i = 0; i < static_cast<int>(now.bodies().size()); ++i) {
+        const Scene::Body& body = now.bodies()[static_cast<std::size_t>(i)];
+        statics::require_timeless(now, i, user);
+        if (body.rail() != nullptr && body.rail()->friction())
+            throw InvalidInput(user + ": friction holds " + body.name +
+                               ", and what sticks does not oscillate; take it away with without(\"static friction\", "
+                               "\"dynamic friction\")");
+        coordinates += statics::Forces::coordinates_of(body);
+    }
+    require(static_cast<int>(at.coordinates.size()) == coordinates, user, "number of coordinates of the equilibrium",
+            static_cast<double>(at.coordinates.size()), "this scene has " + std::to_string(coordinates));
+    statics::Forces forces(now);
+    const std::vector<double> q = forces.place(at.coordinates);
+    const statics::Forces::State s = forces.at_rest(q);
+    if (!s.is_finite()) throw InvalidInput(user + ": at the equilibrium " + forces.not_finite(q) + " is not finite");
+    // places are known to rounding, and users write some digits of them
+    constexpr double near = 1e-6;
+    for (std::size_t i = 0; i < s.force.size(); ++i)
+        require(std::abs(s.force[i]) <= near * s.effort[i], user, "generalized force of freedom " + std::to_string(i),
+                s.force[i], "at an equilibrium there is none; take one of equilibria(scene)");
+    NormalModes modes = normal_modes(statics::small_motion(forces, q));
+    // turns about the axes of the body, not of the frame of its law
+    for (int b = 0; b < forces.bodies(); ++b) {
+        if (!forces.turns(b)) continue;
+        const int first = forces.first(b) + forces.displacements(b);
+        const Quaternion frame = forces.laws().body(b).rigid->frame_attitude;
+        for (int mode = 0; mode < modes.shapes.size(); ++mode) {
+            const Vector3 turn = to_world<double>(
+                frame,
+                Vector3(modes.shapes(first, mode), modes.shapes(first + 1, mode), modes.shapes(first + 2, mode)));
+            for (int k = 0; k < 3; ++k) modes.shapes(first + k, mode) = turn[k];
+        }
+    }
+    return modes;
+}
+
+RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const NormalModes& modes) {
+    out << "Normal modes:\n";
+    for (std::size_t k = 0; k < modes.squares.size(); ++k) {
+        out << "  " << k + 1 << ": ";
+        if (modes.squares[k] < 0.0)
+            out << "unstable, grows as exp(" << text(std::sqrt(-modes.squares[k])) << " t)\n";
+        else
+            out << text(modes.frequencies[k]) << " rad/s\n";
+    }
+    return out;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,257 @@
+// Contacts without friction: ladders, impacts, landings and accumulations, against cases of 25 digits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "figures.hpp"
+#include "rbdyn/body/shapes.hpp"
+#include "refusal.hpp"
+
+namespace rbdyn::test {
+namespace contacts {
+
+using figures::Case;
+using figures::number;
+using figures::vector;
+
+/// The value of something given, with its unit or without.
+double given(const nlohmann::json& file, const std::string& name) {
+    const auto& p = file["parameters"][name];
+    return number(p.is_object() ? p["value"] : p);
+}
+nlohmann::json file_of(const std::string& name) {
+    std::ifstream in(std::string(RBDYN_TEST_REFERENCE) + "/" + name + ".json");
+    return nlohmann::json::parse(in);
+}
+/// A rectangle in the plane of motion.
+RigidBody rectangle(double mass, double half_width, double half_height) {
+    const double moment = mass * (half_width * half_width + half_height * half_height) / 3.0;
+    return RigidBody(mass, {moment / 2, moment / 2, moment});
+}
+const Plane floor_of_y{{0, 1, 0}};
+
+class Ladder : public testing::TestWithParam<const char*> {};
+
+TEST_P(Ladder, slides_down_its_wall_leaves_it_and_goes_on) {
+    const auto file = file_of(GetParam());
+    const double m = given(file, "m"), l = given(file, "l"), theta = given(file, "theta0");
+    for (const double error : {1e-6, 1e-9, 1e-12}) {
+        Scene scene(Vector3{0, 0, -given(file, "g")});
+        const auto rod = scene.add(
+            shapes::rod(m, l, {1, 0, 0}), Planar{.x = {1, 0, 0}, .y = {0, 0, 1}},
+            {.position = {l / 2 * std::cos(theta), l / 2 * std::sin(theta)}, .angle = std::numbers::pi - theta});
+        const auto floor = scene.contact(rod.point({-l / 2, 0, 0}), Plane{{0, 0, 1}});
+        const auto wall = scene.contact(rod.point({l / 2, 0, 0}), Plane{{1, 0, 0}});
+        const auto& values = file["values"];
+        const double leaves = number(values["detachment"]["t"]), flat = number(values["lies_flat"]["t"]);
+        const Trajectory run = simulate(scene, {.until = 0.5 * (leaves + flat), .error = error});
+        ASSERT_EQ(run.events().size(), 1u);
+        EXPECT_NEAR(run.events().times("detach", wall).at(0), leaves, error * leaves);
+        EXPECT_NEAR(run[rod].rate(leaves), -number(values["detachment"]["theta_dot"]), error * 3.0);
+        for (const auto& s : values["phase_1_wall_and_floor"]) {
+            const double t = number(s["t"]);
+            EXPECT_NEAR(run[wall].force(t)[0], number(s["wall_reaction"]), error * 100.0);
+            EXPECT_NEAR(run[floor].force(t)[2], number(s["floor_reaction"]), error * 100.0);
+            EXPECT_NEAR(run[rod].angle(t), std::numbers::pi - number(s["theta"]), error);
+        }
+        // between the ends of steps it is what the piece leaves
+        EXPECT_LT(std::abs(run[floor].gap(run.end())), 1e-14 + 1e-6 * error);
+        EXPECT_GT(run[wall].gap(run.end()), 0.0);
+        EXPECT_EQ(run[wall].state(run.end()), "open");
+        EXPECT_EQ(run[wall].force(run.end()).norm(), 0.0);
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Contacts, Ladder, testing::Values("j_steep", "j_shallow", "j_theta0_60deg_like"),
+                         [](const auto& p) { return std::string(p.param); });
+
+TEST(Contacts, a_rod_strikes_the_floor_with_both_ends) {
+    const auto file = file_of("n_rod_fall");
+    const double l = given(file, "length"), moment = l * l / 12.0;
+    Scene scene(Vector3{0, -given(file, "g"), 0});
+    const auto g = vector(file["parameters"]["G0"]), v = vector(file["parameters"]["velocity_G0"]);
+    const auto rod = scene.add(RigidBody(1.0, {moment / 2, moment / 2, moment}), Planar{},
+                               {.position = {g[0], g[1]},
+                                .velocity = {v[0], v[1]},
+                                .angle = given(file, "angle0"),
+                                .rate = given(file, "rate0")});
+    const double e = given(file, "restitution");
+    scene.contact(rod.point({-l / 2, 0, 0}), floor_of_y, {.restitution = e}, "-");
+    scene.contact(rod.point({l / 2, 0, 0}), floor_of_y, {.restitution = e}, "+");
+    const auto& impacts = file["values"]["impacts"];
+    const double until = number(impacts.back()["t"]) * (1.0 + 1e-9);
+    const Trajectory run = simulate(scene, {.until = until, .error = 1e-11});
+    ASSERT_EQ(run.events().size(), impacts.size());
+    for (std::size_t k = 0; k < impacts.size(); ++k) {
+        const Event& event = run.events()[k];
+        EXPECT_EQ(event.kind, EventKind::impact);
+        EXPECT_EQ(event.name, impacts[k]["end"].get<std::string>());
+        EXPECT_NEAR(event.time, number(impacts[k]["t"]), 1e-12);
+        EXPECT_NEAR(event.push[1], number(impacts[k]["impulse"]), 1e-11);
+        EXPECT_NEAR(run[rod].rate(event.time), number(impacts[k]["rate_after"]), 1e-11);
+        EXPECT_NEAR(run[rod].rate(event.time, Side::before), number(impacts[k]["rate_before"]), 1e-11);
+        EXPECT_NEAR(run.energy(event.time), number(impacts[k]["E_after"]), 1e-11);
+    }
+}
+
+TEST(Contacts, a_block_rocks_to_rest_in_infinitely_many_steps) {
+    const auto file = file_of("n_rocking_frictionless");
+    const double b = given(file, "half_width"), h = given(file, "half_height"), tilt = given(file, "tilt0");
+    Scene scene(Vector3{0, -given(file, "g"), 0});
+    const auto block = scene.add(rectangle(given(file, "mass"), b, h), Planar{},
+                                 {.position = {0, b * std::sin(tilt) + h * std::cos(tilt)}, .angle = tilt});
+    scene.contact(block.point({-b, -h, 0}), floor_of_y, {}, "left");
+    scene.contact(block.point({b, -h, 0}), floor_of_y, {}, "right");
+    const Trajectory run = simulate(scene, {.until = 1.0, .error = 1e-9});
+    const auto& impacts = file["values"]["impacts"];
+    const std::vector<double> lands = run.events().times("land"), ends = run.events().times("accumulation");
+    ASSERT_GE(lands.size(), impacts.size());
+    for (std::size_t k = 0; k < impacts.size(); ++k) {
+        EXPECT_NEAR(lands[k], number(impacts[k]["t"]), 1e-9);
+        EXPECT_NEAR(std::abs(run[block].rate(lands[k])), number(impacts[k]["rate_after"]), 1e-9);
+    }
+    ASSERT_EQ(ends.size(), 1u);
+    EXPECT_NEAR(ends[0], number(file["values"]["accumulation_time_at_rest_upright"]), 1e-12);
+    EXPECT_LT(std::abs(run[block].angle(1.0)), 1e-14);
+    EXPECT_LT(run.energy(1.0), run.energy(0.0));
+}
+
+TEST(Contacts, a_box_lands_on_a_corner_and_then_flat) {
+    const auto file = file_of("n_box_landing");
+    const double b = given(file, "half_width"), h = given(file, "half_height");
+    const auto g = vector(file["parameters"]["G0"]), v = vector(file["parameters"]["velocity_G0"]);
+    Scene scene(Vector3{0, -given(file, "g"), 0});
+    const auto box = scene.add(rectangle(given(file, "mass"), b, h), Planar{},
+                               {.position = {g[0], g[1]},
+                                .velocity = {v[0], v[1]},
+                                .angle = given(file, "angle0"),
+                                .rate = given(file, "rate0")});
+    const auto left = scene.contact(box.point({-b, -h, 0}), floor_of_y),
+               right = scene.contact(box.point({b, -h, 0}), floor_of_y);
+    const Trajectory run = simulate(scene, {.until = 1.0, .error = 1e-11});
+    const auto& landing = file["values"]["landing"];
+    const auto& flat = file["values"]["flat"];
+    ASSERT_EQ(run.events().size(), 2u);
+    EXPECT_NEAR(run.events().times("land", left).at(0), number(landing["t"]), 1e-13);
+    EXPECT_NEAR(run.events()[0].push[1], number(landing["impulse"]), 1e-12);
+    EXPECT_NEAR(run[box].rate(number(landing["t"])), number(landing["rate_after"]), 1e-11);
+    EXPECT_NEAR(run.events().times("land", right).at(0), number(flat["t"]), 1e-13);
+    EXPECT_NEAR(run[left].force(number(landing["t"]))[1], number(file["values"]["contact_force_just_after_landing"]),
+                1e-10);
+    EXPECT_LT((run[box].velocity(1.0) - Vector3(1, 0, 0)).norm(), 1e-13);
+    EXPECT_NEAR(run[left].force(1.0)[1] + run[right].force(1.0)[1], given(file, "mass") * given(file, "g"), 1e-12);
+}
+
+TEST(Contacts, balls_strike_each_other_off_centre_and_in_line) {
+    for (const char* name : {"n_two_balls_line", "n_two_balls_oblique"})
+        for (const bool is_swapped : {false, true}) {
+            const auto file = file_of(name);
+            const auto& p = file["parameters"];
+            Scene scene;
+            std::vector<BodyHandle> balls(2);
+            for (const std::size_t k : is_swapped ? std::vector<std::size_t>{1, 0} : std::vector<std::size_t>{0, 1})
+                balls[k] = scene.add(Particle{number(p["mass"][k])}, FreeStart{.position = vector(p["position0"][k]),
+                                                                               .velocity = vector(p["velocity0"][k])});
+            scene.contact(balls[0].sphere(number(p["radius"][0])), balls[1].sphere(number(p["radius"][1])),
+                          {.restitution = given(file, "restitution")});
+            const Trajectory run = simulate(scene, {.until = 2.0, .error = 1e-12});
+            ASSERT_EQ(run.events().size(), 1u);
+            EXPECT_NEAR(run.events()[0].time, number(file["values"]["t"]), 1e-15);
+            EXPECT_NEAR(run.events()[0].push.norm(), number(file["values"]["impulse"]), 1e-14);
+            EXPECT_LT((run[balls[0]].velocity(2.0) - vector(file["values"]["v1_after"])).norm(), 1e-14);
+            EXPECT_LT((run[balls[1]].velocity(2.0) - vector(file["values"]["v2_after"])).norm(), 1e-14);
+            EXPECT_NEAR(run.kinetic_energy(2.0), number(file["values"]["KE_after"]), 1e-14);
+        }
+}
+
+TEST(Contacts, a_cradle_whose_balls_hang_apart_strikes_one_after_another) {
+    const auto file = file_of("n_newton_cradle");
+    const double l = given(file, "rod_length"), r = given(file, "radius"), gap = given(file, "gap");
+    Scene scene(Vector3{0, -given(file, "g"), 0});
+    std::vector<BodyHandle> balls;
+    for (int k = 0; k < 3; ++k)
+        balls.push_back(scene.add(RigidBody(given(file, "mass"), {0, 0, 0}, {.com = {0, -l, 0}}),
+                                  Revolute{.axis = {0, 0, 1}, .at = {k * (2 * r + gap), 0, 0}},
+                                  {.angle = k == 0 ? given(file, "angle0_first") : 0.0}));
+    for (std::size_t k = 0; k < 2; ++k)
+        scene.contact(balls[k].sphere(r, {0, -l, 0}), balls[k + 1].sphere(r, {0, -l, 0}),
+                      {.restitution = given(file, "restitution")});
+    const auto& collisions = file["values"]["collisions"];
+    const Trajectory run = simulate(scene, {.until = number(collisions[3]["t"]) + 0.1, .error = 1e-6});
+    ASSERT_EQ(run.events().size(), 4u);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(run.events()[k].time, number(collisions[k]["t"]), 1e-6);
+}
+
+TEST(Contacts, a_ball_bounces_to_rest_on_a_slope_and_slides_on) {
+    const auto file = file_of("n_bouncing_ball");
+    const auto& p = file["parameters"];
+    Scene scene(Vector3{0, -given(file, "g"), 0});
+    const auto value = [](const nlohmann::json& v) { return vector(v.is_object() ? v["value"] : v); };
+    const auto ball = scene.add(Particle{given(file, "mass")},
+                                FreeStart{.position = value(p["position0"]), .velocity = value(p["velocity0"])});
+    const auto hit =
+        scene.contact(ball, Plane{value(p["plane_normal_direction"])}, {.restitution = given(file, "restitution")});
+    const Trajectory run = simulate(scene, {.until = 40.0, .error = 1e-9});
+    const std::vector<double> impacts = run.events().times("impact", hit);
+    // those too low for doubles to tell them from rest are not listed
+    EXPECT_GT(impacts.size(), 90u);
+    for (const auto& landing : file["values"]["landings"])
+        if (const auto k = landing["k"].get<std::size_t>(); k < impacts.size()) {
+            EXPECT_NEAR(impacts[k], number(landing["t"]), 1e-10 * number(landing["t"]));
+        }
+    ASSERT_EQ(run.events().times("accumulation", hit).size(), 1u);
+    EXPECT_NEAR(run.events().times("accumulation", hit)[0], 27.091427978515566, 3e-8);
+    EXPECT_LT((run[ball].position(40.0) - vector(file["values"]["samples"].back()["position"])).norm(), 1e-9);
+    EXPECT_NEAR(run[hit].force(40.0).norm(), number(file["values"]["samples"].back()["normal_force"]), 1e-11);
+}
+
+TEST(Contacts, what_starts_closed_stays_or_opens_and_nothing_fires) {
+    Scene scene(down);
+    const auto lies = scene.add(Particle{2.0}),
+               flies = scene.add(Particle{1.0}, FreeStart{.position = {1, 0, 0}, .velocity = {0, 0, 3}});
+    const auto a = scene.contact(lies, Plane{{0, 0, 1}}),
+               b = scene.contact(flies, Plane{{0, 0, 1}}, {.restitution = 0.5});
+    const Trajectory run = simulate(scene, {.until = 0.5});
+    EXPECT_TRUE(run.events().empty());
+    EXPECT_LT((run[a].force(0.25) - Vector3(0, 0, 2 * gravity)).norm(), 1e-13);
+    EXPECT_EQ(run[a].gap(0.5), 0.0);
+    EXPECT_GT(run[b].gap(0.25), 0.0);
+}
+
+TEST(Contacts, a_table_on_four_legs_stands) {
+    Scene scene(down);
+    const auto table = scene.add(shapes::box(3.0, {2, 1, 0.5}), BodyStart{.position = {0, 0, 0.25}});
+    std::vector<ContactHandle> legs;
+    for (const double x : {-1.0, 1.0})
+        for (const double y : {-0.5, 0.5}) legs.push_back(scene.contact(table.point({x, y, -0.25}), Plane{{0, 0, 1}}));
+    const Trajectory run = simulate(scene, {.until = 2.0});
+    EXPECT_TRUE(run.events().empty());
+    Vector3 sum = Vector3::Zero();
+    for (const auto leg : legs) {
+        sum += run[leg].force(1.0);
+        EXPECT_GE(run[leg].force(1.0)[2], -1e-12);
+        EXPECT_LT(std::abs(run[leg].gap(2.0)), 1e-13);
+    }
+    EXPECT_LT((sum - Vector3(0, 0, 3 * gravity)).norm(), 1e-12);
+}
+
+TEST(Contacts, refuse_what_they_cannot_do) {
+    Scene scene(down);
+    const auto ball = scene.add(Particle{1.0}, FreeStart{.position = {0, 0, -1}});
+    scene.contact(ball, Plane{{0, 0, 1}}, {}, "touch");
+    EXPECT_NE(refusal([&] { simulate(scene, {.until = 1.0}); }).find("touch: gap is -1"), std::string::npos);
+    EXPECT_NE(refusal([&] {
+                  scene.contact(ball, Plane{{0, 0, 1}}, {.restitution = 1.5});
+              }).find("restitution is 1.5"),
+              std::string::npos);
+    Scene rough(down);
+    rough.contact(rough.add(Particle{1.0}), Plane{{0, 0, 1}}, {.friction = Coulomb{0.5}});
+    EXPECT_NE(refusal([&] { simulate(rough, {.until = 1.0}); }).find("friction at contacts is not simulated"),
+              std::string::npos);
+}
+
+}  // namespace contacts
+}  // namespace rbdyn::test
