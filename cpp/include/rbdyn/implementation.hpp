@@ -74,6 +74,7 @@
 #include "rbdyn/expression/expression.ipp"
 #include "rbdyn/expression/function.ipp"
 #include "rbdyn/expression/given.ipp"
+#include "rbdyn/expression/gradient.ipp"
 #include "rbdyn/expression/node.ipp"
 #include "rbdyn/expression/numbers.ipp"
 #include "rbdyn/expression/own_function.ipp"

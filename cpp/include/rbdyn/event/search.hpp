@@ -24,6 +24,7 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/rough_passages.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/at_zero.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/series/fit.hpp"
@@ -227,6 +228,7 @@ private:
     int degree_ = 0;
     bool stops_ = false, at_start_ = false, begins_ = false;
     std::optional<bool> begins_on_edge_;  // none: not asked yet
+    std::optional<AtZero> zeros_;         // where the mode begins; none: not asked yet
     double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece
     const Guard* broken_ = nullptr;
     RoughPassages rough_;

@@ -39,6 +39,7 @@ RBDYN_INLINE void EventSearch::enter(const Mode& mode, std::vector<bool> handled
     handled_ = std::move(handled);
     begins_ = begins;
     begins_on_edge_.reset();
+    zeros_.reset();
     sides_.assign(mode.equations->guards.size(), 0);
     ends_.assign(mode.equations->guards.size(), 0.0);
 }
@@ -206,7 +207,8 @@ RBDYN_INLINE bool EventSearch::begins_on_edge(const Mode& mode) {
 }
 
 RBDYN_INLINE bool EventSearch::begins_at_zero(const Mode& mode, const Guard& guard, double few) {
-    return is_zero_at(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output, few);
+    if (!zeros_) zeros_.emplace(mode, engine_.piece().start.hi, state_of_piece(0.0));
+    return (*zeros_)(guard.output, few);
 }
 
 RBDYN_INLINE std::span<const double> EventSearch::state_of_piece(double tau) {

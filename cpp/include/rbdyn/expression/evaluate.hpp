@@ -73,20 +73,8 @@ public:
     T magnitude(int index) const {
         using std::abs;
         const int slot = program_->output(index);
-        for (const Instruction& i : program_->instructions()) {
-            if (i.out != slot || i.code != Code::combine) continue;
-            T sum = i.weight >= 0 ? abs(scalars_[static_cast<std::size_t>(i.weight)]) : T(0);
-            for (int k = 0; k < i.terms; ++k) {
-                const Term& t = program_->terms(i)[k];
-                sum += abs(scalars_[static_cast<std::size_t>(t.weight)] * slots_[static_cast<std::size_t>(t.slot)]);
-            }
-            for (int k = 0; k < i.products; ++k) {
-                const ProductTerm& t = program_->products(i)[k];
-                sum += abs(scalars_[static_cast<std::size_t>(t.weight)] * slots_[static_cast<std::size_t>(t.a)] *
-                           slots_[static_cast<std::size_t>(t.b)]);
-            }
-            return sum;
-        }
+        for (const Instruction& i : program_->instructions())
+            if (i.out == slot && i.code == Code::combine) return magnitude(i);
         return abs(output(index));
     }
     T switch_value(int index) const { return slots_[static_cast<std::size_t>(program_->switch_output(index))]; }
@@ -94,6 +82,22 @@ public:
     T slot(int index) const { return slots_[static_cast<std::size_t>(index)]; }
 
 protected:
+    /// The same of what a combination makes.
+    T magnitude(const Instruction& i) const {
+        using std::abs;
+        T sum = i.weight >= 0 ? abs(scalars_[static_cast<std::size_t>(i.weight)]) : T(0);
+        for (int k = 0; k < i.terms; ++k) {
+            const Term& t = program_->terms(i)[k];
+            sum += abs(scalars_[static_cast<std::size_t>(t.weight)] * slots_[static_cast<std::size_t>(t.slot)]);
+        }
+        for (int k = 0; k < i.products; ++k) {
+            const ProductTerm& t = program_->products(i)[k];
+            sum += abs(scalars_[static_cast<std::size_t>(t.weight)] * slots_[static_cast<std::size_t>(t.a)] *
+                       slots_[static_cast<std::size_t>(t.b)]);
+        }
+        return sum;
+    }
+
     /// A function of the user's, in doubles whatever T is.
     void call(const Program::Call& call) {
         arguments_.resize(call.arguments.size());

@@ -5,11 +5,27 @@
 
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+/// Of the outputs of a mode's equations at one (t, x), which are evaluated once.
+class AtZero {
+public:
+    AtZero(const Mode& mode, double t, std::span<const double> x);
+
+    /// As is_zero_at().
+    bool operator()(int output, double few = 8.0 * std::numeric_limits<double>::epsilon());
+
+private:
+    GradientEvaluator f_;
+    double t_;
+    std::vector<double> x_;
+};
 
 /// Of an output of a mode's equations at (t, x). `few`: the relative error of all numbers, by default half a unit in
 /// the last place, times a few for what is computed from them before they get here (a speed along a rail is divided by

@@ -3,12 +3,13 @@
 
 #include "rbdyn/model/at_zero.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
 
-#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/series_sizes.hpp"
@@ -17,28 +18,34 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output, double few) {
-    JacobianEvaluator f(mode.equations->program, true);
-    f.set_parameters(mode.parameters);
-    f.differentiate(t, x);
-    const double value = std::abs(f.output(output));
-    if (value <= few * f.magnitude(output)) return true;
+RBDYN_INLINE AtZero::AtZero(const Mode& mode, double t, std::span<const double> x)
+    : f_(mode.equations->program), t_(t), x_(x.begin(), x.end()) {
+    f_.set_parameters(mode.parameters);
+    f_(t, x);
+}
+
+RBDYN_INLINE bool AtZero::operator()(int output, double few) {
+    const double value = std::abs(f_.output(output));
+    if (value <= few * f_.magnitude(output)) return true;
     // time acts by itself and by the state
-    double by_state = 0.0, rate = f.derivative(output, static_cast<int>(x.size()));
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        const int variable = static_cast<int>(i);
-        const double slope = f.derivative(output, variable);
-        by_state += std::abs(slope * x[i]);
-        rate += slope * f.output(variable);
+    double by_state = 0.0, rate = 0.0;
+    for (const auto& [variable, slope] : f_.gradient(output)) {
+        const bool is_time = variable == static_cast<int>(x_.size());
+        if (!is_time) by_state += std::abs(slope * x_[static_cast<std::size_t>(variable)]);
+        rate += is_time ? slope : slope * f_.output(variable);
     }
-    return value <= few * (f.magnitude(output) + by_state + std::abs(t * rate));
+    return value <= few * (f_.magnitude(output) + by_state + std::abs(t_ * rate));
+}
+
+RBDYN_INLINE bool is_zero_at(const Mode& mode, double t, std::span<const double> x, int output, double few) {
+    return AtZero(mode, t, x)(output, few);
 }
 
 RBDYN_INLINE double size_of_terms(const Mode& mode, double t, std::span<const double> x, int output) {
     const Program& program = mode.equations->program;
-    JacobianEvaluator f(program);
+    GradientEvaluator f(program);
     f.set_parameters(mode.parameters);
-    f.differentiate(t, x);
+    f(t, x);
     double sum = f.magnitude(output);
     if (!program.has_calls()) {
         SeriesEvaluator value(program, 0);
@@ -51,7 +58,8 @@ RBDYN_INLINE double size_of_terms(const Mode& mode, double t, std::span<const do
         sizes(value);
         sum = sizes.output(output)[0];
     }
-    for (std::size_t i = 0; i < x.size(); ++i) sum += std::abs(f.derivative(output, static_cast<int>(i)) * x[i]);
+    for (const auto& [variable, slope] : f.gradient(output))
+        if (variable < static_cast<int>(x.size())) sum += std::abs(slope * x[static_cast<std::size_t>(variable)]);
     constexpr double few = 16.0 * std::numeric_limits<double>::epsilon();
     const double here = f.output(output);
     f(t + few * std::abs(t), x);
@@ -59,12 +67,12 @@ RBDYN_INLINE double size_of_terms(const Mode& mode, double t, std::span<const do
 }
 
 RBDYN_INLINE bool is_level_at(const Mode& mode, double t, std::span<const double> x, int output) {
-    JacobianEvaluator f(mode.equations->program, true);
+    GradientEvaluator f(mode.equations->program);
     f.set_parameters(mode.parameters);
-    f.differentiate(t, x);
-    bool is_level = f.output(output) == 0.0;
-    for (int i = 0; i <= static_cast<int>(x.size()); ++i) is_level = is_level && f.derivative(output, i) == 0.0;
-    return is_level;
+    f(t, x);
+    if (f.output(output) != 0.0) return false;
+    const auto& slopes = f.gradient(output);
+    return std::all_of(slopes.begin(), slopes.end(), [](const auto& slope) { return slope.second == 0.0; });
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -284,6 +284,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
     values.set_parameters(mode.parameters);
     values(t, x);
     std::vector<bool> at_zero(program.switches().size(), false);
+    std::optional<AtZero> zeros;  // with the signs as they are so far
     for (std::size_t k = 0; k < program.switches().size(); ++k) {
         const Switch& w = program.switches()[k];
         if (w.is_norm) continue;
@@ -293,8 +294,11 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
         const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
         if (settled[k] && (!is_variable || value * sign >= 0.0)) continue;
         // an event's own state, taken up again, is at its zero but for rounding
-        at_zero[k] = is_zero_at(mode, t, x, program.outputs() + static_cast<int>(k));
-        sign = value < 0.0 ? -1.0 : 1.0;
+        if (!zeros) zeros.emplace(mode, t, x);
+        at_zero[k] = (*zeros)(program.outputs() + static_cast<int>(k));
+        const double was = std::exchange(sign, value < 0.0 ? -1.0 : 1.0);
+        // what others are may depend on it
+        if (sign != was) zeros.reset();
     }
     // what starts at zero takes the sign of its first change, which may depend on the signs of the others
     for (std::size_t k = 0; k < program.switches().size(); ++k) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -191,6 +192,7 @@ private:
 
     Vector3 gravity_ = Vector3::Zero();
     std::vector<Body> bodies_;
+    std::set<std::string> body_names_;  // of those that were added
     std::vector<AppliedLoad> loads_;
     std::vector<Connection> connections_;
     std::vector<Held> constraints_;

@@ -451,6 +451,7 @@ RBDYN_INLINE void Scene::require_observable(const Observable& o, const std::stri
 }
 
 RBDYN_INLINE BodyHandle Scene::add(Body body) {
+    body_names_.insert(body.name);
     bodies_.push_back(std::move(body));
     plan_.forget();
     return {static_cast<int>(bodies_.size()) - 1};
@@ -535,7 +536,7 @@ RBDYN_INLINE void Scene::require_body(BodyHandle body, const std::string& verb) 
 }
 
 RBDYN_INLINE std::string Scene::named(std::string name, const std::string& kind) const {
-    const auto taken = [&] { return has(bodies_, name) || has(watches_, name); };
+    const auto taken = [&] { return body_names_.contains(name) || has(watches_, name); };
     if (!name.empty()) {
         if (taken()) throw InvalidInput("add: there is a body or a watch named \"" + name + "\" already; names differ");
         return name;
