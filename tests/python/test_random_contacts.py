@@ -1,0 +1,63 @@
+"""Random bodies that fall, strike and rock: nothing goes through anything, and no impact gains energy."""
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+
+def scene_of(seed):
+    """Particles, rectangles in a plane and boxes in space over a floor, some between walls; and its contacts."""
+    random = np.random.default_rng(seed)
+    scene = rb.Scene(gravity=[0, -9.81, 0])
+    floor = rb.Plane([0, 1, 0])
+    walls = [floor]
+    if random.random() < 0.5:
+        walls += [rb.Plane([1, 0, 0], [-3, 0, 0]), rb.Plane([-1, 0, 0], [3, 0, 0])]
+    contacts = []
+
+    def touch(part, surface):
+        contacts.append(scene.contact(part, surface, restitution=float(random.choice([0, 0, 0.3, 0.7, 1.0]))))
+
+    for k in range(random.integers(1, 3)):
+        x, y = k * 1.5 - 1, random.uniform(0.8, 2)
+        kind = random.integers(3)
+        if kind == 0:
+            ball = scene.add(rb.Particle(1.5), position=[x, y, 0], velocity=[*random.normal(size=2), 0])
+            for wall in walls:
+                touch(ball.sphere(0.2), wall)
+        elif kind == 1:
+            mass, (b, h) = random.uniform(0.5, 3), random.uniform(0.1, 0.5, 2)
+            moment = mass * (b * b + h * h) / 3
+            block = scene.add(
+                rb.RigidBody(mass, [moment / 2, moment / 2, moment]),
+                rb.Planar([1, 0, 0], [0, 1, 0]),
+                position=[x, y],
+                velocity=random.normal(size=2),
+                angle=random.uniform(-3, 3),
+                rate=random.normal(),
+            )
+            for corner in [(-b, -h), (-b, h), (b, -h), (b, h)]:
+                touch(block.point([*corner, 0]), floor)
+        else:
+            box = scene.add(
+                rb.shapes.box(random.uniform(0.5, 2), [0.4, 0.5, 0.6]),
+                position=[x, y, 0],
+                velocity=random.normal(size=3),
+                angular_velocity=random.normal(size=3),
+            )
+            for corner in np.ndindex(2, 2, 2):
+                touch(box.point([(i - 0.5) * size for i, size in zip(corner, [0.4, 0.5, 0.6], strict=True)]), floor)
+    return scene, contacts
+
+
+@pytest.mark.parametrize("first", [0, 20, 40])
+def test_nothing_goes_through_and_no_energy_is_gained(first):
+    t = np.linspace(0, 2, 41)
+    for seed in range(first, first + 20):
+        scene, contacts = scene_of(seed)
+        run = rb.simulate(scene, until=2.0, rtol=1e-12)
+        energy = run.energy(t)
+        assert np.diff(energy).max() < 1e-11 * abs(energy).max(), seed
+        assert min(run[c].gap(t).min() for c in contacts) > -1e-12, seed
+        forces = np.array([run[c].force(t) for c in contacts])
+        assert np.isfinite(forces).all(), seed
