@@ -238,6 +238,22 @@ TEST(Contacts, a_table_on_four_legs_stands) {
     EXPECT_LT((sum - Vector3(0, 0, 3 * gravity)).norm(), 1e-12);
 }
 
+TEST(Contacts, a_ball_on_a_table_leaves_the_table_at_rest) {
+    Scene scene(down);
+    const auto table = scene.add(shapes::box(5.0, {2, 2, 0.2}), BodyStart{.position = {0, 0, 0.1}});
+    std::vector<ContactHandle> legs;
+    for (const double x : {-1.0, 1.0})
+        for (const double y : {-1.0, 1.0}) legs.push_back(scene.contact(table.point({x, y, -0.1}), Plane{{0, 0, 1}}));
+    const auto ball = scene.add(Particle{1.0}, FreeStart{.position = {0.3, 0.1, 0.9}});
+    const auto hit = scene.contact(ball.sphere(0.2), table.plane({{0, 0, 1}, {0, 0, 0.1}}), {.restitution = 0.5});
+    const Trajectory run = simulate(scene, {.until = 0.6});
+    ASSERT_EQ(run.events().size(), 1u);
+    EXPECT_NEAR(run.events().times("impact", hit).at(0), std::sqrt(1.0 / gravity), 1e-12);
+    EXPECT_NEAR(run.events()[0].push[2], 1.5 * std::sqrt(gravity), 1e-12);
+    EXPECT_LT(run[table].velocity(0.6).norm() + run[table].angular_velocity(0.6).norm(), 1e-13);
+    for (const auto leg : legs) EXPECT_EQ(run[leg].state(0.6), "slides");
+}
+
 TEST(Contacts, refuse_what_they_cannot_do) {
     Scene scene(down);
     const auto ball = scene.add(Particle{1.0}, FreeStart{.position = {0, 0, -1}});

@@ -189,6 +189,21 @@ RBDYN_INLINE std::vector<double> TreeModel::strike(double t, std::span<double> x
     return impulses;
 }
 
+RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std::span<const double> x) const {
+    const mechanics::TreeState state = look(mode, t, x);
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    const double size = size_of(contact, state.moving);
+    for (const int i : {c.a.body, c.b.body}) {
+        if (i < 0) continue;
+        const mechanics::TreeState::Body& b = state.bodies[at(i)];
+        const double mass = static_cast<double>(tree_->node(i).mass), force = b.effort.force.norm(),
+                     kinetic = mass * b.velocity.squaredNorm() + state.moving[at(i)].omega.dot(b.spin_momentum);
+        if (b.acceleration.norm() * mass * size + b.spin_rate.norm() > 1e-11 * force * size) return false;
+        if (kinetic > 1e-22 * force * size) return false;
+    }
+    return true;
+}
+
 RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                                     const std::vector<int>& doubtful) const {
     for (const int k : candidates) mode.slip[at(k)] = flies;
@@ -233,7 +248,8 @@ RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, c
                 const bool fired = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end();
                 sign = leading_sign(closed, t, x, guard.output, fired ? 1 : 0);
             }
-        if (sign >= 0) mode = std::move(closed);
+        // where nothing moves, what changes a force that is zero is rounding
+        if (sign >= 0 || stands(closed, k, t, x)) mode = std::move(closed);
     }
 }
 
@@ -272,10 +288,17 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         ++after.jumps;
         const auto motion = moving(t, x);
         const auto rows = conditions_->rows<double>(*tree_, motion);
+        // what impulses make of velocities, and take again, leaves its rounding
+        const auto made = coupling(all, closed);
+        const auto struck_size = [&](int k) {
+            const auto i = static_cast<std::size_t>(std::find(closed.begin(), closed.end(), k) - closed.begin());
+            double size = std::max(speed_of(k, motion), speed_of(k, all));
+            for (std::size_t j = 0; j < closed.size(); ++j) size += std::abs(made[i][j] * impulses[at(closed[j])]);
+            return size;
+        };
         std::erase_if(at_rest, [&](int k) {
             const double u = rate(rows, motion, k);
-            const bool opens = u > 1e-13 * std::max(speed_of(k, motion), speed_of(k, all)) &&
-                               (impulses[at(k)] <= 0.0 || restitution[at(k)] > 0.0);
+            const bool opens = u > 1e-13 * struck_size(k) && (impulses[at(k)] <= 0.0 || restitution[at(k)] > 0.0);
             if (opens) after.slip[at(k)] = flies;
             return opens;
         });

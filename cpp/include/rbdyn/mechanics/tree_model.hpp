@@ -97,6 +97,8 @@ private:
     /// have if all were open. `doubtful`: those whose force is at zero, however rounding has it.
     void settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                 const std::vector<int>& doubtful) const;
+    /// Whether the bodies of a contact are at rest and stay so, but for rounding.
+    bool stands(const Mode& mode, int contact, double t, std::span<const double> x) const;
     /// The velocities after what strikes at an instant; returns the impulse of each contact.
     std::vector<double> strike(double t, std::span<double> x, const std::vector<int>& struck,
                                const std::vector<double>& restitution) const;

@@ -432,7 +432,11 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                        mass > 0.0 ? b.effort.force.norm() / mass : 0.0});
         if (!n.is_point) {
             for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) out.push_back({*axis, false, 1.0, 1.0});
-            out.push_back({m.omega, false, 0.0, m.omega.norm(), Alike::turning});
+            // what forces of this size would make of it: far below that it is rounding
+            const auto block = tree_->inertia_of<double>(i, m);
+            const double gyration = mass > 0.0 ? std::sqrt((block[0][0] + block[1][1] + block[2][2]) / mass) : 0.0,
+                         natural = gyration > 0.0 ? std::sqrt(b.effort.force.norm() / (mass * gyration)) : 0.0;
+            out.push_back({m.omega, false, 0.0, std::max(m.omega.norm(), natural), Alike::turning});
         }
         const bool is_free =
             n.joint.as<mechanics::FreePointLaw>() != nullptr || n.joint.as<mechanics::FreeBodyLaw>() != nullptr;
@@ -443,7 +447,11 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     }
     for (int k = 0; k < contacts(); ++k) {
         const ContactReport c = state.contacts[at(k)];
-        out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
+        // a difference of what acts on what it joins
+        double effort = c.force.norm();
+        for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})
+            if (i >= 0) effort = std::max(effort, state.bodies[at(i)].effort.force.norm());
+        out.push_back({c.force, false, 0.0, effort, Alike::force});
     }
     for (const ConstraintReport& c : state.constraints) {
         out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
