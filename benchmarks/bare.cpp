@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <rbdyn/expression/evaluate.hpp>
+#include <rbdyn/expression/series_evaluator.hpp>
 #include <rbdyn/rbdyn.hpp>
 #include <vector>
 

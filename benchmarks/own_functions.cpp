@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <rbdyn/expression/evaluate.hpp>
 #include <rbdyn/rbdyn.hpp>
 #include <string>
 #include <vector>
