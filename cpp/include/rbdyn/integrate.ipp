@@ -78,8 +78,8 @@ RBDYN_INLINE std::string culprit(const HybridModel& model, const Record& record)
 
 RBDYN_INLINE std::string broken_off(const HybridModel& model, const Record& record) {
     std::string message = "simulate: " + std::string(name_of(record.status)) + " at t = " + text(record.end.hi) + " s";
-    if (record.status == Status::not_finite)
-        if (const std::string name = culprit(model, record); !name.empty()) message += ": " + name;
+    const std::string name = record.status == Status::not_finite ? culprit(model, record) : record.not_finite;
+    if (!name.empty()) message += ": " + name;
     return message + ". " + std::string(advice(record.status));
 }
 

@@ -263,10 +263,6 @@ TEST(Contacts, refuse_what_they_cannot_do) {
                   scene.contact(ball, Plane{{0, 0, 1}}, {.restitution = 1.5});
               }).find("restitution is 1.5"),
               std::string::npos);
-    Scene rough(down);
-    rough.contact(rough.add(Particle{1.0}), Plane{{0, 0, 1}}, {.friction = Coulomb{0.5}});
-    EXPECT_NE(refusal([&] { simulate(rough, {.until = 1.0}); }).find("friction at contacts is not simulated"),
-              std::string::npos);
 }
 
 }  // namespace contacts

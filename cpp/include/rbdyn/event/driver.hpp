@@ -47,6 +47,9 @@ private:
     /// A guard is not finite any more.
     void break_off(Record& record, Instant t) const;
 
+    /// No motion satisfies the laws.
+    void give_up(Record& record, const Mode& mode, Instant t) const;
+
     void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x, std::vector<bool> handled,
                bool begins = false);
 

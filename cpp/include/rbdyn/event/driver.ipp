@@ -60,6 +60,7 @@ RBDYN_INLINE void Driver::advance(Record& record, Instant& t, std::vector<double
         if (x[i] != record.first_state[i]) low[i] = 0.0;
     record.first_state = x;
     if (keep_.what == Keep::What::times) winding_ = model_.winding(t.hi, x);
+    if (!mode.impossible.empty()) return give_up(record, mode, t);
     enter(record, mode, t, x, {}, true);
     if (!low.empty() && !mode.still) engine_.carry(low);
     bool fresh = true, begins = true;
@@ -127,13 +128,14 @@ RBDYN_INLINE void Driver::advance(Record& record, Instant& t, std::vector<double
         if (std::any_of(happenings.begin(), happenings.end(),
                         [](const Happening& h) { return h.kind == EventKind::singular; }))
             return finish(record, t, Status::not_finite);
+        if (!after.impossible.empty()) return give_up(record, after, t);
         // the guards just handled are at their zero, whatever rounding makes of them: those of the same equations,
         // those of the same surface in others, and watched functions
         std::vector<bool> handled(after.equations->guards.size(), false);
         for (int index : search_.fired()) {
             const Guard& guard = before->guards[static_cast<std::size_t>(index)];
             if (guard.watch < 0) {
-                if (after.equations == before) handled[static_cast<std::size_t>(index)] = true;
+                if (after.equations == before && !guard.renews) handled[static_cast<std::size_t>(index)] = true;
                 if (const auto surface = before->surface_of(guard))
                     for (std::size_t g = 0; g < handled.size(); ++g)
                         handled[g] = handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
@@ -190,6 +192,12 @@ RBDYN_INLINE void Driver::break_off(Record& record, Instant t) const {
     if (guard.kind != EventKind::watch && guard.subject >= 0)
         record.not_finite += " (body " + std::to_string(guard.subject + 1) + ")";
     finish(record, t, Status::not_finite);
+}
+
+RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode, Instant t) const {
+    record.not_finite = mode.impossible;
+    if (record.modes.empty()) record.modes.push_back(model_.undecided());
+    finish(record, t, Status::inconsistent);
 }
 
 RBDYN_INLINE void Driver::enter(Record& record, const Mode& mode, Instant t, std::span<const double> x,

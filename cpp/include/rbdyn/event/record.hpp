@@ -34,7 +34,7 @@ public:
     double start = 0.0;
     Instant end;
     Status status = Status::reached_end;
-    std::string not_finite;  // what is that, if it is known where it came up
+    std::string not_finite;  // what is not finite, or has no motion, if it is known where it came up
     std::vector<Mode> modes;
     std::vector<Event> events;
     std::optional<Instant> doubt;  // from there on rounding alone decided which events follow

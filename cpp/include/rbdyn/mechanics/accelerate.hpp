@@ -79,6 +79,37 @@ std::vector<S> solve_definite(std::vector<std::vector<S>> a, std::vector<S> b, s
     return b;
 }
 
+/// x of A x = b by elimination in the order given, without pivots. `pivots`: the diagonal that is left; `driven`: b
+/// before x is put back. Rows that are zero give zero.
+template <class S>
+std::vector<S> solve_in_order(std::vector<std::vector<S>> a, std::vector<S> b, std::vector<S>& pivots,
+                              std::vector<S>& driven) {
+    const std::size_t n = b.size();
+    for (std::size_t j = 0; j < n; ++j) {
+        pivots.push_back(a[j][j]);
+        if (is_nothing(a[j][j])) {
+            b[j] = S(0.0);
+            continue;
+        }
+        const S inverse = S(1.0) / a[j][j];
+        for (std::size_t i = j + 1; i < n; ++i) {
+            if (is_nothing(a[i][j])) continue;
+            const S factor = a[i][j] * inverse;
+            for (std::size_t k = j + 1; k < n; ++k)
+                if (!is_nothing(a[j][k])) a[i][k] -= factor * a[j][k];
+            b[i] -= factor * b[j];
+        }
+    }
+    driven = b;
+    for (std::size_t j = n; j-- > 0;) {
+        if (is_nothing(a[j][j])) continue;
+        for (std::size_t k = j + 1; k < n; ++k)
+            if (!is_nothing(a[j][k])) b[j] -= a[j][k] * b[k];
+        b[j] = b[j] / a[j][j];
+    }
+    return b;
+}
+
 template <class S>
 class Accelerate {
 public:

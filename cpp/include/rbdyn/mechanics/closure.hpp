@@ -144,10 +144,11 @@ private:
 
 }  // namespace closing
 
-/// Which of some rows are used: as many as are independent where the tree is, by pivots of J M^-1 J^T.
+/// Which of some rows are used: as many as are independent where the tree is, by pivots of J M^-1 J^T. `first`: of that
+/// many of them, which come first, as many as there can be.
 [[gnu::cold]] std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
                                                 const std::vector<int>& candidates,
-                                                const std::vector<Moving<double>>& all);
+                                                const std::vector<Moving<double>>& all, std::size_t first = 0);
 
 /// How rows that are not used depend on those that are: for each a combination of all rows that is zero, its own part
 /// 1. Rows that do nothing are none of them.
@@ -159,19 +160,24 @@ std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions&
 [[gnu::cold]] double close(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows, double t,
                            std::vector<DoubleDouble>& x, int most = 12);
 
-/// The same after every step, and |q| = 1 of attitudes.
+/// The same after every step, and |q| = 1 of attitudes. What is held by friction has rows of velocities and one of its
+/// gap that are not the same.
 class TreeProjection : public Projection {
 public:
+    /// `rows`: of velocities; `closed`: of gaps.
     TreeProjection(std::shared_ptr<const Tree> tree, std::shared_ptr<const Conditions> conditions,
-                   std::vector<int> rows)
-        : tree_(std::move(tree)), conditions_(std::move(conditions)), rows_(std::move(rows)) {}
+                   std::vector<int> rows, std::vector<int> closed)
+        : tree_(std::move(tree)),
+          conditions_(std::move(conditions)),
+          rows_(std::move(rows)),
+          closed_(std::move(closed)) {}
 
     void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
 
 private:
     std::shared_ptr<const Tree> tree_;
     std::shared_ptr<const Conditions> conditions_;
-    std::vector<int> rows_;
+    std::vector<int> rows_, closed_;
 };
 
 }  // namespace mechanics

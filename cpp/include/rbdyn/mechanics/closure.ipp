@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace rbdyn::inline RBDYN_FORM::mechanics {
 
 RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
                                                const std::vector<int>& candidates,
-                                               const std::vector<Moving<double>>& all) {
+                                               const std::vector<Moving<double>>& all, std::size_t first) {
     auto a = closing::Responses(tree, conditions, candidates, all).matrix();
     const std::size_t n = a.size();
     std::vector<double> own(n);
@@ -31,7 +32,7 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
     while (true) {
         std::size_t best = n;
         double most = rounding;
-        for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t i = 0; i < n && (i < first || best == n || best >= first); ++i)
             if (!is_used[i] && own[i] > 0.0 && a[i][i] / own[i] > most) {
                 // of equals the first
                 most = a[i][i] / own[i] * (1.0 + 1e-6);
@@ -113,18 +114,20 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
     for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
     const std::vector<Real> before = wide;
     closing::normalize<Real>(*tree_, wide);
-    if (!rows_.empty()) {
-        const closing::Responses now(*tree_, *conditions_, rows_,
-                                     closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
+    if (!rows_.empty() || !closed_.empty()) {
+        const auto at = closing::moving<double>(*tree_, t, {x.begin(), x.end()});
+        const closing::Responses now(*tree_, *conditions_, rows_, at);
+        const std::optional<closing::Responses> other =
+            rows_ == closed_ ? std::nullopt : std::make_optional<closing::Responses>(*tree_, *conditions_, closed_, at);
         // once is enough after a step of full accuracy
         double last = std::numeric_limits<double>::infinity();
         for (int pass = 0; pass < 3; ++pass) {
             const auto gaps = conditions_->gaps<Real>(*tree_, closing::moving<Real>(*tree_, t, wide));
-            const std::vector<double> asked = closing::chosen(gaps, rows_);
+            const std::vector<double> asked = closing::chosen(gaps, closed_);
             const double left = closing::largest(asked);
             if (left == 0.0 || left > 1e-3 * last) break;
             last = left;
-            closing::move<Real>(*tree_, now.changes(asked), wide);
+            closing::move<Real>(*tree_, (other ? *other : now).changes(asked), wide);
             if (left < 1e-9) break;
         }
         const auto moved = closing::moving<Real>(*tree_, t, wide);

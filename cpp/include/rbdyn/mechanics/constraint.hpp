@@ -54,10 +54,17 @@ public:
     [[gnu::cold]] Conditions(const Scene& scene, const Tree& tree, const std::vector<Moving<DoubleDouble>>& start);
 
     const std::vector<Condition>& all() const { return conditions_; }
-    /// What touches: of each one row, its gap, behind those of the constraints.
+    /// What touches: of each one row, its gap, behind those of the constraints; behind them of each three, the velocity
+    /// of what is held by friction along the world's axes.
     const std::vector<ContactLaw>& contacts() const { return contacts_; }
-    int rows() const { return rows_ + static_cast<int>(contacts_.size()); }
+    int rows() const { return rows_ + (is_rough_ ? 4 : 1) * static_cast<int>(contacts_.size()); }
     int constraint_rows() const { return rows_; }
+    int normal_row(int contact) const { return rows_ + contact; }
+    int held_row(int contact, int axis) const {
+        return rows_ + static_cast<int>(contacts_.size()) + 3 * contact + axis;
+    }
+    /// Whether any contact has friction.
+    bool is_rough() const { return is_rough_; }
     bool empty() const { return conditions_.empty() && contacts_.empty(); }
 
     /// All rows where the tree is.
@@ -97,10 +104,12 @@ public:
                 rows.push_back(row);
             }
         }
-        for (const ContactLaw& c : contacts_) {
-            const Touching<S> touching = c.touching<S>(tree, all);
-            rows.push_back(touching.row(touching.normal, touching.normal_rate));
-        }
+        std::vector<Touching<S>> touching;
+        for (const ContactLaw& c : contacts_) touching.push_back(c.touching<S>(tree, all));
+        for (const Touching<S>& t : touching) rows.push_back(t.row(t.normal, t.normal_rate));
+        if (is_rough_)
+            for (const Touching<S>& t : touching)
+                for (int axis = 0; axis < 3; ++axis) rows.push_back(t.row(axis));
         return rows;
     }
 
@@ -181,6 +190,7 @@ private:
     std::vector<Condition> conditions_;
     std::vector<ContactLaw> contacts_;
     int rows_ = 0;
+    bool is_rough_ = false;
 };
 
 }  // namespace mechanics

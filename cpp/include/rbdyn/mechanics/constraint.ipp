@@ -25,6 +25,10 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     ContactLaw c;
     c.name = touch.name;
     c.restitution = touch.options.restitution;
+    if (const auto& friction = touch.options.friction) {
+        c.mu_static = friction->mu_static;
+        c.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
+    }
     const auto from_held = [&](int body, const Vector3& p) {
         const Node& n = tree.node(body);
         return Anchor{body, n.is_point ? Vector3Of<DoubleDouble>{} : n.from_held(p)};
@@ -123,7 +127,10 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
         rows_ += c.rows();
         conditions_.push_back(std::move(c));
     }
-    for (const Scene::Touch& touch : scene.contacts()) contacts_.push_back(contacts::law_of(touch, tree));
+    for (const Scene::Touch& touch : scene.contacts()) {
+        contacts_.push_back(contacts::law_of(touch, tree));
+        is_rough_ = is_rough_ || contacts_.back().is_rough();
+    }
 }
 
 RBDYN_INLINE double Conditions::gap(const Tree& tree, int index, const std::vector<Moving<double>>& all) const {

@@ -21,6 +21,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/given.hpp"
 #include "rbdyn/mechanics/accelerate.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/tree.hpp"
@@ -41,11 +42,28 @@ struct Touching {
     /// The condition on accelerations along a direction that turns at a rate.
     Row<S> row(const Vector3Of<S>& along, const Vector3Of<S>& along_rate) const {
         Row<S> r{a, b, {}, {}, dot<S>(along, bias) + dot<S>(along_rate, velocity)};
-        r.on_a.force = along;
-        r.on_a.moment = cross<S>(arm_a, along);
-        r.on_b.force = -along;
-        r.on_b.moment = -cross<S>(arm_b, along);
+        r.on_a = on_a(along);
+        r.on_b = on_b(along);
         return r;
+    }
+    /// Along an axis of the world.
+    Row<S> row(int axis) const {
+        Vector3Of<S> e = none<S>();
+        e[axis] = S(1.0);
+        return row(e, none<S>());
+    }
+    /// What a force on a, from b, does to each.
+    Wrench<S> on_a(const Vector3Of<S>& force) const { return wrench(arm_a, force); }
+    Wrench<S> on_b(const Vector3Of<S>& force) const { return wrench(arm_b, -force); }
+    /// The velocity along the surface.
+    Vector3Of<S> slip() const { return velocity - normal * dot<S>(normal, velocity); }
+
+private:
+    static Wrench<S> wrench(const Vector3Of<S>& arm, const Vector3Of<S>& force) {
+        Wrench<S> w;
+        w.force = force;
+        w.moment = cross<S>(arm, force);
+        return w;
     }
 };
 
@@ -61,6 +79,9 @@ struct ContactLaw {
     Vector3Of<DoubleDouble> axis{}, normal{};  // of a disc, axes of a; of a plane, axes of b
     Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
     double restitution = 0.0;
+    Given mu_static, mu_dynamic;
+
+    bool is_rough() const { return !mu_static.is_zero(); }
 
     template <class S>
     Touching<S> touching(const Tree& tree, const std::vector<Moving<S>>& all) const {

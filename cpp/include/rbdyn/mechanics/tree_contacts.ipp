@@ -27,8 +27,22 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE std::vector<int> TreeModel::rows_in(const Mode& mode) const {
     std::vector<int> rows = rows_;
     for (int k = 0; k < contacts(); ++k)
-        if (mode.slip[at(k)] == pushes) rows.push_back(conditions_->constraint_rows() + k);
+        if (mode.slip[at(k)] == pushes || mechanics::contact_state::slides(mode.slip[at(k)]))
+            rows.push_back(conditions_->normal_row(k));
+    for (int k = 0; k < contacts(); ++k)
+        for (int axis = 0; axis < 3; ++axis)
+            if (mechanics::contact_state::is_row(mode.slip[at(k)], axis))
+                rows.push_back(conditions_->held_row(k, axis));
     return rows;
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::closed_in(const Mode& mode,
+                                                   const std::vector<mechanics::Moving<double>>& all) const {
+    if (!conditions_->is_rough()) return rows_in(mode);
+    std::vector<int> rows = rows_;
+    for (int k = 0; k < contacts(); ++k)
+        if (mode.slip[at(k)] != flies && mode.slip[at(k)] != rests) rows.push_back(conditions_->normal_row(k));
+    return mechanics::independent_rows(*tree_, *conditions_, rows, all, rows_.size());
 }
 
 RBDYN_INLINE double TreeModel::size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const {
@@ -83,31 +97,37 @@ RBDYN_INLINE std::pair<std::vector<double>, std::vector<double>> TreeModel::open
     const auto rows = conditions_->rows<double>(*tree_, state.moving);
     std::pair<std::vector<double>, std::vector<double>> result;
     for (const int k : of) {
-        const mechanics::Row<double>& row = rows[at(conditions_->constraint_rows() + k)];
-        double sum = row.bias, size = std::abs(row.bias);
-        const auto take = [&](int body, const Wrench<double>& on) {
-            if (body < 0) return;
-            const mechanics::Moving<double>& m = state.moving[at(body)];
-            const mechanics::TreeState::Body& b = state.bodies[at(body)];
-            const mechanics::Twist<double> linear{b.angular_acceleration - m.bias_turn, b.origin_acceleration - m.bias};
-            sum += mechanics::power(linear, on);
-            size += b.angular_acceleration.norm() * on.moment.norm() + b.origin_acceleration.norm() +
-                    m.bias_turn.norm() * on.moment.norm() + m.bias.norm();
-        };
-        take(row.a, row.on_a);
-        take(row.b, row.on_b);
+        const auto [sum, size] = acceleration_along(rows[at(conditions_->normal_row(k))], state);
         result.first.push_back(sum);
         result.second.push_back(1e-13 * size);
     }
     return result;
 }
 
+RBDYN_INLINE std::pair<double, double> TreeModel::acceleration_along(const mechanics::Row<double>& row,
+                                                                     const mechanics::TreeState& state) {
+    double sum = row.bias, size = std::abs(row.bias);
+    const auto take = [&](int body, const Wrench<double>& on) {
+        if (body < 0) return;
+        const mechanics::Moving<double>& m = state.moving[at(body)];
+        const mechanics::TreeState::Body& b = state.bodies[at(body)];
+        const mechanics::Twist<double> linear{b.angular_acceleration - m.bias_turn, b.origin_acceleration - m.bias};
+        sum += mechanics::power(linear, on);
+        size += b.angular_acceleration.norm() * on.moment.norm() + b.origin_acceleration.norm() +
+                m.bias_turn.norm() * on.moment.norm() + m.bias.norm();
+    };
+    take(row.a, row.on_a);
+    take(row.b, row.on_b);
+    return {sum, size};
+}
+
 RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> x) const {
     const std::vector<int> rows = rows_in(mode);
     if (rows.empty()) return;
     std::vector<double> low(x.size(), 0.0);
-    const mechanics::TreeProjection projection(tree_, conditions_, rows);
+    const mechanics::TreeProjection projection(tree_, conditions_, rows, closed_in(mode, moving(t, x)));
     projection.apply(x, low, 0.0, t);
+    if (holds_all(rows)) std::fill(x.begin() + tree_->positions(), x.end(), 0.0);
 }
 
 RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of) const {
@@ -144,7 +164,7 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         const double height = 0.5 * u * u / -w[i], next = 2.0 * u / -w[i];
         if (height > lowest_bounce * epsilon * gap_size && next > 64.0 * epsilon * std::abs(t)) return {};
         // bounces get shorter by the coefficient of restitution, or as the last one did
-        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[at(contacts())];
+        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
         const double ratio = e > 0.0 ? e : last > 0.0 ? next / last : 1.0;
         if (ratio >= 1.0) return {};
         remaining = std::max(remaining, next / (1.0 - ratio));
@@ -261,30 +281,44 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     const auto rate = [&](const auto& rows, const auto& motion, int k) {
         return mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], motion);
     };
-    std::vector<int> closed, landing, doubtful;
+    std::vector<int> closed;
+    Fired events;
     for (int k = 0; k < contacts(); ++k) {
-        bool has_fired = false;
         for (const int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
             if (guard.contact != k) continue;
-            has_fired = true;
-            (guard.kind == EventKind::land ? landing : doubtful).push_back(k);
+            (guard.kind == EventKind::land       ? events.landing
+             : guard.kind == EventKind::detach   ? events.doubtful
+             : guard.kind == EventKind::slip     ? events.breaking
+             : guard.kind == EventKind::stick    ? events.stopping
+             : guard.kind == EventKind::singular ? events.singular
+                                                 : events.turning)
+                .push_back(k);
         }
-        const bool is_closed = mode.slip[at(k)] != flies;
+        const bool is_closed = mode.slip[at(k)] != flies, has_fired = events.has(k);
         // what comes to its surface at this very instant strikes with the others
         const bool is_there = !is_closed && !has_fired &&
                               std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
                               rate(before, all, k) < 0.0;
-        if (is_there) landing.push_back(k);
+        if (is_there) events.landing.push_back(k);
         if (is_closed || has_fired || is_there) closed.push_back(k);
     }
+    const std::vector<int>& landing = events.landing;
+    const auto settle_all = [&](const std::vector<int>& candidates, const Fired& all_events) {
+        if (conditions_->is_rough())
+            settle_rough(mode, after, t, x, candidates, all_events);
+        else
+            settle(after, t, x, candidates, all_events.doubtful);
+    };
     std::vector<int> at_rest = closed, group;
     std::vector<double> impulses(at(contacts()), 0.0);
-    double remaining = 0.0;
+    std::vector<Vector3> pushed;
+    double remaining = 0.0, lowered = 1.0;
     if (!landing.empty()) {
         std::vector<double> restitution;
         for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
-        impulses = strike(t, x, closed, restitution);
+        impulses = conditions_->is_rough() ? strike_rough(mode, t, x, closed, pushed, lowered)
+                                           : strike(t, x, closed, restitution);
         ++after.jumps;
         const auto motion = moving(t, x);
         const auto rows = conditions_->rows<double>(*tree_, motion);
@@ -302,18 +336,19 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             if (opens) after.slip[at(k)] = flies;
             return opens;
         });
-        settle(after, t, x, at_rest, doubtful);
+        settle_all(at_rest, events);
         group = accumulating(after, t, x, closed, remaining);
-        after.memory[at(contacts())] = t;
+        after.memory[0] = t;
         if (!group.empty()) {
             // what is left of their bounces is less than rounding: none of them moves any more
             at_rest.insert(at_rest.end(), group.begin(), group.end());
             stop(t, x, at_rest);
-            settle(after, t, x, at_rest, {});
+            settle_all(at_rest, {});
         }
     } else {
-        settle(after, t, x, at_rest, doubtful);
+        settle_all(at_rest, events);
     }
+    if (!after.impossible.empty()) return;
     hold(after, t, x);
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
@@ -333,10 +368,16 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                     {}};
         h.contact = k;
         h.impulse = impulses[at(k)];
-        h.push = conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse;
+        h.push = pushed.empty()
+                     ? Vector3(conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse)
+                     : pushed[at(k)];
+        if (comes && lowered < 1.0)
+            h.name = "restitution lowered to " + text(lowered * conditions_->contacts()[at(k)].restitution) +
+                     ": more would gain energy";
         if (last) h.later = remaining;
         happenings.push_back(std::move(h));
     }
+    if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);
     std::sort(happenings.begin(), happenings.end(), [&](const Happening& a, const Happening& b) {
         if (a.kind != b.kind) return a.kind < b.kind;
         return a.contact >= 0 && b.contact >= 0 &&

@@ -12,7 +12,9 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/exert.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_state.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -83,12 +85,17 @@ private:
 
     std::vector<signed char> kind_of(const Mode& mode) const override { return mode.slip; }
 
-    // --- contacts: open (flies), closed and pushing (1), closed and in no need of a force of its own (rests) ---
+    // --- contacts (contact_state.hpp) ---
 
-    static constexpr signed char pushes = 1, rests = 3;
+    static constexpr signed char pushes = mechanics::contact_state::pushes, rests = mechanics::contact_state::rests;
     int contacts() const { return static_cast<int>(conditions_->contacts().size()); }
-    /// The rows that are used in a mode: of constraints, and of contacts that push.
+    bool is_rough(int contact) const { return conditions_->contacts()[at(contact)].is_rough(); }
+    /// The rows that are used in a mode: of constraints, of contacts that push, and of what friction holds.
     std::vector<int> rows_in(const Mode& mode) const;
+    /// The gaps that are held at zero in a mode.
+    std::vector<int> closed_in(const Mode& mode, const std::vector<mechanics::Moving<double>>& all) const;
+    /// Whether friction and constraints leave nothing that could move.
+    bool holds_all(const std::vector<int>& rows) const;
     /// How large what a contact joins is [m]: gaps far below that are none.
     double size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
     /// How fast they move at most [m/s].
@@ -102,6 +109,39 @@ private:
     /// The velocities after what strikes at an instant; returns the impulse of each contact.
     std::vector<double> strike(double t, std::span<double> x, const std::vector<int>& struck,
                                const std::vector<double>& restitution) const;
+    // --- friction at contacts (tree_friction.ipp) ---
+
+    /// What has fired of contacts.
+    struct Fired {
+        std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
+        bool has(int contact) const;
+    };
+    /// Some contacts at a state where they touch: each smooth one, and each that slides, with one unknown force, the
+    /// others with three, and what these do to each other.
+    struct Touched;
+    Touched touched(const Mode& before, const std::vector<mechanics::Moving<double>>& all,
+                    const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes) const;
+    /// The same as settle() where there is friction: which contacts push, slide, are held or open. May find that no
+    /// motion satisfies the laws.
+    void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                      const Fired& fired) const;
+    /// One turn of it: with some held contacts that break.
+    void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
+                         const std::vector<int>& candidates, const std::vector<int>& stopped,
+                         std::vector<int> breaking) const;
+    /// The rows of what is held, and the forces along axes that have none.
+    void hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
+                          const std::vector<mechanics::Moving<double>>& all) const;
+    /// As strike(), with friction. `pushed`: the impulse on the first side of each contact [N s]; `lowered`: the part
+    /// of all restitution that is left, for more would gain energy.
+    std::vector<double> strike_rough(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
+                                     std::vector<Vector3>& pushed, double& lowered) const;
+    /// What became of contacts that were closed and are.
+    void tell_friction(const Mode& mode, const Mode& after, const Fired& fired,
+                       const std::vector<mechanics::Moving<double>>& before,
+                       const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
+    void own_parameters(Mode& mode, std::span<const double> x) const override;
+
     /// Takes from the velocities what moves contacts.
     void stop(double t, std::span<double> x, const std::vector<int>& of) const;
     /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are
@@ -111,6 +151,9 @@ private:
                                   const std::vector<int>& closed, double& remaining) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static constexpr double lowest_bounce = 65536.0;  // in units of the rounding of the gap
+    /// What a row has of acceleration at a state, and the size of what that is made of.
+    static std::pair<double, double> acceleration_along(const mechanics::Row<double>& row,
+                                                        const mechanics::TreeState& state);
     /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
     std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
                                                                 const std::vector<int>& of) const;

@@ -59,11 +59,6 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                                ": beside bodies that are joined to bodies a Rail is smooth, holds on both sides and is "
                                "fixed in its parent in this version");
     }
-    for (const Scene::Touch& c : scene.contacts())
-        if (c.options.friction && c.options.friction->present())
-            throw InvalidInput(c.name +
-                               ": friction at contacts is not simulated in this version; leave it out, or guide "
-                               "a Particle by a rough Rail");
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
     conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
@@ -239,7 +234,7 @@ RBDYN_INLINE ConstraintReport TreeModel::constraint(const Mode& mode, int index,
 
 RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, double t, std::span<const double> x) const {
     ContactReport report = look(mode, t, x).contacts[at(index)];
-    if (mode.slip[at(index)] != flies) report.state = "slides";
+    report.state = mechanics::contact_state::word(mode.slip[at(index)]);
     return report;
 }
 
@@ -340,8 +335,8 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
 RBDYN_INLINE Mode TreeModel::undecided() const {
     Mode mode;
     mode.slip.assign(at(contacts()), flies);
-    // when anything struck last
-    mode.memory.assign(at(contacts() + 1), -std::numeric_limits<double>::infinity());
+    mode.memory.assign(conditions_->is_rough() ? mechanics::ContactMemory::place(contacts()) : 1, 0.0);
+    mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
 }
 
@@ -370,7 +365,13 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     std::vector<double> restitution;
     for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
     if (!closed.empty()) {
-        strike(t, x, closed, restitution);
+        const Mode as_it_was = mode;
+        std::vector<Vector3> pushed;
+        double lowered = 1.0;
+        if (conditions_->is_rough())
+            strike_rough(as_it_was, t, x, closed, pushed, lowered);
+        else
+            strike(t, x, closed, restitution);
         std::vector<int> at_rest;
         const auto then = moving(t, x);
         const auto later = conditions_->rows<double>(*tree_, then);
@@ -378,11 +379,14 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
             if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
                 1e-12 * speed_of(k, then))
                 at_rest.push_back(k);
-        settle(mode, t, x, at_rest, {});
+        if (conditions_->is_rough())
+            settle_rough(as_it_was, mode, t, x, at_rest, {});
+        else
+            settle(mode, t, x, at_rest, {});
     } else {
         choose(mode, t, x, {});
     }
-    hold(mode, t, x);
+    if (mode.impossible.empty()) hold(mode, t, x);
     return mode;
 }
 
@@ -475,14 +479,15 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     const recording::WideFolding all_digits;
     Recorder r;
     r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
-    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows);
+    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows, mode.slip);
     const int n = variables();
+    const bool stands_still = holds_all(rows);
     auto result = written(
         r, n, state.decided.sliding, [&] { return tree.laws(); },
         [&](EquationsWriter& write, std::span<const Expression> values) {
             tree.take(values);
-            for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
-            tree.touch(write, mode.slip);
+            for (int i = 0; i < n; ++i) write.rate(i) = stands_still ? Expression(0.0) : values[at(i)];
+            tree.touch(write);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
             return tree_->groups();
@@ -490,11 +495,11 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     if (!result) return result;
     bool turns = false;
     for (int i = 0; i < bodies(); ++i) turns = turns || has_angles(i);
-    if (turns || !rows.empty())
-        result->equations.projection = [tree = tree_, conditions = conditions_, rows](
-
-                                           std::span<const double>, std::span<const double>) {
-            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows);
+    const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));
+    if ((turns || !rows.empty() || !closed.empty()) && !stands_still)
+        result->equations.projection = [tree = tree_, conditions = conditions_, rows, closed](std::span<const double>,
+                                                                                              std::span<const double>) {
+            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed);
         };
     return result;
 }

@@ -121,12 +121,13 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             const auto touching = conditions.contacts()[k].touching<double>(tree, moving);
             ContactReport report;
             report.gap = touching.gap;
-            report.force = touching.normal * multipliers[at(r)];
-            report.slip = touching.velocity - touching.normal * touching.normal.dot(touching.velocity);
+            report.force = conditions.is_rough() ? vector() : Vector3(touching.normal * multipliers[at(r)]);
+            if (conditions.is_rough()) next += 2;
+            report.slip = touching.slip();
             report.place = touching.place;
             report.normal = touching.normal;
-            if (row.a >= 0) add<double>(held[at(row.a)], row.on_a, multipliers[at(r)]);
-            if (row.b >= 0) add<double>(held[at(row.b)], row.on_b, multipliers[at(r)]);
+            if (row.a >= 0) add<double>(held[at(row.a)], touching.on_a(report.force), 1.0);
+            if (row.b >= 0) add<double>(held[at(row.b)], touching.on_b(report.force), 1.0);
             contacts.push_back(report);
         }
     }

@@ -10,6 +10,8 @@
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/contact.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/exert.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/model/equations_writer.hpp"
@@ -25,20 +27,37 @@ class TreeWriter {
 public:
     using S = Expression;
 
+    /// `rows`: those used; `states`: what each contact does. Of each rough one that is closed the mode has parameters,
+    /// the numbers of its ContactMemory, the first of all.
     TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
-               const std::vector<int>& rows);
+               const std::vector<int>& rows, const std::vector<signed char>& states);
 
     /// The rates of all variables, and what acts, in the layout of tree_state.hpp.
     std::vector<S> laws();
     /// Takes them as they are in the motion, each distinction weighed once.
     void take(std::span<const S> values) { values_.assign(values.begin(), values.end()); }
-    /// The guards of contacts: what comes to touch, and what would have to pull. `states`: of each contact.
-    void touch(EquationsWriter& write, const std::vector<signed char>& states) const;
+    /// The guards of contacts: what comes to touch, what would have to pull, and what friction does next.
+    void touch(EquationsWriter& write) const;
     /// The guards of watched functions.
     void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    /// A rough contact that is closed.
+    struct Friction {
+        Vector3Of<S> axis = none<S>(), force = none<S>();  // of its ContactMemory
+        S least = S(0.0);
+        Vector3Of<S> along = none<S>();  // the direction it slides in
+        S speed = S(0.0);                // in that direction
+    };
+    /// The place among the values of what a rough contact does: its force (3), and where it slides numerator and
+    /// denominator of N.
+    std::size_t place(int contact) const { return values_.size() - 5 * (touching_.size() - at(contact)); }
+    std::size_t first_multiplier() const {
+        return values_.size() - rows_.size() - (conditions_.is_rough() ? 5 * touching_.size() : 0);
+    }
+    Vector3Of<S> vector_at(std::size_t i) const { return {values_[i], values_[i + 1], values_[i + 2]}; }
+    void guard_friction(EquationsWriter& write, int contact) const;
     /// What a watched function asks for.
     S observed(const Observable& o) const;
     /// A vector among what acts, by its place behind the rates.
@@ -54,6 +73,9 @@ private:
     const Conditions& conditions_;
     const Exerted& exerted_;
     const std::vector<int>& rows_;
+    const std::vector<signed char>& states_;
+    std::vector<Touching<S>> touching_;
+    std::vector<Friction> friction_;  // of each contact
     std::vector<S> q_, v_, values_;
     std::vector<Moving<S>> moving_;
 };

@@ -3,6 +3,8 @@
 
 #include "rbdyn/mechanics/tree_writer.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,13 +18,41 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
+namespace tree_writers {
+
+/// The direction across a normal that an axis has.
+inline Vector3Of<Expression> unit_along(const Vector3Of<Expression>& axis, const Vector3Of<Expression>& normal) {
+    const Vector3Of<Expression> along = cross<Expression>(axis, normal);
+    return along * (Expression(1.0) / sqrt(dot<Expression>(along, along)));
+}
+
+}  // namespace tree_writers
+
 RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
-                                    const std::vector<int>& rows)
-    : r_(r), tree_(tree), conditions_(conditions), exerted_(exerted), rows_(rows) {
+                                    const std::vector<int>& rows, const std::vector<signed char>& states)
+    : r_(r), tree_(tree), conditions_(conditions), exerted_(exerted), rows_(rows), states_(states) {
     const recording::WideFolding all_digits;
     for (int i = 0; i < tree.positions(); ++i) q_.push_back(r.input(i));
     for (int i = 0; i < tree.velocities(); ++i) v_.push_back(r.input(tree.positions() + i));
     moving_ = tree.moving<S>(r.time(), q_.data(), v_.data());
+    friction_.resize(states.size());
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        touching_.push_back(conditions.contacts()[k].touching<S>(tree, moving_));
+        if (!conditions.contacts()[k].is_rough() || states[k] == flies) continue;
+        S numbers[ContactMemory::numbers];
+        for (S& one : numbers) one = r.parameter(r.new_parameter());
+        Friction& f = friction_[k];
+        f.axis = {numbers[0], numbers[1], numbers[2]};
+        f.least = numbers[3];
+        f.force = {numbers[4], numbers[5], numbers[6]};
+        if (!contact_state::slides(states[k])) continue;
+        const Vector3Of<S> slip = touching_[k].slip(), last = tree_writers::unit_along(f.axis, touching_[k].normal);
+        f.along = last;
+        f.speed = dot<S>(last, slip);
+        if (states[k] != contact_state::turning) continue;
+        f.speed = sqrt(dot<S>(slip, slip));
+        f.along = slip * (S(1.0) / f.speed);
+    }
 }
 
 RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
@@ -51,22 +81,65 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         w.moment -= acts.wrenches[at(i)].moment;
         left.push_back(w);
     }
+    // held by friction along axes that have no rows
+    for (std::size_t k = 0; k < states_.size(); ++k)
+        if (contact_state::is_held(states_[k])) {
+            Vector3Of<S> force = friction_[k].force;
+            for (int axis = 0; axis < 3; ++axis)
+                if (contact_state::is_row(states_[k], axis)) force[axis] = S(0.0);
+            const Touching<S>& t = touching_[k];
+            if (t.a >= 0) add<S>(left[at(t.a)], t.on_a(force), S(-1.0));
+            if (t.b >= 0) add<S>(left[at(t.b)], t.on_b(force), S(-1.0));
+        }
     const Accelerate<S> tree = accelerate<S>(tree_, moving_);
-    std::vector<S> u = tree.driven(std::move(left), acts.joints), multipliers;
+    std::vector<S> u = tree.driven(std::move(left), acts.joints), multipliers(rows_.size(), S(0.0));
+    std::vector<S> numerators(states_.size(), S(0.0)), denominators(states_.size(), S(0.0));
     if (!rows_.empty()) {
         const auto all = conditions_.rows<S>(tree_, moving_);
-        std::vector<Accelerate<S>::Sparse> responses;
+        // what slides comes last: its force is not along its row, and what is left of the others is definite
+        std::vector<std::size_t> order, sliding;
+        std::vector<int> contact;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const int k = rows_[i] - conditions_.constraint_rows();
+            const bool slides = k >= 0 && at(k) < states_.size() && contact_state::slides(states_[at(k)]);
+            (slides ? sliding : order).push_back(i);
+            if (slides) contact.push_back(k);
+        }
+        const std::size_t first = order.size();
+        order.insert(order.end(), sliding.begin(), sliding.end());
+        std::vector<Accelerate<S>::Sparse> responses, pushes;
         std::vector<S> b;
-        for (const int r : rows_) {
-            responses.push_back(tree.response(all[at(r)]));
-            b.push_back(-(all[at(r)].bias + tree.along(responses.back(), u)));
+        for (const std::size_t i : order) {
+            const Row<S>& row = all[at(rows_[i])];
+            responses.push_back(tree.response(row));
+            b.push_back(-(row.bias + tree.along(responses.back(), u)));
+        }
+        pushes = responses;
+        for (std::size_t j = first; j < order.size(); ++j) {
+            const std::size_t k = at(contact[j - first]);
+            const S mu = conditions_.contacts()[k].mu_dynamic.in<S>();
+            const Vector3Of<S> force = touching_[k].normal - friction_[k].along * mu;
+            pushes[j] = tree.response(touching_[k].row(force, none<S>()));
         }
         std::vector<std::vector<S>> a(b.size(), std::vector<S>(b.size(), S(0.0)));
         for (std::size_t i = 0; i < b.size(); ++i)
-            for (std::size_t j = 0; j <= i; ++j) a[i][j] = tree.between(responses[i], responses[j]);
-        multipliers = solve_definite<S>(std::move(a), std::move(b));
-        for (std::size_t j = 0; j < multipliers.size(); ++j)
-            for (const auto& [n, one] : responses[j]) u[at(n)] += one * multipliers[j];
+            for (std::size_t j = 0; j < (sliding.empty() ? i + 1 : b.size()); ++j)
+                a[i][j] = tree.between(responses[i], pushes[j]);
+        std::vector<S> found;
+        if (sliding.empty()) {
+            found = solve_definite<S>(std::move(a), std::move(b));
+        } else {
+            std::vector<S> pivots, driven;
+            found = solve_in_order<S>(std::move(a), std::move(b), pivots, driven);
+            for (std::size_t j = first; j < order.size(); ++j) {
+                numerators[at(contact[j - first])] = driven[j];
+                denominators[at(contact[j - first])] = pivots[j];
+            }
+        }
+        for (std::size_t j = 0; j < found.size(); ++j) {
+            multipliers[order[j]] = found[j];
+            for (const auto& [n, one] : pushes[j]) u[at(n)] += one * found[j];
+        }
     }
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
@@ -89,23 +162,88 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     values.insert(values.end(), acts.powers.begin(), acts.powers.end());
     values.insert(values.end(), acts.joints.begin(), acts.joints.end());
     values.insert(values.end(), multipliers.begin(), multipliers.end());
+    if (!conditions_.is_rough()) return values;
+    for (std::size_t k = 0; k < states_.size(); ++k) {
+        Vector3Of<S> force = contact_state::is_held(states_[k]) ? friction_[k].force : none<S>();
+        const int contact = static_cast<int>(k);
+        for (std::size_t r = 0; r < rows_.size(); ++r) {
+            for (int axis = 0; axis < 3; ++axis)
+                if (rows_[r] == conditions_.held_row(contact, axis)) force[axis] = multipliers[r];
+            if (rows_[r] != conditions_.normal_row(contact)) continue;
+            force = touching_[k].normal;
+            if (contact_state::slides(states_[k]))
+                force = force - friction_[k].along * conditions_.contacts()[k].mu_dynamic.in<S>();
+            force = force * multipliers[r];
+        }
+        put(force);
+        values.push_back(numerators[k]);
+        values.push_back(denominators[k]);
+    }
     return values;
 }
 
-RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write, const std::vector<signed char>& states) const {
+RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     const recording::WideFolding all_digits;
-    const std::size_t first = values_.size() - rows_.size();
-    for (std::size_t k = 0; k < states.size(); ++k) {
+    for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
-        const int contact = static_cast<int>(k), row = conditions_.constraint_rows() + contact;
-        if (states[k] == flies)
-            write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name},
-                        c.touching<S>(tree_, moving_).gap);
+        const int contact = static_cast<int>(k);
+        if (states_[k] == flies)
+            write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name}, touching_[k].gap);
+        if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k])) {
+            guard_friction(write, contact);
+            continue;
+        }
         for (std::size_t r = 0; r < rows_.size(); ++r)
-            if (rows_[r] == row)
+            if (rows_[r] == conditions_.normal_row(contact))
                 write.guard({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
-                            values_[first + r]);
+                            values_[first_multiplier() + r]);
     }
+}
+
+RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact) const {
+    const ContactLaw& c = conditions_.contacts()[at(contact)];
+    const Touching<S>& t = touching_[at(contact)];
+    const Friction& f = friction_[at(contact)];
+    const signed char state = states_[at(contact)];
+    const std::size_t first = place(contact);
+    const Vector3Of<S> force = vector_at(first);
+    const Guard leaves{.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
+        turns{.kind = EventKind::switching,
+              .contact = contact,
+              .name = "direction of the slip of " + c.name,
+              .renews = true};
+    const S normal = dot<S>(t.normal, force);
+    if (contact_state::is_held(state)) {
+        // the world's axes have it whole: no square root, and no direction where nothing acts along the surface
+        write.guard(leaves, normal);
+        if (!std::isfinite(static_cast<double>(c.mu_static))) return;
+        const S limit = c.mu_static.in<S>() * normal;
+        const Vector3Of<S> along = force - t.normal * normal;
+        write.guard({.kind = EventKind::slip, .contact = contact, .name = "friction of " + c.name},
+                    limit * limit - dot<S>(along, along));
+        return;
+    }
+    // N is a quotient: what slides alone leaves where its numerator ends, and there is no N where its denominator does
+    const auto slides = [](signed char s) { return contact_state::slides(s); };
+    const bool is_alone = std::count_if(states_.begin(), states_.end(), slides) == 1;
+    write.guard(leaves, is_alone ? values_[first + 3] : normal);
+    write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name}, values_[first + 4]);
+    const Vector3Of<S> slip = t.slip();
+    const Guard stops{.kind = EventKind::stick, .contact = contact, .name = "slip of " + c.name};
+    if (state == contact_state::turning) {
+        write.guard(stops, dot<S>(slip, slip) / f.least - f.least);
+        // a direction is not followed past a speed of zero: there the series of |u| goes on with another sign
+        write.guard(turns, dot<S>(tree_writers::unit_along(f.axis, t.normal), slip) - S(0.875) * f.speed);
+        return;
+    }
+    write.guard(stops, f.speed);
+    if (state == contact_state::brief) {
+        write.guard(turns, S(2.0) * f.least - f.speed);
+        return;
+    }
+    const S across = dot<S>(cross<S>(t.normal, f.along), slip);
+    write.guard(turns, f.least - across);
+    write.guard(turns, f.least + across);
 }
 
 RBDYN_INLINE void TreeWriter::watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const {
@@ -160,13 +298,22 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction(int body) const {
     w.moment -= acting(12 * body + 3);
     if (!rows_.empty()) {
         const auto all = conditions_.rows<S>(tree_, moving_);
-        const std::size_t first = values_.size() - rows_.size();
+        const std::size_t first = first_multiplier();
         for (std::size_t k = 0; k < rows_.size(); ++k) {
+            // what rough contacts do comes whole
+            if (conditions_.is_rough() && rows_[k] >= conditions_.constraint_rows()) continue;
             const Row<S>& row = all[at(rows_[k])];
             if (row.a == body) add<S>(w, row.on_a, S(-values_[first + k]));
             if (row.b == body) add<S>(w, row.on_b, S(-values_[first + k]));
         }
     }
+    if (conditions_.is_rough())
+        for (std::size_t k = 0; k < touching_.size(); ++k) {
+            const Touching<S>& t = touching_[k];
+            const Vector3Of<S> force = vector_at(place(static_cast<int>(k)));
+            if (t.a == body) add<S>(w, t.on_a(force), S(-1.0));
+            if (t.b == body) add<S>(w, t.on_b(force), S(-1.0));
+        }
     for (int child = body + 1; child < tree_.size(); ++child)
         if (tree_.node(child).parent == body)
             add<S>(w, about<S>(reaction(child), Vector3Of<S>(moving_[at(child)].place - m.place)), S(1.0));
@@ -175,7 +322,7 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction(int body) const {
 
 RBDYN_INLINE Wrench<Expression> TreeWriter::reaction_alone(int body) const {
     Wrench<S> w = reaction(body);
-    const std::size_t first = values_.size() - rows_.size() - at(tree_.velocities());
+    const std::size_t first = first_multiplier() - at(tree_.velocities());
     const Moving<S>& m = moving_[at(body)];
     for (std::size_t k = 0; k < m.joint.size(); ++k)
         add<S>(w, Wrench<S>{m.joint[k].move, m.joint[k].turn}, S(-values_[first + at(tree_.node(body).v) + k]));

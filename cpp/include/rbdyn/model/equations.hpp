@@ -65,6 +65,7 @@ struct Guard {
     int branch = -1, step = 0;                         // the branch whose choice moves by a step where it fires
     int sliding = -1;                                  // the sliding surface that is left where it fires, to side step
     std::shared_ptr<const Locator> locator = nullptr;  // finds it, if there is no output
+    bool renews = false;                               // where it fires its parameters change, and its value with them
 
     bool is_watched() const { return watch >= 0 || role == GuardRole::record; }
 };

@@ -25,7 +25,8 @@ struct Mode {
     const Equations* equations = nullptr;
     bool still = false;               // nothing can move or happen in this mode
     int jumps = 0;                    // how often the state has jumped so far
-    std::vector<double> memory = {};  // of what has struck: one number a contact
+    std::vector<double> memory = {};  // of contacts: when they struck, how they slide (mechanics/contact_state.hpp)
+    std::string impossible = {};      // why no motion satisfies the laws from here on; empty if one does
 };
 
 /// Something that happened at an event.

@@ -156,7 +156,8 @@ RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
     }
     for (const Scene::Touch& c : scene.contacts()) {
         left.only_weight = false;
-        left.energy = left.energy && c.options.restitution == 1.0;
+        left.energy =
+            left.energy && c.options.restitution == 1.0 && !(c.options.friction && c.options.friction->present());
         if (body_of(c.b) < 0) left.push_anyhow();
     }
     for (const auto& c : scene.connections())

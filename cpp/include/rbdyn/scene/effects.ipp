@@ -83,11 +83,34 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
         for (const std::string_view effect : couplings::effects_of(c.coupling)) found.push_back(effect);
     note(!scene.contacts().empty(), "contact");
     note(!scene.contacts().empty(), "impact");
+    for (const Scene::Touch& c : scene.contacts()) {
+        if (!c.options.friction) continue;
+        note(c.options.friction->dynamic() > 0.0, "dynamic friction");
+        note(c.options.friction->mu_static > 0.0, "static friction");
+    }
     std::vector<std::string> result;
     for (const std::string_view name : acting::names)
         if (std::find(found.begin(), found.end(), name) != found.end()) result.emplace_back(name);
     return result;
 }
+
+namespace acting {
+
+inline std::optional<Coulomb> without(const std::optional<Coulomb>& friction, const std::string& name,
+                                      const std::vector<std::string>& gone) {
+    if (!friction) return friction;
+    const auto is_gone = [&](std::string_view effect) {
+        return std::find(gone.begin(), gone.end(), effect) != gone.end();
+    };
+    const Given dynamic = is_gone("dynamic friction") ? Given(0.0) : friction->mu_dynamic.value_or(friction->mu_static);
+    if (is_gone("static friction") && dynamic > 0.0)
+        require(friction->mu_static > dynamic, name, "mu_static", friction->mu_static,
+                "beside dynamic friction there is as much static friction, and here there is no more; take "
+                "\"dynamic friction\" away too");
+    return Coulomb{is_gone("static friction") ? dynamic : friction->mu_static, dynamic};
+}
+
+}  // namespace acting
 
 RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
     const std::vector<std::string> present = effects_of(*this);
@@ -149,6 +172,7 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
     if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))
         for (Body& b : result.bodies_)
             if (b.rail() != nullptr) b.joint = without(*b.rail(), b.name, gone);
+    for (Touch& c : result.contacts_) c.options.friction = acting::without(c.options.friction, c.name, gone);
     if (is_gone("rotation")) result.hold_attitudes();
     return result;
 }
@@ -157,17 +181,7 @@ RBDYN_INLINE Rail Scene::without(const Rail& rail, const std::string& name, cons
     const auto is_gone = [&](std::string_view effect) {
         return std::find(gone.begin(), gone.end(), effect) != gone.end();
     };
-    std::optional<Coulomb> friction = rail.friction();
-    if (friction) {
-        const Given dynamic =
-            is_gone("dynamic friction") ? Given(0.0) : friction->mu_dynamic.value_or(friction->mu_static);
-        if (is_gone("static friction") && dynamic > 0.0)
-            require(friction->mu_static > dynamic, name, "mu_static", friction->mu_static,
-                    "beside dynamic friction there is as much static friction, and here there is no more; take "
-                    "\"dynamic friction\" away too");
-        friction = Coulomb{is_gone("static friction") ? dynamic : friction->mu_static, dynamic};
-    }
-    return Rail(rail.curve(), friction,
+    return Rail(rail.curve(), acting::without(rail.friction(), name, gone),
                 {.drive = is_gone("drive") ? TimeFunction() : rail.drive(),
                  .motion = is_gone("moving rail") ? RigidMotion() : rail.motion(),
                  .side = rail.side(),

@@ -60,10 +60,8 @@ RBDYN_INLINE void Coulomb::give(GivenNumbers& numbers) const {
 }
 
 RBDYN_INLINE void Coulomb::validate() const {
-    require(std::isfinite(mu_static) && mu_static >= 0.0, "Coulomb", "mu_static", mu_static,
-            "a friction coefficient is zero or positive and finite");
-    require(std::isfinite(dynamic()) && dynamic() >= 0.0, "Coulomb", "mu_dynamic", dynamic(),
-            "a friction coefficient is zero or positive and finite");
+    require(mu_static >= 0.0, "Coulomb", "mu_static", mu_static, "a friction coefficient is zero or positive");
+    require(dynamic() >= 0.0, "Coulomb", "mu_dynamic", dynamic(), "a friction coefficient is zero or positive");
     require(dynamic() <= mu_static, "Coulomb", "mu_dynamic", dynamic(),
             "the dynamic coefficient is at most the static one, which is " + text(mu_static.now()) +
                 "; exchange them, or make them equal");
@@ -71,7 +69,11 @@ RBDYN_INLINE void Coulomb::validate() const {
 
 RBDYN_INLINE Rail::Rail(Curve curve, std::optional<Coulomb> friction, RailOptions options)
     : curve_(std::move(curve)), friction_(friction), options_(std::move(options)) {
-    if (friction_) friction_->validate();
+    if (friction_) {
+        friction_->validate();
+        require(std::isfinite(static_cast<double>(friction_->mu_static)), "Rail", "mu_static", friction_->mu_static,
+                "on a rail a friction coefficient is finite; what never slips is at rest on it");
+    }
     if (options_.drive.is_constant())
         require(std::isfinite(options_.drive.constant()), "Rail", "drive", options_.drive.constant(),
                 "the speed of a rail's surface is finite; give it in m/s");

@@ -1,0 +1,53 @@
+// What a contact does in a mode, as its number in Mode::slip, and what a mode remembers of it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/model/hybrid.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+/// Open (flies); closed and smooth: it pushes, or is in no need of a force of its own. Closed and rough: it slides, in
+/// a direction that stays what it is across the normal, in one that turns, or, where the speed is so small that its
+/// direction is rounding, in the last direction there was; or it is held, along those of the world's axes that are
+/// rows of their own.
+namespace contact_state {
+
+inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, held = 8;
+
+inline bool slides(signed char state) { return state >= straight && state <= brief; }
+inline bool is_held(signed char state) { return state >= held; }
+/// Whether what is held is so by a row of its own along an axis of the world.
+inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
+inline const char* word(signed char state) { return state == flies ? "open" : is_held(state) ? "sticks" : "slides"; }
+
+}  // namespace contact_state
+
+/// Mode::memory: when anything struck last [s], then of each contact what follows.
+struct ContactMemory {
+    static constexpr int numbers = 7;
+
+    Vector3 axis = Vector3::Zero();   // it slides along axis x normal
+    double least = 0.0;               // a speed below which the direction of sliding is rounding [m/s]
+    Vector3 force = Vector3::Zero();  // that it exerts along axes that are no rows of their own [N]
+
+    static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }
+    static ContactMemory of(const std::vector<double>& memory, int contact) {
+        const double* const m = memory.data() + place(contact);
+        return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}};
+    }
+    void put(std::vector<double>& memory, int contact) const {
+        double* const m = memory.data() + place(contact);
+        const double all[numbers] = {axis[0], axis[1], axis[2], least, force[0], force[1], force[2]};
+        for (int k = 0; k < numbers; ++k) m[k] = all[k];
+    }
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

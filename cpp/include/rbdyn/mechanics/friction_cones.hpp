@@ -1,0 +1,52 @@
+// Contacts with Coulomb's friction that push, hold, slide or open, together.
+//
+// Unknown are forces (or impulses) z of each contact, what follows is linear in them, w = A z + b: accelerations (or
+// velocities) along the normal and two directions across it. Of each contact (J. J. Moreau, Unilateral contact and dry
+// friction in finite freedom dynamics, 1988):
+//     open     N = 0, w_n >= 0
+//     held     w = 0, |T| <= mu N
+//     slides   w_n = 0, T = -mu N w_t / |w_t|
+// A contact that slides already has one unknown, N, in a direction that is not that of its row, n - mu d.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+using Square = std::vector<std::vector<double>>;
+
+/// One contact among the unknowns.
+struct Cone {
+    int first = 0;         // of its unknowns: normal, and two across it; or the normal alone
+    bool is_line = false;  // smooth, or sliding in a known direction
+    double mu = 0.0;
+};
+
+enum class ConeState { open, held, slides };
+
+struct ConeForces {
+    std::vector<double> force, rate;  // z, w
+    std::vector<ConeState> states;    // of each contact
+    bool is_solved = true;            // no: none was found
+};
+
+/// `noise`: of b, the sizes of its rounding.
+ConeForces solve_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                       const std::vector<Cone>& cones);
+
+/// Of forces z = z0 + sum of c_i directions_i those well inside of all cones and small: c. Empty if there are none
+/// inside. `size`: how large forces are here.
+std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,
+                                  const std::vector<Cone>& cones, double size);
+
+/// x of A x = b with pivots, and zero along what A leaves free.
+std::vector<double> solve_any(Square a, std::vector<double> b);
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,325 @@
+// Definitions of rbdyn/mechanics/friction_cones.hpp.
+#pragma once
+
+#include "rbdyn/mechanics/friction_cones.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+RBDYN_INLINE std::vector<double> solve_any(Square a, std::vector<double> b) {
+    const std::size_t n = b.size();
+    std::vector<std::size_t> row(n), column(n);
+    for (std::size_t i = 0; i < n; ++i) row[i] = column[i] = i;
+    double largest = 0.0;
+    std::size_t rank = 0;
+    for (; rank < n; ++rank) {
+        std::size_t r = rank, c = rank;
+        double most = 0.0;
+        for (std::size_t i = rank; i < n; ++i)
+            for (std::size_t j = rank; j < n; ++j)
+                if (const double size = std::abs(a[row[i]][column[j]]); size > most) {
+                    most = size;
+                    r = i;
+                    c = j;
+                }
+        largest = std::max(largest, most);
+        if (!(most > 1e-12 * largest)) break;
+        std::swap(row[rank], row[r]);
+        std::swap(column[rank], column[c]);
+        for (std::size_t i = rank + 1; i < n; ++i) {
+            const double factor = a[row[i]][column[rank]] / a[row[rank]][column[rank]];
+            if (factor == 0.0) continue;
+            for (std::size_t j = rank; j < n; ++j) a[row[i]][column[j]] -= factor * a[row[rank]][column[j]];
+            b[row[i]] -= factor * b[row[rank]];
+        }
+    }
+    std::vector<double> x(n, 0.0);
+    for (std::size_t i = rank; i-- > 0;) {
+        double sum = b[row[i]];
+        for (std::size_t j = i + 1; j < rank; ++j) sum -= a[row[i]][column[j]] * x[column[j]];
+        x[column[i]] = sum / a[row[i]][column[i]];
+    }
+    return x;
+}
+
+namespace cones {
+
+using Three = std::array<double, 3>;
+
+/// The forces of one contact that hold it, those across it resisted by `more` besides: (W + diag(0, more, more)) z =
+/// -q.
+inline Three holding(const Square& a, std::size_t f, const Three& q, double more) {
+    Square w(3, std::vector<double>(3));
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) w[i][j] = a[f + i][f + j] + (i == j && i > 0 ? more : 0.0);
+    const std::vector<double> z = solve_any(std::move(w), {-q[0], -q[1], -q[2]});
+    return {z[0], z[1], z[2]};
+}
+
+inline double across(const Three& z) { return std::hypot(z[1], z[2]); }
+
+/// One contact alone, the others' forces given: its own force and state.
+inline std::pair<Three, ConeState> alone(const Square& a, std::size_t f, double mu, const Three& q, double noise) {
+    if (q[0] >= -noise || !(a[f][f] > 0.0)) return {{0.0, 0.0, 0.0}, ConeState::open};
+    const Three held = holding(a, f, q, 0.0);
+    if (held[0] > 0.0 && across(held) <= mu * held[0]) return {held, ConeState::held};
+    if (!std::isfinite(mu)) return {{0.0, 0.0, 0.0}, ConeState::open};
+    // it slides as if across it it were resisted by its speed: by how much is the root of |T| = mu N
+    const auto excess = [&](const Three& z) { return across(z) - mu * std::max(z[0], 0.0); };
+    double low = 0.0, high = 1e-3 * (a[f + 1][f + 1] + a[f + 2][f + 2]);
+    Three z = holding(a, f, q, high);
+    for (int i = 0; i < 200 && excess(z) > 0.0; ++i) {
+        low = high;
+        high *= 4.0;
+        z = holding(a, f, q, high);
+    }
+    double above = excess(low > 0.0 ? holding(a, f, q, low) : held), below = excess(z);
+    for (int i = 0; i < 200 && high - low > 4e-16 * high && below < 0.0; ++i) {
+        double middle = low + (high - low) * above / (above - below);
+        if (i % 3 == 2 || !(middle > low && middle < high)) middle = 0.5 * (low + high);
+        const Three tried = holding(a, f, q, middle);
+        const double now = excess(tried);
+        (now > 0.0 ? low : high) = middle;
+        (now > 0.0 ? above : below) = now;
+        if (now <= 0.0) z = tried;
+    }
+    return {z, ConeState::slides};
+}
+
+/// All at once, once it is known what each contact does. None if that is no solution.
+inline std::optional<ConeForces> together(const Square& a, const std::vector<double>& b,
+                                          const std::vector<double>& noise, const std::vector<Cone>& cones,
+                                          const ConeForces& found) {
+    // unknowns: of what is held its three, of what slides the normal one; each a combination of all forces
+    std::vector<std::vector<std::pair<std::size_t, double>>> columns;
+    std::vector<std::size_t> rows;
+    for (std::size_t k = 0; k < cones.size(); ++k) {
+        const auto f = static_cast<std::size_t>(cones[k].first);
+        if (found.states[k] == ConeState::open) continue;
+        if (found.states[k] == ConeState::held || cones[k].is_line) {
+            for (std::size_t i = 0; i < (cones[k].is_line ? 1U : 3U); ++i) {
+                columns.push_back({{f + i, 1.0}});
+                rows.push_back(f + i);
+            }
+            continue;
+        }
+        const double speed = std::hypot(found.rate[f + 1], found.rate[f + 2]);
+        if (!(speed > 0.0)) return std::nullopt;
+        columns.push_back({{f, 1.0},
+                           {f + 1, -cones[k].mu * found.rate[f + 1] / speed},
+                           {f + 2, -cones[k].mu * found.rate[f + 2] / speed}});
+        rows.push_back(f);
+    }
+    Square m(rows.size(), std::vector<double>(rows.size(), 0.0));
+    std::vector<double> right;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (std::size_t j = 0; j < rows.size(); ++j)
+            for (const auto& [n, part] : columns[j]) m[i][j] += a[rows[i]][n] * part;
+        right.push_back(-b[rows[i]]);
+    }
+    const std::vector<double> x = solve_any(std::move(m), std::move(right));
+    ConeForces result = found;
+    std::fill(result.force.begin(), result.force.end(), 0.0);
+    for (std::size_t j = 0; j < x.size(); ++j)
+        for (const auto& [n, part] : columns[j]) result.force[n] += part * x[j];
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        result.rate[i] = b[i];
+        for (std::size_t j = 0; j < b.size(); ++j) result.rate[i] += a[i][j] * result.force[j];
+    }
+    for (std::size_t k = 0; k < cones.size(); ++k) {
+        const auto f = static_cast<std::size_t>(cones[k].first);
+        if (found.states[k] == ConeState::open) {
+            if (result.rate[f] < -8.0 * noise[f]) return std::nullopt;
+            continue;
+        }
+        if (result.force[f] < 0.0) return std::nullopt;
+        for (std::size_t i = 0; i < (cones[k].is_line ? 1U : 3U); ++i) {
+            if (found.states[k] == ConeState::slides && i > 0) continue;
+            if (std::abs(result.rate[f + i]) > 1e3 * noise[f + i]) return std::nullopt;
+            result.rate[f + i] = 0.0;
+        }
+        if (found.states[k] == ConeState::held && !cones[k].is_line && std::isfinite(cones[k].mu) &&
+            std::hypot(result.force[f + 1], result.force[f + 2]) > cones[k].mu * result.force[f] * (1.0 + 1e-9))
+            return std::nullopt;
+    }
+    return result;
+}
+
+}  // namespace cones
+
+RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                                    const std::vector<Cone>& all) {
+    const std::size_t n = b.size();
+    ConeForces result{std::vector<double>(n, 0.0), b, std::vector<ConeState>(all.size(), ConeState::open), true};
+    std::vector<double>& z = result.force;
+    const auto driven = [&](std::size_t row, std::size_t first, std::size_t count) {
+        double sum = b[row];
+        for (std::size_t j = 0; j < n; ++j)
+            if (j < first || j >= first + count) sum += a[row][j] * z[j];
+        return sum;
+    };
+    // one contact after the other, until nothing changes
+    constexpr int most = 20000;
+    for (int sweep = 0; sweep < most; ++sweep) {
+        double change = 0.0, size = 0.0;
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            const auto f = static_cast<std::size_t>(all[k].first);
+            if (all[k].is_line) {
+                const double q = driven(f, f, 1);
+                const double force = q < -noise[f] && a[f][f] > 0.0 ? -q / a[f][f] : 0.0;
+                change = std::max(change, std::abs(force - z[f]));
+                size = std::max(size, std::abs(force));
+                z[f] = force;
+                result.states[k] = force > 0.0 ? ConeState::slides : ConeState::open;
+                if (!(a[f][f] > 0.0) && q < -noise[f]) result.is_solved = false;
+                continue;
+            }
+            const auto [force, state] =
+                cones::alone(a, f, all[k].mu, {driven(f, f, 3), driven(f + 1, f, 3), driven(f + 2, f, 3)}, noise[f]);
+            for (std::size_t i = 0; i < 3; ++i) {
+                change = std::max(change, std::abs(force[i] - z[f + i]));
+                size = std::max(size, std::abs(force[i]));
+                z[f + i] = force[i];
+            }
+            result.states[k] = state;
+        }
+        if (change <= 1e-15 * size) break;
+        // what takes long: by what each contact does so far
+        if (sweep % 50 != 49 && sweep != most - 1) continue;
+        for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
+        if (auto exact = cones::together(a, b, noise, all, result)) return *exact;
+        if (sweep == most - 1) result.is_solved = result.is_solved && change <= 1e-9 * size;
+    }
+    for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
+    if (auto exact = cones::together(a, b, noise, all, result)) return *exact;
+    return result;
+}
+
+RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,
+                                               const std::vector<Cone>& all, double size) {
+    // the least of |z|^2 / (2 size^2) - 0.1 sum log(mu^2 N^2 - |T|^2); first, with N + s in place of N, of s less ever
+    // less of the logarithms, until s is negative (S. Boyd and L. Vandenberghe, Convex Optimization, 2004, chapter 11)
+    const std::size_t count = directions.size();
+    double weight = 0.1;
+    std::vector<double> c(count + 1, 0.0);  // the last: s / size
+    const auto value_of = [&](const std::vector<double>& at, std::size_t row) {
+        double sum = z0[row] / size;
+        for (std::size_t i = 0; i < count; ++i) sum += at[i] * directions[i][row];
+        return sum;
+    };
+    const auto slope_of = [&](std::size_t row, std::size_t i, bool is_normal) {
+        return i < count ? directions[i][row] : is_normal ? 1.0 : 0.0;
+    };
+    // the value, and where asked its gradient and its second derivatives
+    const auto barrier = [&](const std::vector<double>& at, bool first, std::vector<double>* slope, Square* bend) {
+        double sum = first ? at[count] : 0.0;
+        if (slope != nullptr) {
+            slope->assign(count + 1, 0.0);
+            bend->assign(count + 1, std::vector<double>(count + 1, 0.0));
+            if (first) (*slope)[count] = 1.0;
+        }
+        const auto square = [&](std::size_t row, double times) {
+            const double v = value_of(at, row);
+            sum += 0.5 * times * v * v;
+            if (slope == nullptr) return;
+            for (std::size_t i = 0; i < count; ++i) {
+                (*slope)[i] += times * v * directions[i][row];
+                for (std::size_t j = 0; j < count; ++j)
+                    (*bend)[i][j] += times * directions[i][row] * directions[j][row];
+            }
+        };
+        const auto inside = [&](double q, const std::vector<double>& dq, const Square& ddq) {
+            if (!(q > 0.0)) return false;
+            sum -= weight * std::log(q);
+            if (slope == nullptr) return true;
+            for (std::size_t i = 0; i <= count; ++i) {
+                (*slope)[i] -= weight * dq[i] / q;
+                for (std::size_t j = 0; j <= count; ++j) (*bend)[i][j] += weight * (dq[i] * dq[j] / q - ddq[i][j]) / q;
+            }
+            return true;
+        };
+        for (const Cone& cone : all) {
+            const auto f = static_cast<std::size_t>(cone.first);
+            const std::size_t own = cone.is_line ? 1 : 3;
+            for (std::size_t i = 0; i < own; ++i) square(f + i, first ? 1e-2 * weight : 1.0);
+            const double normal = value_of(at, f) + (first ? at[count] : 0.0);
+            std::vector<double> dn(count + 1), dq(count + 1, 0.0);
+            for (std::size_t i = 0; i <= count; ++i) dn[i] = slope_of(f, i, true);
+            Square none(count + 1, std::vector<double>(count + 1, 0.0)), ddq = none;
+            if (!inside(normal, dn, none)) return std::pair(false, 0.0);
+            if (cone.is_line || !std::isfinite(cone.mu)) continue;
+            double q = cone.mu * cone.mu * normal * normal;
+            for (std::size_t i = 0; i <= count; ++i) {
+                dq[i] = 2.0 * cone.mu * cone.mu * normal * dn[i];
+                for (std::size_t j = 0; j <= count; ++j) ddq[i][j] = 2.0 * cone.mu * cone.mu * dn[i] * dn[j];
+            }
+            for (std::size_t k = 1; k < 3; ++k) {
+                const double v = value_of(at, f + k);
+                q -= v * v;
+                for (std::size_t i = 0; i <= count; ++i) {
+                    dq[i] -= 2.0 * v * slope_of(f + k, i, false);
+                    for (std::size_t j = 0; j <= count; ++j)
+                        ddq[i][j] -= 2.0 * slope_of(f + k, i, false) * slope_of(f + k, j, false);
+                }
+            }
+            if (!inside(q, dq, ddq)) return std::pair(false, 0.0);
+        }
+        return std::pair(true, sum);
+    };
+    const auto descend = [&](bool first) {
+        std::vector<double> slope;
+        Square bend;
+        for (int pass = 0; pass < 200; ++pass) {
+            const auto [is_in, now] = barrier(c, first, &slope, &bend);
+            if (!is_in) return false;
+            if (first && c[count] < 0.0) return true;
+            if (!first)
+                for (std::size_t i = 0; i <= count; ++i)
+                    bend[i][count] = bend[count][i] = slope[count] = i == count ? 1.0 : 0.0;
+            if (!first) slope[count] = 0.0;
+            std::vector<double> down;
+            for (const double s : slope) down.push_back(-s);
+            const std::vector<double> step = solve_any(bend, down);
+            double falls = 0.0;
+            for (std::size_t i = 0; i <= count; ++i) falls -= step[i] * slope[i];
+            if (falls < 1e-13 * (first ? weight : 1.0)) return !first;
+            double way = 1.0;
+            while (true) {
+                std::vector<double> next = c;
+                for (std::size_t i = 0; i <= count; ++i) next[i] += way * step[i];
+                const auto [is_there, value] = barrier(next, first, nullptr, nullptr);
+                if (is_there && value <= now - 0.1 * way * falls) {
+                    c = next;
+                    break;
+                }
+                way *= 0.5;
+                if (way < 1e-12) return !first;
+            }
+        }
+        return !first;
+    };
+    double lack = 0.0;
+    for (const Cone& cone : all) {
+        const auto f = static_cast<std::size_t>(cone.first);
+        const double across = cone.is_line ? 0.0 : std::hypot(z0[f + 1], z0[f + 2]) / size;
+        lack = std::max(lack, (std::isfinite(cone.mu) && cone.mu > 0.0 ? across / cone.mu : 0.0) - z0[f] / size);
+    }
+    c[count] = lack + 1.0;
+    while (!descend(true))
+        if ((weight *= 0.1) < 1e-14) return {};
+    c[count] = 0.0;
+    weight = 0.1;
+    if (!descend(false)) return {};
+    std::vector<double> result;
+    for (std::size_t i = 0; i < count; ++i) result.push_back(c[i] * size);
+    return result;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics

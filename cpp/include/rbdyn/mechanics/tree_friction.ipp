@@ -1,0 +1,498 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: friction at contacts.
+//
+// What some contacts do at an instant solves one problem (friction_cones.hpp), in impulses where they strike and in
+// forces otherwise. The static coefficient decides whether what is at rest is held, the dynamic one what it does when
+// it slides; of several that could be held all are, if any forces inside their cones hold them, and what breaks is what
+// slides where all others keep their static cones.
+//
+// A direction of slip is a function of the state where there is a speed. It stays what it is across the normal while
+// the motion is straight; where it turns it is u/|u|, which ends, or begins, at a speed of rounding: below 2^-43 of the
+// speeds that make it up the last direction is kept, and the speed along it passes zero like any other number. What
+// that leaves out is of second order in it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace friction {
+
+/// Two directions across a normal.
+inline std::pair<Vector3, Vector3> across(const Vector3& normal) {
+    Vector3 least = Vector3::Zero();
+    least[rbdyn::least(sizes(normal))] = 1.0;
+    const Vector3 first = normal.cross(least).normalized();
+    return {first, normal.cross(first)};
+}
+
+/// R M^-1 G^T between rows R and what pushes G, while constraints C hold: less R M^-1 C^T (C M^-1 C^T)^-1 C M^-1 G^T.
+class Coupled {
+public:
+    using Row = mechanics::Row<double>;
+
+    Coupled(const mechanics::Tree& tree, const std::vector<mechanics::Moving<double>>& all,
+            const std::vector<Row>& constraints, const std::vector<Row>& rows, const std::vector<Row>& pushes)
+        : tree_(tree), accelerate_(mechanics::accelerate<double>(tree, all)) {
+        for (const Row& r : constraints) held_.push_back(accelerate_.response(r));
+        for (const Row& r : rows) rows_.push_back(accelerate_.response(r));
+        for (const Row& r : pushes) pushes_.push_back(accelerate_.response(r));
+        for (const Sparse& c : held_) {
+            used_.emplace_back();
+            for (const Sparse& other : held_) used_.back().push_back(accelerate_.between(c, other));
+        }
+        for (const Sparse& push : pushes_) {
+            std::vector<double> b;
+            for (const Sparse& c : held_) b.push_back(-accelerate_.between(c, push));
+            answers_.push_back(mechanics::solve_definite<double>(used_, b));
+        }
+    }
+    mechanics::Square matrix() const {
+        mechanics::Square a(rows_.size(), std::vector<double>(pushes_.size()));
+        for (std::size_t i = 0; i < rows_.size(); ++i)
+            for (std::size_t j = 0; j < pushes_.size(); ++j) {
+                a[i][j] = accelerate_.between(rows_[i], pushes_[j]);
+                for (std::size_t k = 0; k < held_.size(); ++k)
+                    a[i][j] += accelerate_.between(rows_[i], held_[k]) * answers_[j][k];
+            }
+        return a;
+    }
+    /// The changes of velocity variables by what pushes.
+    std::vector<double> changes(const std::vector<double>& impulses) const {
+        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0);
+        const auto take = [&](const Sparse& one, double times) {
+            for (const auto& [n, part] : one) u[static_cast<std::size_t>(n)] += part * times;
+        };
+        for (std::size_t j = 0; j < pushes_.size(); ++j) {
+            take(pushes_[j], impulses[j]);
+            for (std::size_t k = 0; k < held_.size(); ++k) take(held_[k], answers_[j][k] * impulses[j]);
+        }
+        return mechanics::velocity_changes<double>(tree_, accelerate_.spread(u));
+    }
+
+private:
+    using Sparse = mechanics::Accelerate<double>::Sparse;
+    const mechanics::Tree& tree_;
+    mechanics::Accelerate<double> accelerate_;
+    std::vector<Sparse> held_, rows_, pushes_;
+    mechanics::Square used_, answers_;
+};
+
+}  // namespace friction
+
+struct TreeModel::Touched {
+    struct One {
+        int contact;
+        mechanics::Touching<double> at;
+        Vector3 slip, along = Vector3::Zero();  // u across the normal; its direction where it slides
+        bool slides = false;
+        Vector3 axes[3];  // of its unknowns: the normal, and two across it
+    };
+    std::vector<One> all;
+    std::vector<mechanics::Cone> cones;
+    std::vector<mechanics::Row<double>> rows, pushes;
+    mechanics::Square matrix;
+    std::vector<friction::Coupled> coupled;  // one
+};
+
+RBDYN_INLINE bool TreeModel::Fired::has(int contact) const {
+    for (const auto* list : {&landing, &doubtful, &breaking, &stopping, &turning, &singular})
+        if (std::find(list->begin(), list->end(), contact) != list->end()) return true;
+    return false;
+}
+
+RBDYN_INLINE bool TreeModel::holds_all(const std::vector<int>& rows) const {
+    if (!conditions_->is_rough() || static_cast<int>(rows.size()) != tree_->velocities() || tree_->velocities() == 0)
+        return false;
+    const auto is_driven = [](const mechanics::Node& n) { return n.joint.as<mechanics::DrivenLaw>() != nullptr; };
+    return std::none_of(tree_->nodes().begin(), tree_->nodes().end(), is_driven);
+}
+
+RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> /*x*/) const {
+    if (!conditions_->is_rough()) return;
+    std::size_t next = 0;
+    for (int k = 0; k < contacts(); ++k) {
+        if (!is_rough(k) || mode.slip[at(k)] == flies) continue;
+        const std::size_t from = mechanics::ContactMemory::place(k);
+        for (int i = 0; i < mechanics::ContactMemory::numbers; ++i) mode.parameters[next++] = mode.memory[from + at(i)];
+    }
+}
+
+RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
+                                                   const std::vector<mechanics::Moving<double>>& all,
+                                                   const std::vector<int>& contacts, const std::vector<int>& stopped,
+                                                   bool strikes) const {
+    Touched result;
+    for (const int k : contacts) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        Touched::One one{k, c.touching<double>(*tree_, all), {}, {}, false, {}};
+        const auto& t = one.at;
+        one.slip = t.slip();
+        one.axes[0] = t.normal;
+        std::tie(one.axes[1], one.axes[2]) = friction::across(t.normal);
+        const int first = static_cast<int>(result.rows.size());
+        if (c.is_rough() && !strikes) {
+            const double speed = one.slip.norm(),
+                         least =
+                             std::max(0x1p-43 * speed_of(k, all), mechanics::ContactMemory::of(before.memory, k).least);
+            one.slides = speed > least && std::find(stopped.begin(), stopped.end(), k) == stopped.end();
+            if (one.slides) one.along = one.slip / speed;
+        }
+        result.rows.push_back(t.row(t.normal, t.normal_rate));
+        result.pushes.push_back(result.rows.back());
+        if (one.slides) {
+            const double mu = c.mu_dynamic;
+            result.pushes.back() = t.row(Vector3(t.normal - one.along * mu), Vector3(Vector3::Zero()));
+        } else if (c.is_rough()) {
+            for (int i = 1; i < 3; ++i) {
+                result.rows.push_back(t.row(one.axes[i], Vector3(Vector3::Zero())));
+                result.pushes.push_back(result.rows.back());
+            }
+        }
+        result.cones.push_back({first, !c.is_rough() || one.slides, static_cast<double>(c.mu_static)});
+        if (strikes) result.cones.back().mu = c.mu_dynamic;
+        result.all.push_back(std::move(one));
+    }
+    const auto every = conditions_->rows<double>(*tree_, all);
+    std::vector<mechanics::Row<double>> constraints;
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    result.coupled.emplace_back(*tree_, all, constraints, result.rows, result.pushes);
+    result.matrix = result.coupled.front().matrix();
+    return result;
+}
+
+RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                          const std::vector<int>& candidates, const Fired& fired) const {
+    if (!fired.singular.empty()) {
+        mode.impossible = "the friction of " + conditions_->contacts()[at(fired.singular.front())].name +
+                          " leaves no force that keeps it sliding (Painleve)";
+        return;
+    }
+    const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
+                          !(fired.stopping.empty() && fired.turning.empty());
+    const auto is_turning = [&](int k) {
+        return mode.slip[at(k)] == mechanics::contact_state::turning &&
+               std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
+    };
+    // another form of the same motion: nothing happens
+    if (is_small && std::all_of(fired.stopping.begin(), fired.stopping.end(), is_turning)) {
+        const auto all = moving(t, x);
+        for (const auto* list : {&fired.turning, &fired.stopping})
+            for (const int k : *list) {
+                const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
+                mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
+                const Vector3 slip = touching.slip();
+                const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning,
+                           is_least = was_turning && !(slip.norm() > 1.5 * memory.least);
+                memory.axis = touching.normal.cross(slip).normalized();
+                memory.put(mode.memory, k);
+                mode.slip[at(k)] = is_least ? mechanics::contact_state::brief : mechanics::contact_state::turning;
+            }
+        choose(mode, t, x, {});
+        return;
+    }
+    std::vector<int> stopped = fired.stopping, breaking = fired.breaking;
+    for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
+        settle_breaking(before, mode, t, x, candidates, stopped, breaking);
+        if (!mode.impossible.empty()) return;
+        // on the edge of its cone it is held unless the next moment takes it out
+        int leaves = -1;
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        for (const Guard& guard : mode.equations->guards) {
+            if (guard.kind != EventKind::slip || guard.contact < 0 || guard.output < 0) continue;
+            if (values.output(guard.output) > 1e-13 * values.magnitude(guard.output)) continue;
+            if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.contact;
+        }
+        if (leaves < 0) return;
+        breaking.push_back(leaves);
+    }
+}
+
+RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                             const std::vector<int>& candidates, const std::vector<int>& stopped,
+                                             std::vector<int> breaking) const {
+    using mechanics::ConeState;
+    using namespace mechanics::contact_state;
+    for (const int k : candidates) mode.slip[at(k)] = flies;
+    choose(mode, t, x, {}, true);
+    if (candidates.empty()) return;
+    const mechanics::TreeState open = look(mode, t, x);
+    const auto& all = open.moving;
+    Touched touched = this->touched(before, all, candidates, stopped, false);
+    std::vector<double> b, noise;
+    for (const auto& row : touched.rows) {
+        const auto [sum, size] = acceleration_along(row, open);
+        b.push_back(sum);
+        noise.push_back(1e-14 * size);
+    }
+    const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
+    mechanics::ConeForces found;
+    while (true) {
+        for (std::size_t i = 0; i < candidates.size(); ++i) {
+            const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
+            touched.cones[i].mu = breaks(candidates[i]) ? c.mu_dynamic : c.mu_static;
+        }
+        found = mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
+        std::size_t more = breaking.size();
+        for (std::size_t i = 0; i < candidates.size(); ++i)
+            if (!touched.cones[i].is_line && found.states[i] == ConeState::slides && !breaks(candidates[i]))
+                breaking.push_back(candidates[i]);
+        if (breaking.size() == more) break;
+    }
+    if (!found.is_solved) {
+        std::string names;
+        for (const int k : candidates) names += (names.empty() ? "" : ", ") + conditions_->contacts()[at(k)].name;
+        mode.impossible = "no forces of contacts satisfy the laws of friction, of " + names;
+        return;
+    }
+    // sliding forces come first, then what is held
+    std::vector<int> sliding, rows = rows_;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const int k = candidates[i];
+        Touched::One& one = touched.all[i];
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        if (found.states[i] == ConeState::open) continue;
+        if (!is_rough(k)) {
+            rows.push_back(conditions_->normal_row(k));
+            continue;
+        }
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
+        const bool begins = !one.slides && (found.states[i] == ConeState::slides || breaks(k));
+        if (!one.slides && !begins) continue;
+        rows.push_back(conditions_->normal_row(k));
+        sliding.push_back(k);
+        // a motion that an impact or its own stop did not touch goes on in its form
+        if (one.slides && slides(before.slip[at(k)]) && before.jumps == mode.jumps) {
+            mode.slip[at(k)] = before.slip[at(k)];
+            continue;
+        }
+        if (begins) {
+            const Vector3 rate = one.axes[1] * found.rate[f + 1] + one.axes[2] * found.rate[f + 2],
+                          force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
+            one.along = (rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]) ? rate : Vector3(-force)).normalized();
+        }
+        double fastest = speed_of(k, all), size = 0.0;
+        for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j)
+            size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
+        memory.axis = one.at.normal.cross(one.along);
+        memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
+        memory.put(mode.memory, k);
+        mode.slip[at(k)] = straight;
+    }
+    const std::size_t first = rows.size();
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const int k = candidates[i];
+        if (touched.cones[i].is_line || found.states[i] != ConeState::held || breaks(k)) continue;
+        for (int axis = 0; axis < 3; ++axis) rows.push_back(conditions_->held_row(k, axis));
+        mode.slip[at(k)] = held;
+    }
+    const auto chosen = mechanics::independent_rows(*tree_, *conditions_, rows, all, first);
+    const auto is_chosen = [&](int row) { return std::binary_search(chosen.begin(), chosen.end(), row); };
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const int k = candidates[i];
+        if (mode.slip[at(k)] >= held) {
+            for (int axis = 0; axis < 3; ++axis)
+                if (is_chosen(conditions_->held_row(k, axis))) mode.slip[at(k)] += static_cast<signed char>(1 << axis);
+        } else if (!is_rough(k) && found.states[i] != ConeState::open) {
+            mode.slip[at(k)] = is_chosen(conditions_->normal_row(k)) ? pushes : rests;
+        } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
+            mode.impossible = "the forces of contacts that slide are not unique, and the motion depends on them, of " +
+                              conditions_->contacts()[at(k)].name;
+            return;
+        }
+    }
+    hold_by_friction(mode, touched, found.force, all);
+    choose(mode, t, x, {}, true);
+}
+
+RBDYN_INLINE void TreeModel::hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
+                                              const std::vector<mechanics::Moving<double>>& all) const {
+    using namespace mechanics::contact_state;
+    // forces along the axes of the world, from those that solve the problem: some along axes without rows are loose
+    std::vector<mechanics::Row<double>> rows, acting, loose_rows;
+    struct Place {
+        std::size_t one;
+        Vector3 along;
+    };
+    std::vector<Place> places, loose;
+    const auto every = conditions_->rows<double>(*tree_, all);
+    double size = 0.0;
+    std::vector<std::pair<int, int>> names;
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        const Touched::One& one = touched.all[i];
+        const signed char state = mode.slip[at(one.contact)];
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        if (state == pushes || slides(state)) {
+            const double mu =
+                slides(state) ? static_cast<double>(conditions_->contacts()[at(one.contact)].mu_dynamic) : 0.0;
+            const Vector3 along = one.at.normal - one.along * mu;
+            rows.push_back(every[at(conditions_->normal_row(one.contact))]);
+            acting.push_back(one.at.row(along, Vector3(Vector3::Zero())));
+            places.push_back({i, along});
+            size = std::max(size, std::abs(force[f]));
+        }
+        if (!is_held(state)) continue;
+        Vector3 whole = Vector3::Zero();
+        for (int j = 0; j < 3; ++j) whole += one.axes[j] * force[f + at(j)];
+        size = std::max(size, whole.norm());
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
+        memory.force = whole;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto& row = every[at(conditions_->held_row(one.contact, axis))];
+            Vector3 e = Vector3::Zero();
+            e[axis] = 1.0;
+            if (is_row(state, axis)) {
+                rows.push_back(row);
+                acting.push_back(row);
+                places.push_back({i, e});
+                memory.force[axis] = 0.0;
+            } else {
+                loose.push_back({i, e});
+                loose_rows.push_back(row);
+                names.emplace_back(one.contact, axis);
+            }
+        }
+        memory.put(mode.memory, one.contact);
+    }
+    if (loose.empty() || !(size > 0.0)) return;
+    // what a unit along each loose axis makes of all others
+    std::vector<mechanics::Row<double>> constraints;
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    const mechanics::Square a = friction::Coupled(*tree_, all, constraints, rows, acting).matrix(),
+                            by = friction::Coupled(*tree_, all, constraints, rows, loose_rows).matrix();
+    mechanics::Square directions;
+    std::vector<std::size_t> alive;
+    for (std::size_t l = 0; l < loose.size(); ++l) {
+        std::vector<double> right, direction(force.size(), 0.0);
+        double most = 0.0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            right.push_back(-by[i][l]);
+            most = std::max(most, std::abs(by[i][l]));
+        }
+        // along an axis that nothing can move along there is no force
+        if (!(most > 1e-13 * std::abs(a.empty() ? 0.0 : a[0][0]))) continue;
+        const std::vector<double> answer = mechanics::solve_any(a, right);
+        const auto put = [&](const Place& place, double times) {
+            const auto f = static_cast<std::size_t>(touched.cones[place.one].first);
+            if (touched.cones[place.one].is_line) {
+                direction[f] += times;
+                return;
+            }
+            for (int j = 0; j < 3; ++j) direction[f + at(j)] += times * touched.all[place.one].axes[j].dot(place.along);
+        };
+        put(loose[l], 1.0);
+        for (std::size_t i = 0; i < rows.size(); ++i) put(places[i], answer[i]);
+        directions.push_back(std::move(direction));
+        alive.push_back(l);
+    }
+    std::vector<mechanics::Cone> cones;
+    for (std::size_t i = 0; i < touched.cones.size(); ++i)
+        if (mode.slip[at(touched.all[i].contact)] != flies) cones.push_back(touched.cones[i]);
+    const std::vector<double> parts = mechanics::forces_inside(force, directions, cones, size);
+    for (std::size_t i = 0; i < loose.size(); ++i) {
+        const auto found = std::find(alive.begin(), alive.end(), i);
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
+        if (found == alive.end())
+            memory.force[names[i].second] = 0.0;
+        else if (!parts.empty())
+            memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
+        memory.put(mode.memory, names[i].first);
+    }
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,
+                                                         const std::vector<int>& struck, std::vector<Vector3>& pushed,
+                                                         double& lowered) const {
+    const auto all = moving(t, x);
+    const Touched touched = this->touched(before, all, struck, {}, true);
+    std::vector<double> u, b, noise, normal(at(contacts()), 0.0);
+    for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
+    for (std::size_t i = 0; i < struck.size(); ++i)
+        for (std::size_t j = 0; j < (touched.cones[i].is_line ? 1U : 3U); ++j)
+            noise.push_back(1e-15 * speed_of(struck[i], all));
+    const auto solved = [&](double part) {
+        b = u;
+        for (std::size_t i = 0; i < struck.size(); ++i) {
+            double& one = b[static_cast<std::size_t>(touched.cones[i].first)];
+            if (one < 0.0) one *= 1.0 + part * conditions_->contacts()[at(struck[i])].restitution;
+        }
+        return mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
+    };
+    // P (u+ + u-) / 2, and its size
+    const auto gain = [&](const std::vector<double>& impulses) {
+        std::pair<double, double> sum{0.0, 0.0};
+        for (std::size_t i = 0; i < u.size(); ++i) {
+            double after = u[i];
+            for (std::size_t j = 0; j < u.size(); ++j) after += touched.matrix[i][j] * impulses[j];
+            sum.first += 0.5 * impulses[i] * (after + u[i]);
+            sum.second += std::abs(impulses[i]) * (std::abs(after) + std::abs(u[i]));
+        }
+        return sum;
+    };
+    lowered = 1.0;
+    mechanics::ConeForces found = solved(1.0);
+    const auto [gained, size] = gain(found.force);
+    if (gained > 1e-13 * size) {
+        // Newton's law and friction together may gain energy: the largest part of e that gains none
+        double low = 0.0, high = 1.0;
+        for (int i = 0; i < 60 && high - low > 1e-16; ++i) {
+            const double middle = 0.5 * (low + high);
+            (gain(solved(middle).force).first > 0.0 ? high : low) = middle;
+        }
+        lowered = low;
+        found = solved(low);
+    }
+    pushed.assign(at(contacts()), Vector3::Zero());
+    for (std::size_t i = 0; i < struck.size(); ++i) {
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        normal[at(struck[i])] = found.force[f];
+        for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
+            pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
+    }
+    const std::vector<double> changes = touched.coupled.front().changes(found.force);
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    return normal;
+}
+
+RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, const Fired& fired,
+                                           const std::vector<mechanics::Moving<double>>& before,
+                                           const std::vector<mechanics::Moving<double>>& now,
+                                           std::vector<Happening>& happenings) const {
+    using namespace mechanics::contact_state;
+    for (int k = 0; k < contacts(); ++k) {
+        const signed char was = mode.slip[at(k)], is = after.slip[at(k)];
+        const bool stops = std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
+        std::optional<EventKind> kind;
+        if (slides(was) && is_held(is)) kind = EventKind::stick;
+        if (is_held(was) && slides(is)) kind = EventKind::slip;
+        if (slides(was) && slides(is) && stops && was != mechanics::contact_state::turning) {
+            const auto direction = [&](const Mode& m, const auto& all) {
+                const Vector3 normal = conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal;
+                return Vector3(mechanics::ContactMemory::of(m.memory, k).axis.cross(normal));
+            };
+            if (direction(mode, before).dot(direction(after, now)) < 0.5) kind = EventKind::reverse;
+        }
+        if (!kind) continue;
+        Happening h{*kind, -1, Direction::falling, {}};
+        h.contact = k;
+        happenings.push_back(std::move(h));
+    }
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
