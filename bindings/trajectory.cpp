@@ -148,7 +148,7 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
 
 py::tuple data_of(const Event& e) {
     return py::make_tuple(e.time, static_cast<int>(e.kind), e.subject, e.name, static_cast<int>(e.direction), e.impulse,
-                          e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push));
+                          e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push), e.note);
 }
 Event event_from(const py::handle& data) {
     const auto d = py::reinterpret_borrow<py::tuple>(data);
@@ -162,6 +162,7 @@ Event event_from(const py::handle& data) {
     e.instant = {d[6].cast<double>(), d[7].cast<double>()};
     if (d.size() > 8) e.contact = d[8].cast<int>();
     if (d.size() > 9) e.push = vector_from(d[9]);
+    if (d.size() > 10) e.note = d[10].cast<std::string>();
     return e;
 }
 bool same(const BoundEvent& a, const BoundEvent& b) {
@@ -217,6 +218,10 @@ void bind_events(py::module_& m) {
                                                                            : to_python(e.event.impulse));
             },
             "Of an impact [N s]: of a contact a vector (3,) on its first side, world axes, else its size.")
+        .def_property_readonly(
+            "note", [](const BoundEvent& e) { return e.event.note; },
+            "What else is to be said of it (that restitution was lowered, lest friction gain energy); empty if "
+            "nothing.")
         .def("__eq__",
              [](const BoundEvent& a, const py::object& b) {
                  return py::isinstance<BoundEvent>(b) && same(a, b.cast<const BoundEvent&>());

@@ -81,6 +81,11 @@ RBDYN_INLINE void Driver::advance(Record& record, Instant& t, std::vector<double
         const StepStatus step = engine_.step(until);
         if (step != StepStatus::ok) {
             if (!fresh) record.last_state(x);
+            if (std::string why = model_.impossible(mode, t.hi, x); !why.empty()) {
+                Mode after = mode;
+                after.impossible = std::move(why);
+                return give_up(record, after, t);
+            }
             if (++passes > max_crowded || !pass(record, mode, t, x, until))
                 return finish(record, t, Status::not_finite);
             fresh = true;
@@ -266,7 +271,7 @@ RBDYN_INLINE void Driver::rest(Record& record, Instant t, std::span<const double
 
 RBDYN_INLINE void Driver::note(Record& record, const Happening& h, Instant t) {
     const Instant at = h.later > 0.0 ? t + h.later : t;
-    record.note({at.hi, h.kind, h.subject, h.name, h.direction, h.impulse, h.contact, h.push, at});
+    record.note({at.hi, h.kind, h.subject, h.name, h.direction, h.impulse, h.contact, h.push, at, h.note});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -28,6 +28,7 @@ struct Event {
     int contact = -1;                         // the contact, by order of addition; -1: none
     Vector3 push = Vector3::Zero();           // of a contact, the impulse on its first side, world axes [N s]
     Instant instant;                          // the time to more digits than a double holds
+    std::string note = {};                    // what else is to be said of it; empty if nothing
 };
 
 /// The order of two events of one instant.

@@ -33,6 +33,7 @@ RBDYN_INLINE bool comes_before(const Event& a, const Event& b) {
 RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Event& event) {
     out << "t = " << text(event.time) << " s  " << name_of(event.kind);
     if (!event.name.empty()) out << "  (" << event.name << ")";
+    if (!event.note.empty()) out << "  " << event.note;
     return out;
 }
 

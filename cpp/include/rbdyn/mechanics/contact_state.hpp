@@ -33,7 +33,7 @@ struct ContactMemory {
     static constexpr int numbers = 7;
 
     Vector3 axis = Vector3::Zero();   // it slides along axis x normal
-    double least = 0.0;               // a speed below which the direction of sliding is rounding [m/s]
+    double least = 0.0;  // a speed below which the direction of sliding is rounding [m/s]; held: 1 if it shares a load
     Vector3 force = Vector3::Zero();  // that it exerts along axes that are no rows of their own [N]
 
     static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }

@@ -39,6 +39,13 @@ struct ConeForces {
 ConeForces solve_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
                        const std::vector<Cone>& cones);
 
+/// Forces that hold all contacts at rest while those that slide do; not solved if there are none, whatever their cones.
+ConeForces held_by(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                   const std::vector<Cone>& cones);
+
+/// Whether all forces are in their cones, edges included.
+bool are_inside(const std::vector<double>& force, const std::vector<Cone>& cones);
+
 /// Of forces z = z0 + sum of c_i directions_i those well inside of all cones and small: c. Empty if there are none
 /// inside. `size`: how large forces are here.
 std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,

@@ -202,6 +202,34 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     return result;
 }
 
+RBDYN_INLINE ConeForces held_by(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                                const std::vector<Cone>& all) {
+    std::vector<double> right;
+    for (const double one : b) right.push_back(-one);
+    ConeForces result{solve_any(a, std::move(right)), b, {}, true};
+    for (const Cone& cone : all) result.states.push_back(cone.is_line ? ConeState::slides : ConeState::held);
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        double size = noise[i];
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            result.rate[i] += a[i][j] * result.force[j];
+            size += 1e-14 * std::abs(a[i][j] * result.force[j]);
+        }
+        result.is_solved = result.is_solved && std::abs(result.rate[i]) <= 100.0 * size;
+        result.rate[i] = 0.0;
+    }
+    return result;
+}
+
+RBDYN_INLINE bool are_inside(const std::vector<double>& force, const std::vector<Cone>& all) {
+    for (const Cone& cone : all) {
+        const auto f = static_cast<std::size_t>(cone.first);
+        if (!(force[f] >= 0.0)) return false;
+        if (cone.is_line || !std::isfinite(cone.mu)) continue;
+        if (std::hypot(force[f + 1], force[f + 2]) > cone.mu * force[f] * (1.0 + 1e-14)) return false;
+    }
+    return true;
+}
+
 RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,
                                                const std::vector<Cone>& all, double size) {
     // the least of |z|^2 / (2 size^2) - 0.1 sum log(mu^2 N^2 - |T|^2); first, with N + s in place of N, of s less ever

@@ -372,7 +372,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                      ? Vector3(conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse)
                      : pushed[at(k)];
         if (comes && lowered < 1.0)
-            h.name = "restitution lowered to " + text(lowered * conditions_->contacts()[at(k)].restitution) +
+            h.note = "restitution lowered to " + text(lowered * conditions_->contacts()[at(k)].restitution) +
                      ": more would gain energy";
         if (last) h.later = remaining;
         happenings.push_back(std::move(h));

@@ -107,6 +107,7 @@ struct TreeModel::Touched {
     std::vector<mechanics::Row<double>> rows, pushes;
     mechanics::Square matrix;
     std::vector<friction::Coupled> coupled;  // one
+    std::vector<mechanics::Moving<double>> moving;
 };
 
 RBDYN_INLINE bool TreeModel::Fired::has(int contact) const {
@@ -137,6 +138,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
                                                    const std::vector<int>& contacts, const std::vector<int>& stopped,
                                                    bool strikes) const {
     Touched result;
+    result.moving = all;
     for (const int k : contacts) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         Touched::One one{k, c.touching<double>(*tree_, all), {}, {}, false, {}};
@@ -178,8 +180,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
 RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x,
                                           const std::vector<int>& candidates, const Fired& fired) const {
     if (!fired.singular.empty()) {
-        mode.impossible = "the friction of " + conditions_->contacts()[at(fired.singular.front())].name +
-                          " leaves no force that keeps it sliding (Painleve)";
+        mode.impossible = no_sliding(fired.singular.front());
         return;
     }
     const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
@@ -205,7 +206,10 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         choose(mode, t, x, {});
         return;
     }
-    std::vector<int> stopped = fired.stopping, breaking = fired.breaking;
+    // what shares its load with others breaks only where no forces inside all cones are left
+    std::vector<int> stopped = fired.stopping, breaking;
+    for (const int k : fired.breaking)
+        if (!shares_load(before)) breaking.push_back(k);
     for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
         settle_breaking(before, mode, t, x, candidates, stopped, breaking);
         if (!mode.impossible.empty()) return;
@@ -222,6 +226,33 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         if (leaves < 0) return;
         breaking.push_back(leaves);
     }
+}
+
+RBDYN_INLINE std::string TreeModel::no_sliding(int contact) const {
+    return "no force keeps " + conditions_->contacts()[at(contact)].name +
+           " sliding: its friction turns the body into what it slides on as fast as its normal force turns it out "
+           "(Painleve)";
+}
+
+RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::span<const double> x) const {
+    if (mode.equations == nullptr) return {};
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    // what is left of it is the distance in which steps end before its zero
+    for (const Guard& guard : mode.equations->guards)
+        if (guard.kind == EventKind::singular && guard.contact >= 0 &&
+            std::abs(values.output(guard.output)) <= 1e-3 * values.magnitude(guard.output))
+            return no_sliding(guard.contact);
+    return {};
+}
+
+RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
+    for (int k = 0; k < contacts(); ++k)
+        if (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
+            mechanics::ContactMemory::of(mode.memory, k).least > 0.0)
+            return true;
+    return false;
 }
 
 RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
@@ -242,7 +273,17 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         noise.push_back(1e-14 * size);
     }
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
+    const Mode undecided = mode;
     mechanics::ConeForces found;
+    // first, whether all that is at rest can be held
+    if (breaking.empty()) {
+        found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
+        if (found.is_solved && take(before, mode, touched, found, b, noise, breaking)) {
+            choose(mode, t, x, {}, true);
+            return;
+        }
+        mode = undecided;
+    }
     while (true) {
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
@@ -261,6 +302,35 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         mode.impossible = "no forces of contacts satisfy the laws of friction, of " + names;
         return;
     }
+    // one that does nothing on the edge of opening or sliding is held with the others, if forces inside all cones are
+    // left then
+    mechanics::ConeForces marginal = found;
+    bool is_marginal = false;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        if (touched.cones[i].is_line || found.states[i] == ConeState::held || breaks(candidates[i])) continue;
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        bool is_none = true;
+        for (std::size_t j = f; j < f + 3; ++j) is_none = is_none && std::abs(found.rate[j]) <= 1e3 * noise[j];
+        if (!is_none) continue;
+        marginal.states[i] = ConeState::held;
+        is_marginal = true;
+    }
+    if (!is_marginal || !take(before, mode, touched, marginal, b, noise, breaking)) {
+        mode = undecided;
+        take(before, mode, touched, found, b, noise, breaking);
+    }
+    if (mode.impossible.empty()) choose(mode, t, x, {}, true);
+}
+
+RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, Touched& touched, const mechanics::ConeForces& found,
+                                  const std::vector<double>& b, const std::vector<double>& noise,
+                                  const std::vector<int>& breaking) const {
+    using mechanics::ConeState;
+    using namespace mechanics::contact_state;
+    const std::vector<mechanics::Moving<double>>& all = touched.moving;
+    const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
+    std::vector<int> candidates;
+    for (const Touched::One& one : touched.all) candidates.push_back(one.contact);
     // sliding forces come first, then what is held
     std::vector<int> sliding, rows = rows_;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -314,16 +384,19 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
             mode.impossible = "the forces of contacts that slide are not unique, and the motion depends on them, of " +
                               conditions_->contacts()[at(k)].name;
-            return;
+            return true;
         }
     }
-    hold_by_friction(mode, touched, found.force, all);
-    choose(mode, t, x, {}, true);
+    return hold_by_friction(mode, touched, found.force, all);
 }
 
-RBDYN_INLINE void TreeModel::hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
+RBDYN_INLINE bool TreeModel::hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
                                               const std::vector<mechanics::Moving<double>>& all) const {
     using namespace mechanics::contact_state;
+    std::vector<mechanics::Cone> cones;
+    for (std::size_t i = 0; i < touched.cones.size(); ++i)
+        if (mode.slip[at(touched.all[i].contact)] != flies) cones.push_back(touched.cones[i]);
+    const auto are_in = [&](const std::vector<double>& z) { return mechanics::are_inside(z, cones); };
     // forces along the axes of the world, from those that solve the problem: some along axes without rows are loose
     std::vector<mechanics::Row<double>> rows, acting, loose_rows;
     struct Place {
@@ -353,6 +426,7 @@ RBDYN_INLINE void TreeModel::hold_by_friction(Mode& mode, const Touched& touched
         size = std::max(size, whole.norm());
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
         memory.force = whole;
+        memory.least = 0.0;
         for (int axis = 0; axis < 3; ++axis) {
             const auto& row = every[at(conditions_->held_row(one.contact, axis))];
             Vector3 e = Vector3::Zero();
@@ -370,7 +444,7 @@ RBDYN_INLINE void TreeModel::hold_by_friction(Mode& mode, const Touched& touched
         }
         memory.put(mode.memory, one.contact);
     }
-    if (loose.empty() || !(size > 0.0)) return;
+    if (loose.empty() || !(size > 0.0)) return are_in(force);
     // what a unit along each loose axis makes of all others
     std::vector<mechanics::Row<double>> constraints;
     for (const int r : rows_) constraints.push_back(every[at(r)]);
@@ -401,19 +475,19 @@ RBDYN_INLINE void TreeModel::hold_by_friction(Mode& mode, const Touched& touched
         directions.push_back(std::move(direction));
         alive.push_back(l);
     }
-    std::vector<mechanics::Cone> cones;
-    for (std::size_t i = 0; i < touched.cones.size(); ++i)
-        if (mode.slip[at(touched.all[i].contact)] != flies) cones.push_back(touched.cones[i]);
     const std::vector<double> parts = mechanics::forces_inside(force, directions, cones, size);
     for (std::size_t i = 0; i < loose.size(); ++i) {
         const auto found = std::find(alive.begin(), alive.end(), i);
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
         if (found == alive.end())
             memory.force[names[i].second] = 0.0;
-        else if (!parts.empty())
+        else
+            memory.least = 1.0;
+        if (found != alive.end() && !parts.empty())
             memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
         memory.put(mode.memory, names[i].first);
     }
+    return directions.empty() ? are_in(force) : !parts.empty();
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,

@@ -79,6 +79,7 @@ public:
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
+    std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -129,8 +130,16 @@ private:
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const std::vector<int>& stopped,
                          std::vector<int> breaking) const;
-    /// The rows of what is held, and the forces along axes that have none.
-    void hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
+    /// The states of contacts from forces found. Returns whether they can be held so.
+    bool take(const Mode& before, Mode& mode, Touched& touched, const mechanics::ConeForces& found,
+              const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
+    /// Why a contact does not slide on, in words.
+    std::string no_sliding(int contact) const;
+    /// Whether what friction holds has forces that the motion does not determine.
+    bool shares_load(const Mode& mode) const;
+    /// The rows of what is held, and the forces along axes that have none. Returns whether there are such, inside all
+    /// cones.
+    bool hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
                           const std::vector<mechanics::Moving<double>>& all) const;
     /// As strike(), with friction. `pushed`: the impulse on the first side of each contact [N s]; `lowered`: the part
     /// of all restitution that is left, for more would gain energy.

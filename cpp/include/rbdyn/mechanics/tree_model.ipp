@@ -450,7 +450,11 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             out.push_back({b.reaction.moment, false, 0.0, b.effort.moment.norm(), Alike::torque});
     }
     for (int k = 0; k < contacts(); ++k) {
-        const ContactReport c = state.contacts[at(k)];
+        ContactReport c = state.contacts[at(k)];
+        // a direction that turns is that of the slip, whose velocities are judged themselves
+        if (mode.slip[at(k)] == mechanics::contact_state::turning ||
+            mode.slip[at(k)] == mechanics::contact_state::brief)
+            c.force = c.normal * c.normal.dot(c.force);
         // a difference of what acts on what it joins
         double effort = c.force.norm();
         for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})

@@ -98,6 +98,12 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
     }
     // what constraints exert
     std::vector<Wrench<double>> held(moving.size());
+    // each by itself, as above
+    const auto hold = [&](int body, const Wrench<double>& w) {
+        if (body < 0) return;
+        add<double>(held[at(body)], w, 1.0);
+        tree_states::add_sizes(bodies[at(body)].effort, w);
+    };
     if (!conditions.empty()) {
         const auto all = conditions.rows<double>(tree, moving);
         for (const Condition& c : conditions.all()) {
@@ -105,9 +111,12 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             Wrench<double> on_a;
             for (int r = c.first; r < c.first + c.rows(); ++r) {
                 const Row<double>& row = all[at(r)];
-                add<double>(on_a, row.on_a, multipliers[at(r)]);
-                if (row.a >= 0) add<double>(held[at(row.a)], row.on_a, multipliers[at(r)]);
-                if (row.b >= 0) add<double>(held[at(row.b)], row.on_b, multipliers[at(r)]);
+                Wrench<double> a, b;
+                add<double>(a, row.on_a, multipliers[at(r)]);
+                add<double>(b, row.on_b, multipliers[at(r)]);
+                add<double>(on_a, a, 1.0);
+                hold(row.a, a);
+                hold(row.b, b);
             }
             report.force = on_a.force;
             // about the constraint's own point
@@ -126,8 +135,8 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             report.slip = touching.slip();
             report.place = touching.place;
             report.normal = touching.normal;
-            if (row.a >= 0) add<double>(held[at(row.a)], touching.on_a(report.force), 1.0);
-            if (row.b >= 0) add<double>(held[at(row.b)], touching.on_b(report.force), 1.0);
+            hold(row.a, touching.on_a(report.force));
+            hold(row.b, touching.on_b(report.force));
             contacts.push_back(report);
         }
     }
@@ -144,7 +153,7 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         add<double>(b.reaction, inertia, 1.0);
         add<double>(b.reaction, b.acts, -1.0);
         add<double>(b.reaction, held[at(i)], -1.0);
-        for (const Wrench<double>* part : {&inertia, &b.acts, &held[at(i)]}) tree_states::add_sizes(b.effort, *part);
+        for (const Wrench<double>* part : {&inertia, &b.acts}) tree_states::add_sizes(b.effort, *part);
     }
     for (int i = tree.size() - 1; i >= 0; --i)
         if (const int parent = tree.node(i).parent; parent >= 0) {

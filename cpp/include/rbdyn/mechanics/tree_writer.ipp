@@ -207,19 +207,21 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const signed char state = states_[at(contact)];
     const std::size_t first = place(contact);
     const Vector3Of<S> force = vector_at(first);
-    const Guard leaves{.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
+    // what shares its load shares it anew where it comes to an edge
+    const bool is_held = contact_state::is_held(state);
+    const Guard leaves{.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_held},
         turns{.kind = EventKind::switching,
               .contact = contact,
               .name = "direction of the slip of " + c.name,
               .renews = true};
     const S normal = dot<S>(t.normal, force);
-    if (contact_state::is_held(state)) {
+    if (is_held) {
         // the world's axes have it whole: no square root, and no direction where nothing acts along the surface
         write.guard(leaves, normal);
         if (!std::isfinite(static_cast<double>(c.mu_static))) return;
         const S limit = c.mu_static.in<S>() * normal;
         const Vector3Of<S> along = force - t.normal * normal;
-        write.guard({.kind = EventKind::slip, .contact = contact, .name = "friction of " + c.name},
+        write.guard({.kind = EventKind::slip, .contact = contact, .name = "friction of " + c.name, .renews = true},
                     limit * limit - dot<S>(along, along));
         return;
     }

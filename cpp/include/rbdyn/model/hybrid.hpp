@@ -39,6 +39,7 @@ struct Happening {
     int contact = -1;                // it is of, by order of addition; -1: none
     Vector3 push = Vector3::Zero();  // of a contact, the impulse on its first side [N s]
     double later = 0.0;              // s: how much later than the instant it was found at it happens
+    std::string note = {};           // what else is to be said of it
 };
 
 /// What a slope is of.
@@ -94,6 +95,9 @@ public:
     /// The value of a guard that is none of the program's outputs.
     virtual double guard_value(const Guard& /*guard*/, const Mode& /*mode*/, double /*t*/,
                                std::span<const double> /*x*/) const;
+
+    /// Why no motion satisfies the laws beyond a state where the equations end; empty if that is not it.
+    virtual std::string impossible(const Mode& mode, double t, std::span<const double> x) const;
 
     /// What is not finite in a state, in words; empty if everything is.
     virtual std::string not_finite(const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const;

@@ -46,6 +46,11 @@ RBDYN_INLINE double HybridModel::guard_value(const Guard& /*guard*/, const Mode&
     return std::numeric_limits<double>::quiet_NaN();
 }
 
+RBDYN_INLINE std::string HybridModel::impossible(const Mode& /*mode*/, double /*t*/,
+                                                 std::span<const double> /*x*/) const {
+    return {};
+}
+
 RBDYN_INLINE std::string HybridModel::not_finite(const Mode& /*mode*/, double /*t*/,
                                                  std::span<const double> /*x*/) const {
     return {};

@@ -80,6 +80,7 @@ RBDYN_INLINE void put(Writer& w, const Event& e) {
     w.put(e.contact);
     for (int i = 0; i < 3; ++i) w.put(e.push[i]);
     w.put(e.instant);
+    w.put(std::string_view(e.note));
 }
 
 RBDYN_INLINE Event take_event(Reader& r) {
@@ -93,6 +94,7 @@ RBDYN_INLINE Event take_event(Reader& r) {
     r.take(e.contact);
     for (int i = 0; i < 3; ++i) r.take(e.push[i]);
     r.take(e.instant);
+    e.note = r.text();
     return e;
 }
 
