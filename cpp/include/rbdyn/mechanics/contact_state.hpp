@@ -14,13 +14,13 @@ namespace mechanics {
 
 /// Open (flies); closed and smooth: it pushes, or is in no need of a force of its own. Closed and rough: it slides, in
 /// a direction that stays what it is across the normal, in one that turns, or, where the speed is so small that its
-/// direction is rounding, in the last direction there was; or it is held, along those of the world's axes that are
-/// rows of their own.
+/// direction is rounding, in the last direction there was, or, where it starts from the edge of what holds it, in that
+/// of the force that breaks it away; or it is held, along those of the world's axes that are rows of their own.
 namespace contact_state {
 
-inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, held = 8;
+inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, held = 8;
 
-inline bool slides(signed char state) { return state >= straight && state <= brief; }
+inline bool slides(signed char state) { return state >= straight && state <= starts; }
 inline bool is_held(signed char state) { return state >= held; }
 /// Whether what is held is so by a row of its own along an axis of the world.
 inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
@@ -30,20 +30,23 @@ inline const char* word(signed char state) { return state == flies ? "open" : is
 
 /// Mode::memory: when anything struck last [s], then of each contact what follows.
 struct ContactMemory {
-    static constexpr int numbers = 7;
+    static constexpr int numbers = 11;
 
-    Vector3 axis = Vector3::Zero();   // it slides along axis x normal
+    Vector3 axis = Vector3::Zero();  // it slides along axis x normal
     double least = 0.0;  // a speed below which the direction of sliding is rounding [m/s]; held: 1 if it shares a load
-    Vector3 force = Vector3::Zero();  // that it exerts along axes that are no rows of their own [N]
+    // what it exerts along axes that are no rows of their own: force + rate (t - since) [N, N/s, s]
+    Vector3 force = Vector3::Zero(), rate = Vector3::Zero();
+    double since = 0.0;
 
     static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }
     static ContactMemory of(const std::vector<double>& memory, int contact) {
         const double* const m = memory.data() + place(contact);
-        return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}};
+        return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10]};
     }
     void put(std::vector<double>& memory, int contact) const {
         double* const m = memory.data() + place(contact);
-        const double all[numbers] = {axis[0], axis[1], axis[2], least, force[0], force[1], force[2]};
+        const double all[numbers] = {axis[0],  axis[1], axis[2], least,   force[0], force[1],
+                                     force[2], rate[0], rate[1], rate[2], since};
         for (int k = 0; k < numbers; ++k) m[k] = all[k];
     }
 };

@@ -13,7 +13,7 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
-RBDYN_INLINE std::vector<double> solve_any(Square a, std::vector<double> b) {
+RBDYN_INLINE std::vector<double> solve_any(Square a, std::vector<double> b, double nothing) {
     const std::size_t n = b.size();
     std::vector<std::size_t> row(n), column(n);
     for (std::size_t i = 0; i < n; ++i) row[i] = column[i] = i;
@@ -30,7 +30,7 @@ RBDYN_INLINE std::vector<double> solve_any(Square a, std::vector<double> b) {
                     c = j;
                 }
         largest = std::max(largest, most);
-        if (!(most > 1e-12 * largest)) break;
+        if (!(most > nothing * largest)) break;
         std::swap(row[rank], row[r]);
         std::swap(column[rank], column[c]);
         for (std::size_t i = rank + 1; i < n; ++i) {
@@ -314,7 +314,7 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
             if (!first) slope[count] = 0.0;
             std::vector<double> down;
             for (const double s : slope) down.push_back(-s);
-            const std::vector<double> step = solve_any(bend, down);
+            const std::vector<double> step = solve_any(bend, down, 1e-40);
             double falls = 0.0;
             for (std::size_t i = 0; i <= count; ++i) falls -= step[i] * slope[i];
             if (falls < 1e-13 * (first ? weight : 1.0)) return !first;
@@ -347,6 +347,14 @@ RBDYN_INLINE std::vector<double> forces_inside(const std::vector<double>& z0, co
     if (!descend(false)) return {};
     std::vector<double> result;
     for (std::size_t i = 0; i < count; ++i) result.push_back(c[i] * size);
+    // those that rounding cannot tell from their edges are not inside
+    for (const Cone& cone : all) {
+        const auto f = static_cast<std::size_t>(cone.first);
+        const double normal = value_of(c, f);
+        if (!(normal > 1e-13)) return {};
+        if (cone.is_line || !std::isfinite(cone.mu)) continue;
+        if (!(cone.mu * normal - std::hypot(value_of(c, f + 1), value_of(c, f + 2)) > 1e-13)) return {};
+    }
     return result;
 }
 

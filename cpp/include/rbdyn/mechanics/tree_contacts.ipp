@@ -312,14 +312,15 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     };
     std::vector<int> at_rest = closed, group;
     std::vector<double> impulses(at(contacts()), 0.0);
-    std::vector<Vector3> pushed;
-    double remaining = 0.0, lowered = 1.0;
+    Strokes strokes;
+    double remaining = 0.0;
     if (!landing.empty()) {
         std::vector<double> restitution;
         for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
-        impulses = conditions_->is_rough() ? strike_rough(mode, t, x, closed, pushed, lowered)
-                                           : strike(t, x, closed, restitution);
+        impulses =
+            conditions_->is_rough() ? strike_rough(mode, t, x, closed, strokes) : strike(t, x, closed, restitution);
         ++after.jumps;
+        events.stuck = strokes.stuck;
         const auto motion = moving(t, x);
         const auto rows = conditions_->rows<double>(*tree_, motion);
         // what impulses make of velocities, and take again, leaves its rounding
@@ -343,7 +344,9 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             // what is left of their bounces is less than rounding: none of them moves any more
             at_rest.insert(at_rest.end(), group.begin(), group.end());
             stop(t, x, at_rest);
-            settle_all(at_rest, {});
+            Fired rested;
+            rested.stuck = strokes.stuck;
+            settle_all(at_rest, rested);
         }
     } else {
         settle_all(at_rest, events);
@@ -368,11 +371,11 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                     {}};
         h.contact = k;
         h.impulse = impulses[at(k)];
-        h.push = pushed.empty()
+        h.push = strokes.pushed.empty()
                      ? Vector3(conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse)
-                     : pushed[at(k)];
-        if (comes && lowered < 1.0)
-            h.note = "restitution lowered to " + text(lowered * conditions_->contacts()[at(k)].restitution) +
+                     : strokes.pushed[at(k)];
+        if (comes && strokes.lowered < 1.0)
+            h.note = "restitution lowered to " + text(strokes.lowered * conditions_->contacts()[at(k)].restitution) +
                      ": more would gain energy";
         if (last) h.later = remaining;
         happenings.push_back(std::move(h));

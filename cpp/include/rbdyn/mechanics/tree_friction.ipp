@@ -151,7 +151,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
             const double speed = one.slip.norm(),
                          least =
                              std::max(0x1p-43 * speed_of(k, all), mechanics::ContactMemory::of(before.memory, k).least);
-            one.slides = speed > least && std::find(stopped.begin(), stopped.end(), k) == stopped.end();
+            one.slides = speed > least && std::isfinite(static_cast<double>(c.mu_dynamic)) &&
+                         std::find(stopped.begin(), stopped.end(), k) == stopped.end();
             if (one.slides) one.along = one.slip / speed;
         }
         result.rows.push_back(t.row(t.normal, t.normal_rate));
@@ -201,18 +202,21 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                            is_least = was_turning && !(slip.norm() > 1.5 * memory.least);
                 memory.axis = touching.normal.cross(slip).normalized();
                 memory.put(mode.memory, k);
-                mode.slip[at(k)] = is_least ? mechanics::contact_state::brief : mechanics::contact_state::turning;
+                mode.slip[at(k)] = mode.slip[at(k)] == mechanics::contact_state::starts
+                                       ? mechanics::contact_state::straight
+                                   : is_least ? mechanics::contact_state::brief
+                                              : mechanics::contact_state::turning;
             }
         choose(mode, t, x, {});
         return;
     }
     // what shares its load with others breaks only where no forces inside all cones are left
-    std::vector<int> stopped = fired.stopping, breaking;
+    std::vector<int> breaking;
     for (const int k : fired.breaking)
         if (!shares_load(before)) breaking.push_back(k);
     for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
-        settle_breaking(before, mode, t, x, candidates, stopped, breaking);
-        if (!mode.impossible.empty()) return;
+        settle_breaking(before, mode, t, x, candidates, fired, breaking);
+        if (!mode.impossible.empty() || shares_load(mode)) return;
         // on the edge of its cone it is held unless the next moment takes it out
         int leaves = -1;
         Evaluator<double> values(mode.equations->program);
@@ -256,7 +260,7 @@ RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
 }
 
 RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
-                                             const std::vector<int>& candidates, const std::vector<int>& stopped,
+                                             const std::vector<int>& candidates, const Fired& fired,
                                              std::vector<int> breaking) const {
     using mechanics::ConeState;
     using namespace mechanics::contact_state;
@@ -265,7 +269,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     if (candidates.empty()) return;
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
-    Touched touched = this->touched(before, all, candidates, stopped, false);
+    std::vector<int> at_rest = fired.stopping;
+    at_rest.insert(at_rest.end(), fired.stuck.begin(), fired.stuck.end());
+    Touched touched = this->touched(before, all, candidates, at_rest, false);
     std::vector<double> b, noise;
     for (const auto& row : touched.rows) {
         const auto [sum, size] = acceleration_along(row, open);
@@ -276,9 +282,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const Mode undecided = mode;
     mechanics::ConeForces found;
     // first, whether all that is at rest can be held
-    if (breaking.empty()) {
+    if (breaking.empty() && (fired.doubtful.empty() || shares_load(before))) {
         found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
-        if (found.is_solved && take(before, mode, touched, found, b, noise, breaking)) {
+        if (found.is_solved && take(before, mode, t, touched, found, b, noise, breaking)) {
             choose(mode, t, x, {}, true);
             return;
         }
@@ -302,12 +308,23 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         mode.impossible = "no forces of contacts satisfy the laws of friction, of " + names;
         return;
     }
+    // what would have to pull opens, whatever rounding has left of its force
+    const double largest = *std::max_element(found.force.begin(), found.force.end());
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        const bool is_fired =
+            std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
+        if (!is_fired || found.force[f] > 1e-8 * largest) continue;
+        found.states[i] = ConeState::open;
+        for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j) found.force[j] = 0.0;
+    }
     // one that does nothing on the edge of opening or sliding is held with the others, if forces inside all cones are
     // left then
     mechanics::ConeForces marginal = found;
     bool is_marginal = false;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         if (touched.cones[i].is_line || found.states[i] == ConeState::held || breaks(candidates[i])) continue;
+        if (std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end()) continue;
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
         bool is_none = true;
         for (std::size_t j = f; j < f + 3; ++j) is_none = is_none && std::abs(found.rate[j]) <= 1e3 * noise[j];
@@ -315,16 +332,25 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         marginal.states[i] = ConeState::held;
         is_marginal = true;
     }
-    if (!is_marginal || !take(before, mode, touched, marginal, b, noise, breaking)) {
+    if (!is_marginal || !take(before, mode, t, touched, marginal, b, noise, breaking)) {
         mode = undecided;
-        take(before, mode, touched, found, b, noise, breaking);
+        const bool is_inside = take(before, mode, t, touched, found, b, noise, breaking);
+        // forces on the edges of their cones, and none inside: what is on its edge slides
+        std::size_t more = breaking.size();
+        for (std::size_t i = 0; i < candidates.size() && !is_inside && mode.impossible.empty(); ++i) {
+            const auto f = static_cast<std::size_t>(touched.cones[i].first);
+            if (touched.cones[i].is_line || found.states[i] != ConeState::held || breaks(candidates[i])) continue;
+            const double along = std::hypot(found.force[f + 1], found.force[f + 2]);
+            if (along >= (1.0 - 1e-6) * touched.cones[i].mu * found.force[f]) breaking.push_back(candidates[i]);
+        }
+        if (breaking.size() > more) return settle_breaking(before, mode, t, x, candidates, fired, breaking);
     }
     if (mode.impossible.empty()) choose(mode, t, x, {}, true);
 }
 
-RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, Touched& touched, const mechanics::ConeForces& found,
-                                  const std::vector<double>& b, const std::vector<double>& noise,
-                                  const std::vector<int>& breaking) const {
+RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touched& touched,
+                                  const mechanics::ConeForces& found, const std::vector<double>& b,
+                                  const std::vector<double>& noise, const std::vector<int>& breaking) const {
     using mechanics::ConeState;
     using namespace mechanics::contact_state;
     const std::vector<mechanics::Moving<double>>& all = touched.moving;
@@ -357,13 +383,17 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, Touched& touch
                           force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
             one.along = (rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]) ? rate : Vector3(-force)).normalized();
         }
+        bool is_at_edge = false;
         double fastest = speed_of(k, all), size = 0.0;
         for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j)
             size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
         memory.axis = one.at.normal.cross(one.along);
         memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
         memory.put(mode.memory, k);
-        mode.slip[at(k)] = straight;
+        if (begins)
+            is_at_edge =
+                std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2]);
+        mode.slip[at(k)] = is_at_edge ? starts : straight;
     }
     const std::size_t first = rows.size();
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -387,10 +417,11 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, Touched& touch
             return true;
         }
     }
-    return hold_by_friction(mode, touched, found.force, all);
+    return hold_by_friction(before, mode, t, touched, found.force, all);
 }
 
-RBDYN_INLINE bool TreeModel::hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
+RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
+                                              const std::vector<double>& force,
                                               const std::vector<mechanics::Moving<double>>& all) const {
     using namespace mechanics::contact_state;
     std::vector<mechanics::Cone> cones;
@@ -479,20 +510,27 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(Mode& mode, const Touched& touched
     for (std::size_t i = 0; i < loose.size(); ++i) {
         const auto found = std::find(alive.begin(), alive.end(), i);
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
+        const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
+        const bool goes_on = before.slip == mode.slip && last.least > 0.0 && t > last.since;
+        memory.since = t;
+        memory.rate[names[i].second] = 0.0;
         if (found == alive.end())
             memory.force[names[i].second] = 0.0;
         else
             memory.least = 1.0;
         if (found != alive.end() && !parts.empty())
             memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
+        // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do
+        if (goes_on && found != alive.end())
+            memory.rate[names[i].second] =
+                (memory.force[names[i].second] - last.force[names[i].second]) / (t - last.since);
         memory.put(mode.memory, names[i].first);
     }
     return directions.empty() ? are_in(force) : !parts.empty();
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,
-                                                         const std::vector<int>& struck, std::vector<Vector3>& pushed,
-                                                         double& lowered) const {
+                                                         const std::vector<int>& struck, Strokes& strokes) const {
     const auto all = moving(t, x);
     const Touched touched = this->touched(before, all, struck, {}, true);
     std::vector<double> u, b, noise, normal(at(contacts()), 0.0);
@@ -519,7 +557,6 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         }
         return sum;
     };
-    lowered = 1.0;
     mechanics::ConeForces found = solved(1.0);
     const auto [gained, size] = gain(found.force);
     if (gained > 1e-13 * size) {
@@ -529,15 +566,16 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
             const double middle = 0.5 * (low + high);
             (gain(solved(middle).force).first > 0.0 ? high : low) = middle;
         }
-        lowered = low;
+        strokes.lowered = low;
         found = solved(low);
     }
-    pushed.assign(at(contacts()), Vector3::Zero());
+    strokes.pushed.assign(at(contacts()), Vector3::Zero());
     for (std::size_t i = 0; i < struck.size(); ++i) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
         normal[at(struck[i])] = found.force[f];
+        if (found.states[i] == mechanics::ConeState::held) strokes.stuck.push_back(struck[i]);
         for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
-            pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
+            strokes.pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
     }
     const std::vector<double> changes = touched.coupled.front().changes(found.force);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];

@@ -115,6 +115,7 @@ private:
     /// What has fired of contacts.
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
+        std::vector<int> stuck;  // by an impact
         bool has(int contact) const;
     };
     /// Some contacts at a state where they touch: each smooth one, and each that slides, with one unknown force, the
@@ -128,10 +129,9 @@ private:
                       const Fired& fired) const;
     /// One turn of it: with some held contacts that break.
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
-                         const std::vector<int>& candidates, const std::vector<int>& stopped,
-                         std::vector<int> breaking) const;
+                         const std::vector<int>& candidates, const Fired& fired, std::vector<int> breaking) const;
     /// The states of contacts from forces found. Returns whether they can be held so.
-    bool take(const Mode& before, Mode& mode, Touched& touched, const mechanics::ConeForces& found,
+    bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
               const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
     /// Why a contact does not slide on, in words.
     std::string no_sliding(int contact) const;
@@ -139,12 +139,17 @@ private:
     bool shares_load(const Mode& mode) const;
     /// The rows of what is held, and the forces along axes that have none. Returns whether there are such, inside all
     /// cones.
-    bool hold_by_friction(Mode& mode, const Touched& touched, const std::vector<double>& force,
-                          const std::vector<mechanics::Moving<double>>& all) const;
-    /// As strike(), with friction. `pushed`: the impulse on the first side of each contact [N s]; `lowered`: the part
-    /// of all restitution that is left, for more would gain energy.
+    bool hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
+                          const std::vector<double>& force, const std::vector<mechanics::Moving<double>>& all) const;
+    /// What impacts with friction did.
+    struct Strokes {
+        std::vector<Vector3> pushed;  // the impulse on the first side of each contact [N s]
+        double lowered = 1.0;         // the part of all restitution that is left, for more would gain energy
+        std::vector<int> stuck;       // contacts that do not slip after it
+    };
+    /// As strike(), with friction.
     std::vector<double> strike_rough(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
-                                     std::vector<Vector3>& pushed, double& lowered) const;
+                                     Strokes& strokes) const;
     /// What became of contacts that were closed and are.
     void tell_friction(const Mode& mode, const Mode& after, const Fired& fired,
                        const std::vector<mechanics::Moving<double>>& before,

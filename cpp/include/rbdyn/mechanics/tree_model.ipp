@@ -366,10 +366,9 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
     if (!closed.empty()) {
         const Mode as_it_was = mode;
-        std::vector<Vector3> pushed;
-        double lowered = 1.0;
+        Strokes strokes;
         if (conditions_->is_rough())
-            strike_rough(as_it_was, t, x, closed, pushed, lowered);
+            strike_rough(as_it_was, t, x, closed, strokes);
         else
             strike(t, x, closed, restitution);
         std::vector<int> at_rest;
@@ -379,8 +378,10 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
             if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
                 1e-12 * speed_of(k, then))
                 at_rest.push_back(k);
+        Fired fired;
+        fired.stuck = strokes.stuck;
         if (conditions_->is_rough())
-            settle_rough(as_it_was, mode, t, x, at_rest, {});
+            settle_rough(as_it_was, mode, t, x, at_rest, fired);
         else
             settle(mode, t, x, at_rest, {});
     } else {
@@ -455,6 +456,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         if (mode.slip[at(k)] == mechanics::contact_state::turning ||
             mode.slip[at(k)] == mechanics::contact_state::brief)
             c.force = c.normal * c.normal.dot(c.force);
+        // what is not unique is one of many
+        if (shares_load(mode) && mechanics::contact_state::is_held(mode.slip[at(k)])) c.force = Vector3::Zero();
         // a difference of what acts on what it joins
         double effort = c.force.norm();
         for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})

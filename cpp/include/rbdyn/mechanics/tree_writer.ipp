@@ -44,7 +44,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
         f.least = numbers[3];
-        f.force = {numbers[4], numbers[5], numbers[6]};
+        for (int i = 0; i < 3; ++i) f.force[i] = numbers[4 + i] + numbers[7 + i] * (r.time() - numbers[10]);
         if (!contact_state::slides(states[k])) continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = tree_writers::unit_along(f.axis, touching_[k].normal);
         f.along = last;
@@ -238,8 +238,9 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
         write.guard(turns, dot<S>(tree_writers::unit_along(f.axis, t.normal), slip) - S(0.875) * f.speed);
         return;
     }
-    write.guard(stops, f.speed);
-    if (state == contact_state::brief) {
+    // what starts from an edge has no speed and no acceleration yet, but for rounding
+    write.guard(stops, state == contact_state::starts ? f.speed + f.least : f.speed);
+    if (state == contact_state::brief || state == contact_state::starts) {
         write.guard(turns, S(2.0) * f.least - f.speed);
         return;
     }
