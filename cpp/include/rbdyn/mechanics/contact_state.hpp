@@ -6,13 +6,15 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/mechanics/contact.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 namespace mechanics {
 
-/// Open (flies); closed and smooth: it pushes, or is in no need of a force of its own. Closed and rough: it slides, in
+/// Open (flies); closed and smooth: it pushes, or rests, its force one of many that the motion does not
+/// determine. Closed and rough: it slides, in
 /// a direction that stays what it is across the normal, in one that turns, or, where the speed is so small that its
 /// direction is rounding, in the last direction there was, or, where it starts from the edge of what holds it, in that
 /// of the force that breaks it away; or it is held, along those of the world's axes that are rows of their own.
@@ -25,6 +27,11 @@ inline bool is_held(signed char state) { return state >= held; }
 /// Whether what is held is so by a row of its own along an axis of the world.
 inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
 inline const char* word(signed char state) { return state == flies ? "open" : is_held(state) ? "sticks" : "slides"; }
+
+/// Whether it remembers something that its equations need.
+inline bool has_numbers(const ContactLaw& contact, signed char state) {
+    return state == rests || (contact.is_rough() && state != flies);
+}
 
 }  // namespace contact_state
 

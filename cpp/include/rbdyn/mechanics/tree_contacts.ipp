@@ -226,11 +226,23 @@ RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std
 
 RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                                     const std::vector<int>& doubtful) const {
+    const Mode before = mode;
     for (const int k : candidates) mode.slip[at(k)] = flies;
     choose(mode, t, x, {}, true);
     if (candidates.empty()) return;
     const auto [b, noise] = opening(mode, t, x, candidates);
     const auto all = moving(t, x);
+    // forces that depend on each other: all are closed if there are such that push everywhere
+    if (doubtful.empty() || shares_load(before)) {
+        std::vector<int> every = rows_;
+        for (const int k : candidates) every.push_back(conditions_->normal_row(k));
+        const bool depends =
+            mechanics::independent_rows(*tree_, *conditions_, every, all, rows_.size()).size() < every.size();
+        if (depends && share(before, mode, t, all, candidates, b, noise)) {
+            choose(mode, t, x, {}, true);
+            return;
+        }
+    }
     const auto found = mechanics::solve_complementary(coupling(all, candidates), b, noise);
     std::vector<int> pushing = rows_, uncertain;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -248,7 +260,10 @@ RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, c
         return std::find(rows.begin(), rows.end(), conditions_->constraint_rows() + k) != rows.end();
     };
     for (const int k : candidates)
-        if (is_in(pushing, k)) mode.slip[at(k)] = is_in(independent, k) ? pushes : rests;
+        if (is_in(pushing, k)) {
+            mode.slip[at(k)] = is_in(independent, k) ? pushes : rests;
+            mechanics::ContactMemory().put(mode.memory, k);
+        }
     choose(mode, t, x, {}, true);
     // a force at zero pushes if it grows, and where none is needed for ever; else the contact opens
     for (const int k : uncertain) {
@@ -256,6 +271,7 @@ RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, c
         with.push_back(conditions_->constraint_rows() + k);
         if (mechanics::independent_rows(*tree_, *conditions_, with, all).size() < with.size()) {
             mode.slip[at(k)] = rests;
+            mechanics::ContactMemory().put(mode.memory, k);
             choose(mode, t, x, {}, true);
             continue;
         }
@@ -269,8 +285,22 @@ RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, c
                 sign = leading_sign(closed, t, x, guard.output, fired ? 1 : 0);
             }
         // where nothing moves, what changes a force that is zero is rounding
-        if (sign >= 0 || stands(closed, k, t, x)) mode = std::move(closed);
+        const bool has_fired = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end();
+        if (sign >= 0 || (!has_fired && stands(closed, k, t, x))) mode = std::move(closed);
     }
+}
+
+RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const double> x) const {
+    if (contacts() == 0) return false;
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    for (const Guard& guard : mode.equations->guards)
+        if (guard.contact >= 0 && guard.output >= 0 &&
+            (guard.kind == EventKind::detach || guard.kind == EventKind::slip) &&
+            values.output(guard.output) < -1e-13 * values.magnitude(guard.output))
+            return true;
+    return false;
 }
 
 RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,

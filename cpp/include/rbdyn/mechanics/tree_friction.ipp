@@ -47,7 +47,7 @@ public:
 
     Coupled(const mechanics::Tree& tree, const std::vector<mechanics::Moving<double>>& all,
             const std::vector<Row>& constraints, const std::vector<Row>& rows, const std::vector<Row>& pushes)
-        : tree_(tree), accelerate_(mechanics::accelerate<double>(tree, all)) {
+        : tree_(&tree), accelerate_(mechanics::accelerate<double>(tree, all)) {
         for (const Row& r : constraints) held_.push_back(accelerate_.response(r));
         for (const Row& r : rows) rows_.push_back(accelerate_.response(r));
         for (const Row& r : pushes) pushes_.push_back(accelerate_.response(r));
@@ -81,12 +81,12 @@ public:
             take(pushes_[j], impulses[j]);
             for (std::size_t k = 0; k < held_.size(); ++k) take(held_[k], answers_[j][k] * impulses[j]);
         }
-        return mechanics::velocity_changes<double>(tree_, accelerate_.spread(u));
+        return mechanics::velocity_changes<double>(*tree_, accelerate_.spread(u));
     }
 
 private:
     using Sparse = mechanics::Accelerate<double>::Sparse;
-    const mechanics::Tree& tree_;
+    const mechanics::Tree* tree_;
     mechanics::Accelerate<double> accelerate_;
     std::vector<Sparse> held_, rows_, pushes_;
     mechanics::Square used_, answers_;
@@ -124,10 +124,9 @@ RBDYN_INLINE bool TreeModel::holds_all(const std::vector<int>& rows) const {
 }
 
 RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> /*x*/) const {
-    if (!conditions_->is_rough()) return;
     std::size_t next = 0;
     for (int k = 0; k < contacts(); ++k) {
-        if (!is_rough(k) || mode.slip[at(k)] == flies) continue;
+        if (!mechanics::contact_state::has_numbers(conditions_->contacts()[at(k)], mode.slip[at(k)])) continue;
         const std::size_t from = mechanics::ContactMemory::place(k);
         for (int i = 0; i < mechanics::ContactMemory::numbers; ++i) mode.parameters[next++] = mode.memory[from + at(i)];
     }
@@ -198,8 +197,11 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                 const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
                 mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
                 const Vector3 slip = touching.slip();
+                // also what an engine's accuracy cannot tell from the least speed stops along its last direction
                 const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning,
-                           is_least = was_turning && !(slip.norm() > 1.5 * memory.least);
+                           is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
+                memory.least =
+                    is_least ? std::max(memory.least, slip.norm()) : std::min(memory.least, 0x1p-43 * speed_of(k, all));
                 memory.axis = touching.normal.cross(slip).normalized();
                 memory.put(mode.memory, k);
                 mode.slip[at(k)] = mode.slip[at(k)] == mechanics::contact_state::starts
@@ -253,8 +255,8 @@ RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::
 
 RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
     for (int k = 0; k < contacts(); ++k)
-        if (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
-            mechanics::ContactMemory::of(mode.memory, k).least > 0.0)
+        if (mode.slip[at(k)] == rests || (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
+                                          mechanics::ContactMemory::of(mode.memory, k).least > 0.0))
             return true;
     return false;
 }
@@ -269,15 +271,33 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     if (candidates.empty()) return;
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
+    using mechanics::contact_state::is_held;
     std::vector<int> at_rest = fired.stopping;
     at_rest.insert(at_rest.end(), fired.stuck.begin(), fired.stuck.end());
-    Touched touched = this->touched(before, all, candidates, at_rest, false);
+    // what was held is at rest, unless an impact has moved it
+    for (int k = 0; k < contacts(); ++k)
+        if (is_held(before.slip[at(k)]) && before.jumps == mode.jumps) at_rest.push_back(k);
+    // what stops together does so within the rounding of its speeds
+    std::vector<int> stopping = at_rest;
+    if (!fired.stopping.empty())
+        for (const int k : candidates) {
+            if (!mechanics::contact_state::slides(before.slip[at(k)])) continue;
+            const double speed = conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm();
+            if (speed <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least) stopping.push_back(k);
+        }
+    Touched touched;
     std::vector<double> b, noise;
-    for (const auto& row : touched.rows) {
-        const auto [sum, size] = acceleration_along(row, open);
-        b.push_back(sum);
-        noise.push_back(1e-14 * size);
-    }
+    const auto see = [&](const std::vector<int>& resting) {
+        touched = this->touched(before, all, candidates, resting, false);
+        b.clear();
+        noise.clear();
+        for (const auto& row : touched.rows) {
+            const auto [sum, size] = acceleration_along(row, open);
+            b.push_back(sum);
+            noise.push_back(1e-14 * size);
+        }
+    };
+    see(stopping);
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
     const Mode undecided = mode;
     mechanics::ConeForces found;
@@ -290,6 +310,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         }
         mode = undecided;
     }
+    if (stopping.size() > at_rest.size()) see(at_rest);
     while (true) {
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
@@ -412,12 +433,68 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         } else if (!is_rough(k) && found.states[i] != ConeState::open) {
             mode.slip[at(k)] = is_chosen(conditions_->normal_row(k)) ? pushes : rests;
         } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
-            mode.impossible = "the forces of contacts that slide are not unique, and the motion depends on them, of " +
-                              conditions_->contacts()[at(k)].name;
-            return true;
+            // one of many forces that give this motion, if its friction does what that of the others would
+            if (!makes_no_difference(touched, i, chosen)) {
+                mode.impossible =
+                    "the forces of contacts that slide are not unique, and the motion depends on them, of " +
+                    conditions_->contacts()[at(k)].name;
+                return false;
+            }
+            mode.slip[at(k)] = rests;
         }
     }
     return hold_by_friction(before, mode, t, touched, found.force, all);
+}
+
+RBDYN_INLINE bool TreeModel::share(const Mode& before, Mode& mode, double t,
+                                   const std::vector<mechanics::Moving<double>>& all,
+                                   const std::vector<int>& candidates, const std::vector<double>& b,
+                                   const std::vector<double>& noise) const {
+    Touched touched = this->touched(before, all, candidates, {}, false);
+    const auto found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
+    Mode shared = mode;
+    if (!found.is_solved || !take(before, shared, t, touched, found, b, noise, {})) return false;
+    mode = std::move(shared);
+    return true;
+}
+
+RBDYN_INLINE bool TreeModel::makes_no_difference(const Touched& touched, std::size_t one,
+                                                 const std::vector<int>& chosen) const {
+    // a unit of its force, and of the others what keeps their accelerations
+    std::vector<mechanics::Row<double>> rows, acting, constraints;
+    const auto every = conditions_->rows<double>(*tree_, touched.moving);
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        const int k = touched.all[i].contact;
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        if (i == one) continue;
+        if (std::binary_search(chosen.begin(), chosen.end(), conditions_->normal_row(k))) {
+            rows.push_back(touched.rows[f]);
+            acting.push_back(touched.pushes[f]);
+        }
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::binary_search(chosen.begin(), chosen.end(), conditions_->held_row(k, axis))) {
+                rows.push_back(every[at(conditions_->held_row(k, axis))]);
+                acting.push_back(rows.back());
+            }
+    }
+    const auto f = static_cast<std::size_t>(touched.cones[one].first);
+    const mechanics::Square a = friction::Coupled(*tree_, touched.moving, constraints, rows, acting).matrix(),
+                            by = friction::Coupled(*tree_, touched.moving, constraints, rows, {touched.pushes[f]})
+                                     .matrix();
+    std::vector<double> right;
+    for (std::size_t i = 0; i < rows.size(); ++i) right.push_back(-by[i][0]);
+    std::vector<double> impulses = mechanics::solve_any(a, right);
+    acting.push_back(touched.pushes[f]);
+    impulses.push_back(1.0);
+    const friction::Coupled all(*tree_, touched.moving, constraints, rows, acting);
+    std::vector<double> alone(acting.size(), 0.0);
+    alone.back() = 1.0;
+    const std::vector<double> changes = all.changes(impulses), size = all.changes(alone);
+    for (std::size_t i = 0; i < changes.size(); ++i)
+        if (std::abs(changes[i]) > 1e-11 * (std::abs(size[i]) + *std::max_element(size.begin(), size.end())))
+            return false;
+    return true;
 }
 
 RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
@@ -450,6 +527,20 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
             acting.push_back(one.at.row(along, Vector3(Vector3::Zero())));
             places.push_back({i, along});
             size = std::max(size, std::abs(force[f]));
+        }
+        if (state == rests) {
+            const double mu =
+                is_rough(one.contact) ? static_cast<double>(conditions_->contacts()[at(one.contact)].mu_dynamic) : 0.0;
+            const Vector3 along = one.at.normal - one.along * mu;
+            loose.push_back({i, along});
+            loose_rows.push_back(one.at.row(along, Vector3(Vector3::Zero())));
+            names.emplace_back(one.contact, 0);
+            size = std::max(size, std::abs(force[f]));
+            mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
+            memory.force = Vector3(force[f], 0, 0);
+            memory.rate = Vector3::Zero();
+            memory.since = t;
+            memory.put(mode.memory, one.contact);
         }
         if (!is_held(state)) continue;
         Vector3 whole = Vector3::Zero();
@@ -511,12 +602,13 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         const auto found = std::find(alive.begin(), alive.end(), i);
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
         const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
-        const bool goes_on = before.slip == mode.slip && last.least > 0.0 && t > last.since;
+        const bool is_one = mode.slip[at(names[i].first)] == rests,
+                   goes_on = before.slip == mode.slip && (is_one || last.least > 0.0) && t > last.since;
         memory.since = t;
         memory.rate[names[i].second] = 0.0;
         if (found == alive.end())
             memory.force[names[i].second] = 0.0;
-        else
+        else if (!is_one)
             memory.least = 1.0;
         if (found != alive.end() && !parts.empty())
             memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
@@ -589,6 +681,9 @@ RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, 
     using namespace mechanics::contact_state;
     for (int k = 0; k < contacts(); ++k) {
         const signed char was = mode.slip[at(k)], is = after.slip[at(k)];
+        const auto slides = [&](signed char s) {
+            return mechanics::contact_state::slides(s) || (s == rests && is_rough(k));
+        };
         const bool stops = std::find(fired.stopping.begin(), fired.stopping.end(), k) != fired.stopping.end();
         std::optional<EventKind> kind;
         if (slides(was) && is_held(is)) kind = EventKind::stick;

@@ -133,6 +133,12 @@ private:
     /// The states of contacts from forces found. Returns whether they can be held so.
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
               const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
+    /// Closes smooth contacts whose forces depend on each other, all of them pushing. Returns whether they can.
+    bool share(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
+               const std::vector<int>& candidates, const std::vector<double>& b,
+               const std::vector<double>& noise) const;
+    /// Whether the force of a contact that slides, one of many, leaves the motion what it is, `chosen` rows acting too.
+    bool makes_no_difference(const Touched& touched, std::size_t one, const std::vector<int>& chosen) const;
     /// Why a contact does not slide on, in words.
     std::string no_sliding(int contact) const;
     /// Whether what friction holds has forces that the motion does not determine.
@@ -174,6 +180,8 @@ private:
     /// J M^-1 J^T of contacts, the constraints held.
     std::vector<std::vector<double>> coupling(const std::vector<mechanics::Moving<double>>& all,
                                               const std::vector<int>& of) const;
+    /// Whether a contact would have to pull, or friction to leave its cone, at a state.
+    bool pulls(const Mode& mode, double t, std::span<const double> x) const;
     /// What follows guards of contacts.
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::vector<Happening>& happenings) const;

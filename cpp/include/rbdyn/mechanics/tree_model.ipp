@@ -335,7 +335,7 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
 RBDYN_INLINE Mode TreeModel::undecided() const {
     Mode mode;
     mode.slip.assign(at(contacts()), flies);
-    mode.memory.assign(conditions_->is_rough() ? mechanics::ContactMemory::place(contacts()) : 1, 0.0);
+    mode.memory.assign(mechanics::ContactMemory::place(contacts()), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
 }
@@ -418,6 +418,10 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         return after;
     }
     choose(after, t, x, flipped);
+    if (pulls(after, t, x)) {
+        touch(mode, after, {}, t, x, happenings);
+        return after;
+    }
     if (same_motion(mode, after, flipped))
         std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
     return after;
@@ -457,7 +461,7 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             mode.slip[at(k)] == mechanics::contact_state::brief)
             c.force = c.normal * c.normal.dot(c.force);
         // what is not unique is one of many
-        if (shares_load(mode) && mechanics::contact_state::is_held(mode.slip[at(k)])) c.force = Vector3::Zero();
+        if (shares_load(mode)) c.force = Vector3::Zero();
         // a difference of what acts on what it joins
         double effort = c.force.norm();
         for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})

@@ -130,8 +130,8 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             const auto touching = conditions.contacts()[k].touching<double>(tree, moving);
             ContactReport report;
             report.gap = touching.gap;
-            report.force = conditions.is_rough() ? vector() : Vector3(touching.normal * multipliers[at(r)]);
-            if (conditions.is_rough()) next += 2;
+            report.force = vector();
+            next += 2;
             report.slip = touching.slip();
             report.place = touching.place;
             report.normal = touching.normal;

@@ -27,8 +27,8 @@ class TreeWriter {
 public:
     using S = Expression;
 
-    /// `rows`: those used; `states`: what each contact does. Of each rough one that is closed the mode has parameters,
-    /// the numbers of its ContactMemory, the first of all.
+    /// `rows`: those used; `states`: what each contact does. Of each that has_numbers() the mode has parameters, the
+    /// numbers of its ContactMemory, the first of all.
     TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
                const std::vector<int>& rows, const std::vector<signed char>& states);
 
@@ -43,7 +43,7 @@ public:
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-    /// A rough contact that is closed.
+    /// What a contact remembers, as parameters.
     struct Friction {
         Vector3Of<S> axis = none<S>(), force = none<S>();  // of its ContactMemory
         S least = S(0.0);
@@ -53,10 +53,12 @@ private:
     /// The place among the values of what a rough contact does: its force (3), and where it slides numerator and
     /// denominator of N.
     std::size_t place(int contact) const { return values_.size() - 5 * (touching_.size() - at(contact)); }
-    std::size_t first_multiplier() const {
-        return values_.size() - rows_.size() - (conditions_.is_rough() ? 5 * touching_.size() : 0);
-    }
+    std::size_t first_multiplier() const { return values_.size() - rows_.size() - 5 * touching_.size(); }
     Vector3Of<S> vector_at(std::size_t i) const { return {values_[i], values_[i + 1], values_[i + 2]}; }
+    /// A unit of the normal force with its friction.
+    Vector3Of<S> pushing(std::size_t contact) const;
+    /// What of a contact's force the motion does not determine.
+    Vector3Of<S> shared(std::size_t contact) const;
     void guard_friction(EquationsWriter& write, int contact) const;
     /// What a watched function asks for.
     S observed(const Observable& o) const;

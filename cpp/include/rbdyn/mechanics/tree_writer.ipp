@@ -38,14 +38,16 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
     friction_.resize(states.size());
     for (std::size_t k = 0; k < states.size(); ++k) {
         touching_.push_back(conditions.contacts()[k].touching<S>(tree, moving_));
-        if (!conditions.contacts()[k].is_rough() || states[k] == flies) continue;
+        if (!contact_state::has_numbers(conditions.contacts()[k], states[k])) continue;
         S numbers[ContactMemory::numbers];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
         f.least = numbers[3];
         for (int i = 0; i < 3; ++i) f.force[i] = numbers[4 + i] + numbers[7 + i] * (r.time() - numbers[10]);
-        if (!contact_state::slides(states[k])) continue;
+        if (!contact_state::slides(states[k]) &&
+            !(states[k] == contact_state::rests && conditions.contacts()[k].is_rough()))
+            continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = tree_writers::unit_along(f.axis, touching_[k].normal);
         f.along = last;
         f.speed = dot<S>(last, slip);
@@ -53,6 +55,20 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
         f.speed = sqrt(dot<S>(slip, slip));
         f.along = slip * (S(1.0) / f.speed);
     }
+}
+
+RBDYN_INLINE Vector3Of<Expression> TreeWriter::pushing(std::size_t k) const {
+    const ContactLaw& c = conditions_.contacts()[k];
+    if (!c.is_rough()) return touching_[k].normal;
+    return touching_[k].normal - friction_[k].along * c.mu_dynamic.in<S>();
+}
+
+RBDYN_INLINE Vector3Of<Expression> TreeWriter::shared(std::size_t k) const {
+    if (states_[k] == contact_state::rests) return pushing(k) * friction_[k].force[0];
+    Vector3Of<S> force = friction_[k].force;
+    for (int axis = 0; axis < 3; ++axis)
+        if (contact_state::is_row(states_[k], axis)) force[axis] = S(0.0);
+    return force;
 }
 
 RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
@@ -81,16 +97,14 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         w.moment -= acts.wrenches[at(i)].moment;
         left.push_back(w);
     }
-    // held by friction along axes that have no rows
-    for (std::size_t k = 0; k < states_.size(); ++k)
-        if (contact_state::is_held(states_[k])) {
-            Vector3Of<S> force = friction_[k].force;
-            for (int axis = 0; axis < 3; ++axis)
-                if (contact_state::is_row(states_[k], axis)) force[axis] = S(0.0);
-            const Touching<S>& t = touching_[k];
-            if (t.a >= 0) add<S>(left[at(t.a)], t.on_a(force), S(-1.0));
-            if (t.b >= 0) add<S>(left[at(t.b)], t.on_b(force), S(-1.0));
-        }
+    // what the motion does not determine
+    for (std::size_t k = 0; k < states_.size(); ++k) {
+        if (!contact_state::is_held(states_[k]) && states_[k] != contact_state::rests) continue;
+        const Vector3Of<S> force = shared(k);
+        const Touching<S>& t = touching_[k];
+        if (t.a >= 0) add<S>(left[at(t.a)], t.on_a(force), S(-1.0));
+        if (t.b >= 0) add<S>(left[at(t.b)], t.on_b(force), S(-1.0));
+    }
     const Accelerate<S> tree = accelerate<S>(tree_, moving_);
     std::vector<S> u = tree.driven(std::move(left), acts.joints), multipliers(rows_.size(), S(0.0));
     std::vector<S> numerators(states_.size(), S(0.0)), denominators(states_.size(), S(0.0));
@@ -117,9 +131,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         pushes = responses;
         for (std::size_t j = first; j < order.size(); ++j) {
             const std::size_t k = at(contact[j - first]);
-            const S mu = conditions_.contacts()[k].mu_dynamic.in<S>();
-            const Vector3Of<S> force = touching_[k].normal - friction_[k].along * mu;
-            pushes[j] = tree.response(touching_[k].row(force, none<S>()));
+            pushes[j] = tree.response(touching_[k].row(pushing(k), none<S>()));
         }
         std::vector<std::vector<S>> a(b.size(), std::vector<S>(b.size(), S(0.0)));
         for (std::size_t i = 0; i < b.size(); ++i)
@@ -162,18 +174,15 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     values.insert(values.end(), acts.powers.begin(), acts.powers.end());
     values.insert(values.end(), acts.joints.begin(), acts.joints.end());
     values.insert(values.end(), multipliers.begin(), multipliers.end());
-    if (!conditions_.is_rough()) return values;
     for (std::size_t k = 0; k < states_.size(); ++k) {
-        Vector3Of<S> force = contact_state::is_held(states_[k]) ? friction_[k].force : none<S>();
+        const bool is_shared = contact_state::is_held(states_[k]) || states_[k] == contact_state::rests;
+        Vector3Of<S> force = is_shared ? shared(k) : none<S>();
         const int contact = static_cast<int>(k);
         for (std::size_t r = 0; r < rows_.size(); ++r) {
             for (int axis = 0; axis < 3; ++axis)
                 if (rows_[r] == conditions_.held_row(contact, axis)) force[axis] = multipliers[r];
-            if (rows_[r] != conditions_.normal_row(contact)) continue;
-            force = touching_[k].normal;
-            if (contact_state::slides(states_[k]))
-                force = force - friction_[k].along * conditions_.contacts()[k].mu_dynamic.in<S>();
-            force = force * multipliers[r];
+            if (rows_[r] == conditions_.normal_row(contact))
+                force = (contact_state::slides(states_[k]) ? pushing(k) : touching_[k].normal) * multipliers[r];
         }
         put(force);
         values.push_back(numerators[k]);
@@ -189,14 +198,18 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
         const int contact = static_cast<int>(k);
         if (states_[k] == flies)
             write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name}, touching_[k].gap);
-        if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k])) {
+        if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k]) ||
+            (states_[k] == contact_state::rests && c.is_rough())) {
             guard_friction(write, contact);
             continue;
         }
+        if (states_[k] == contact_state::rests)
+            write.decide({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = true},
+                         friction_[k].force[0]);
         for (std::size_t r = 0; r < rows_.size(); ++r)
             if (rows_[r] == conditions_.normal_row(contact))
-                write.guard({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
-                            values_[first_multiplier() + r]);
+                write.decide({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
+                             values_[first_multiplier() + r]);
     }
 }
 
@@ -208,8 +221,9 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const std::size_t first = place(contact);
     const Vector3Of<S> force = vector_at(first);
     // what shares its load shares it anew where it comes to an edge
-    const bool is_held = contact_state::is_held(state);
-    const Guard leaves{.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_held},
+    const bool is_held = contact_state::is_held(state), is_shared = is_held || state == contact_state::rests;
+    const Guard leaves{
+        .kind = EventKind::detach, .contact = contact, .name = "force of " + c.name, .renews = is_shared},
         turns{.kind = EventKind::switching,
               .contact = contact,
               .name = "direction of the slip of " + c.name,
@@ -217,23 +231,25 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const S normal = dot<S>(t.normal, force);
     if (is_held) {
         // the world's axes have it whole: no square root, and no direction where nothing acts along the surface
-        write.guard(leaves, normal);
+        write.decide(leaves, normal);
         if (!std::isfinite(static_cast<double>(c.mu_static))) return;
         const S limit = c.mu_static.in<S>() * normal;
         const Vector3Of<S> along = force - t.normal * normal;
-        write.guard({.kind = EventKind::slip, .contact = contact, .name = "friction of " + c.name, .renews = true},
-                    limit * limit - dot<S>(along, along));
+        write.decide({.kind = EventKind::slip, .contact = contact, .name = "friction of " + c.name, .renews = true},
+                     limit * limit - dot<S>(along, along));
         return;
     }
     // N is a quotient: what slides alone leaves where its numerator ends, and there is no N where its denominator does
     const auto slides = [](signed char s) { return contact_state::slides(s); };
     const bool is_alone = std::count_if(states_.begin(), states_.end(), slides) == 1;
-    write.guard(leaves, is_alone ? values_[first + 3] : normal);
-    write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name}, values_[first + 4]);
+    write.decide(leaves, is_alone && !is_shared ? values_[first + 3] : normal);
+    if (state != contact_state::rests)
+        write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name},
+                    values_[first + 4]);
     const Vector3Of<S> slip = t.slip();
     const Guard stops{.kind = EventKind::stick, .contact = contact, .name = "slip of " + c.name};
     if (state == contact_state::turning) {
-        write.guard(stops, dot<S>(slip, slip) / f.least - f.least);
+        write.guard(stops, f.speed - f.least);
         // a direction is not followed past a speed of zero: there the series of |u| goes on with another sign
         write.guard(turns, dot<S>(tree_writers::unit_along(f.axis, t.normal), slip) - S(0.875) * f.speed);
         return;
@@ -304,19 +320,18 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction(int body) const {
         const std::size_t first = first_multiplier();
         for (std::size_t k = 0; k < rows_.size(); ++k) {
             // what rough contacts do comes whole
-            if (conditions_.is_rough() && rows_[k] >= conditions_.constraint_rows()) continue;
+            if (rows_[k] >= conditions_.constraint_rows()) continue;
             const Row<S>& row = all[at(rows_[k])];
             if (row.a == body) add<S>(w, row.on_a, S(-values_[first + k]));
             if (row.b == body) add<S>(w, row.on_b, S(-values_[first + k]));
         }
     }
-    if (conditions_.is_rough())
-        for (std::size_t k = 0; k < touching_.size(); ++k) {
-            const Touching<S>& t = touching_[k];
-            const Vector3Of<S> force = vector_at(place(static_cast<int>(k)));
-            if (t.a == body) add<S>(w, t.on_a(force), S(-1.0));
-            if (t.b == body) add<S>(w, t.on_b(force), S(-1.0));
-        }
+    for (std::size_t k = 0; k < touching_.size(); ++k) {
+        const Touching<S>& t = touching_[k];
+        const Vector3Of<S> force = vector_at(place(static_cast<int>(k)));
+        if (t.a == body) add<S>(w, t.on_a(force), S(-1.0));
+        if (t.b == body) add<S>(w, t.on_b(force), S(-1.0));
+    }
     for (int child = body + 1; child < tree_.size(); ++child)
         if (tree_.node(child).parent == body)
             add<S>(w, about<S>(reaction(child), Vector3Of<S>(moving_[at(child)].place - m.place)), S(1.0));
