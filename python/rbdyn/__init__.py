@@ -99,6 +99,7 @@ from rbdyn._core import (
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
+from rbdyn.many import Many, simulate_many
 from rbdyn.sample import Sample
 
 __all__ = [
@@ -152,6 +153,7 @@ __all__ = [
     "Line",
     "LoadHandle",
     "Lorentz",
+    "Many",
     "NormalModes",
     "Now",
     "Omission",
@@ -203,6 +205,7 @@ __all__ = [
     "rail_potential",
     "shapes",
     "simulate",
+    "simulate_many",
     "where",
 ]
 

@@ -187,7 +187,7 @@ TEST(Sweeps, plan_once_for_all_numbers_that_vanish_nowhere) {
     }
 }
 
-TEST(Sweeps, plan_anew_where_an_effect_vanishes_and_where_it_comes_back) {
+TEST(Sweeps, plan_anew_where_an_effect_vanishes_and_not_where_it_comes_back) {
     for (const Sweep& sweep : sweeps()) {
         SCOPED_TRACE(sweep.name);
         Parameter k(0.5, "k");
@@ -197,7 +197,8 @@ TEST(Sweeps, plan_anew_where_an_effect_vanishes_and_where_it_comes_back) {
             SCOPED_TRACE(value);
             k.set(value);
             const Attempt run = ran(scene);
-            EXPECT_EQ(run.run.statistics().planned, value != 0.9);
+            // the plan with the effect is still there where it comes back
+            EXPECT_EQ(run.run.statistics().planned, value == 0.5 || value == 0.0);
             expect_same_as_planned_anew(scene, run);
             effects.push_back(run.run.plan().effects.size());
         }

@@ -1,0 +1,34 @@
+"""Where a bead on a rough hoop comes to rest: two thousand starts at once, as one picture of the basins of its motion."""
+
+import numpy as np
+import rbdyn as rb
+
+scene = rb.Scene(gravity=[0, 0, -9.81])
+hoop = rb.Rail(rb.Circle(0.5, start=[0, 0, -1], toward=[1, 0, 0]), friction=rb.Coulomb(0.4, 0.2))
+bead = scene.add(rb.Particle(mass=0.1), hoop, name="bead")
+
+angles, speeds = np.meshgrid(np.linspace(-3.0, 3.0, 61), np.linspace(-9.0, 9.0, 33))
+many = rb.simulate_many(
+    scene, {(bead, "parameter"): angles.ravel(), (bead, "speed"): speeds.ravel()}, until=20.0, error=1e-8
+)
+print(many)
+assert not len(many.failed)
+
+rest = many[bead].parameter(20.0).reshape(angles.shape)
+turns = np.round(rest / (2 * np.pi)).astype(int)
+print("\nturns until it sticks, over the angle it starts at (across) and its speed (down)")
+for row, speed in zip(turns, speeds[:, 0], strict=True):
+    print(f"{speed:6.2f} m/s  " + "".join("·" if n == 0 else str(abs(n)) for n in row))
+
+# it sticks where static friction holds it: within the angle of friction of the lowest point
+held = np.abs(rest - 2 * np.pi * turns)
+assert held.max() <= np.arctan(0.4) + 1e-9
+assert np.all(many[bead].speed(20.0) == 0.0)
+print(f"\nfarthest from a lowest point {held.max():.3f} rad, the angle of static friction {np.arctan(0.4):.3f} rad")
+print(f"planned {sum(s.planned for s in many.statistics)} times for {len(many)} runs")
+
+# one of them by itself is the same, bit for bit
+start = {(bead, "parameter"): angles[4, 7], (bead, "speed"): speeds[4, 7]}
+alone = rb.simulate(scene, 20.0, error=1e-8, initial=start)
+member = many[4 * 61 + 7]
+assert alone.events == member.events and alone[bead].parameter(20.0) == member[bead].parameter(20.0)
