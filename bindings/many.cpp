@@ -39,8 +39,7 @@ public:
                 for (const auto& [word, values] : w.of) words.given[py::str(word)] = values[index];
                 tried_.replace(w.body, rbdyn::Started(kept));
                 restart(tried_, w.body, words);
-                v.starts.emplace_back(
-                    w.body, rbdyn::Started(tried_.bodies()[static_cast<std::size_t>(w.body.index)]));
+                v.starts.emplace_back(w.body, rbdyn::Started(tried_.bodies()[static_cast<std::size_t>(w.body.index)]));
             }
             for (const auto& [parameter, values] : numbers_)
                 v.numbers.emplace_back(parameter, number(values[index], "simulate_many", parameter.description()));
@@ -161,8 +160,7 @@ py::list runs_from(const BoundScene& scene, const py::dict& vary, const py::list
         const rbdyn::BoundParameters bound(own.numbers);
         rbdyn::Scene member = scene.scene;
         for (const auto& [body, start] : own.starts) member.replace(body, start);
-        runs.append(
-            BoundTrajectory{rbdyn::Trajectory(rbdyn::run_from(member, data[i].cast<std::string>())), handles});
+        runs.append(BoundTrajectory{rbdyn::Trajectory(rbdyn::run_from(member, data[i].cast<std::string>())), handles});
     }
     return runs;
 }
@@ -172,12 +170,12 @@ py::list runs_from(const BoundScene& scene, const py::dict& vary, const py::list
 void bind_many(py::module_& m) {
     const rbdyn::SimulateOptions defaults;
     m.def("_sweep", &sweep, py::arg("scene"), py::arg("vary"), py::arg("count"), py::arg("until"), py::kw_only(),
-          py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"),
-          py::arg("max_steps"), py::arg("progress"), py::arg("threads"),
+          py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"), py::arg("max_steps"),
+          py::arg("progress"), py::arg("threads"),
           "The runs of a sweep, what went wrong with each, and what interrupted it.");
     m.def("_check_sweep", &check, py::arg("scene"), py::arg("vary"), py::arg("count"), py::arg("until"), py::kw_only(),
-          py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"),
-          py::arg("max_steps"), "Raises what a sweep would raise before anything runs.");
+          py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"), py::arg("max_steps"),
+          "Raises what a sweep would raise before anything runs.");
     m.def(
         "_bytes_of", [](const BoundTrajectory& run) { return py::bytes(rbdyn::bytes_of(*run.run.data())); },
         py::arg("run"), "A run as data, without its scene.");

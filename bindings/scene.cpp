@@ -301,8 +301,7 @@ py::tuple scene_data(const BoundScene& s) {
         const auto& w = b.angular_velocity;
         bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
                                      b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]}), b.parameter_rest,
-                                     b.parent, b.coordinates, b.rates,
-                                     point(b.angular_velocity_world)));
+                                     b.parent, b.coordinates, b.rates, point(b.angular_velocity_world)));
     }
     for (const auto& l : s.scene.loads()) loads.append(py::make_tuple(l.load, l.body, point(l.at)));
     const auto end = [](const rbdyn::End& e) {
@@ -599,9 +598,11 @@ run[handle] has gap, force, slip and state; events of kind land, impact, detach,
             R"(Lets the motion of a body start elsewhere, in the words of add(). What is not given stays as it is, an angular
 velocity in the axes it was given in. Raises what add() raises.)")
         .def(
-            "__getitem__", [](const BoundScene& self, const std::string& name) { return self.handles.find(name, "Scene"); },
+            "__getitem__",
+            [](const BoundScene& self, const std::string& name) { return self.handles.find(name, "Scene"); },
             py::arg("name"),
-            "The handle of a name: of a body, a coupling, a watch, a constraint, a contact or a load. Raises InvalidInput, "
+            "The handle of a name: of a body, a coupling, a watch, a constraint, a contact or a load. Raises "
+            "InvalidInput, "
             "with the names there are, for any other.")
         .def_property_readonly(
             "contacts", [](const BoundScene& s) { return s.handles.contacts; },

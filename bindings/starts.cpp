@@ -27,8 +27,7 @@ public:
             std::string list;
             for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
             const std::string known = "; " + who + " starts with " + (list.empty() ? "nothing" : list);
-            if (words_.are_keywords)
-                throw py::type_error(words_.verb + ": unexpected keyword \"" + key + "\"" + known);
+            if (words_.are_keywords) throw py::type_error(words_.verb + ": unexpected keyword \"" + key + "\"" + known);
             throw InvalidInput(words_.verb + ": " + words_.object + " has no \"" + key + "\"" + known);
         }
     }

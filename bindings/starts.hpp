@@ -12,8 +12,8 @@ namespace binding {
 
 using AnyBody = std::variant<rbdyn::Particle, rbdyn::RigidBody>;
 
-/// The words of a start as they were given. Numbers that break a rule are an InvalidInput that names `object`; a word that
-/// the joint does not have is one of `verb`: a TypeError where the words are keywords.
+/// The words of a start as they were given. Numbers that break a rule are an InvalidInput that names `object`; a word
+/// that the joint does not have is one of `verb`: a TypeError where the words are keywords.
 struct StartWords {
     py::dict given;
     std::string object, verb;

@@ -1,4 +1,4 @@
-"""Where a bead on a rough hoop comes to rest: two thousand starts at once, as one picture of the basins of its motion."""
+"""Where a bead on a rough hoop comes to rest: two thousand starts at once, as one picture of its basins."""
 
 import numpy as np
 import rbdyn as rb

@@ -56,7 +56,7 @@ def simulate_many(
     """
     arrays, count = _members(vary)
     if threads is not None and (not isinstance(threads, int) or threads < 1):
-        raise InvalidInput(f"simulate_many: threads is {threads!r}; it is a positive number, or None for one a processor")
+        raise InvalidInput(f"simulate_many: threads is {threads!r}; it is positive, or None for one a processor")
     if threads is not None and executor is not None:
         raise InvalidInput("simulate_many: both threads and executor are given; one of them says where members run")
     options = {
@@ -97,10 +97,9 @@ def _members(vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int]:
     lengths: dict[int, str] = {}
     for key, given in vary.items():
         name = f'"{key[0].name}" {key[1]}' if isinstance(key, tuple) and hasattr(key[0], "name") else repr(key)
-        values: Any = given
-        if not hasattr(given, "as_quat") and not (isinstance(given, Sequence) and _are_objects(given)):
-            values = np.asarray(given)
-        if np.ndim(values) == 0 and not hasattr(values, "__len__") or isinstance(values, np.ndarray) and not values.ndim:
+        is_rotation = hasattr(given, "as_quat")  # SciPy's, one or several
+        values: Any = given if is_rotation or _are_attitudes(given) else np.asarray(given)
+        if given.single if is_rotation else isinstance(values, np.ndarray) and not values.ndim:
             raise InvalidInput(f"simulate_many: {name} has one value; it has one for each member, n in all")
         arrays[key] = values
         lengths.setdefault(len(values), name)
@@ -110,9 +109,11 @@ def _members(vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int]:
     return arrays, next(iter(lengths))
 
 
-def _are_objects(values: Sequence[Any]) -> bool:
-    """Whether a list is one of attitudes, or of other things that are no numbers."""
-    return any(isinstance(value, _core.EulerAngles) or hasattr(value, "as_quat") for value in values)
+def _are_attitudes(values: Any) -> bool:
+    """Whether they are a list of attitudes that are no arrays."""
+    return isinstance(values, Sequence) and any(
+        isinstance(value, _core.EulerAngles) or hasattr(value, "as_quat") for value in values
+    )
 
 
 # --- through an executor ---
@@ -126,9 +127,7 @@ class _Sweep:
 
     def run(self, values: list[Any], go_on: Callable[[float], Any]) -> tuple[list[Any], list[Any], Any]:
         vary = dict(zip(self.keys, values, strict=True))
-        return _core._sweep(
-            self.scene, vary, len(values[0]), self.until, **self.options, progress=go_on, threads=1
-        )
+        return _core._sweep(self.scene, vary, len(values[0]), self.until, **self.options, progress=go_on, threads=1)
 
 
 class _Stopped(Exception):
@@ -264,14 +263,12 @@ class Many:
 
     many[i] is the run of member i; it raises what simulate() would have raised. many.runs has all of them, also partial
     ones. many[handle], and many["ball"], is their motion: what run[handle] has, with one more dimension before the
-    others, as in many[ball].position(t): (n, 3), or (n, m, 3) for m times. What a run has is an array or a list over the
-    members, too: many.status, many.error, many.end, many.engine, many.energy(t). Beyond the end of a member that ended
-    before the others its quantities are nan.
+    others, as in many[ball].position(t): (n, 3), or (n, m, 3) for m times. What a run has is an array or a list over
+    the members, too: many.status, many.error, many.end, many.engine, many.energy(t). Beyond the end of a member that
+    ended before the others its quantities are nan.
     """
 
-    def __init__(
-        self, runs: list[Any], errors: list[Any], vary: dict[Any, Any], start: float, until: float
-    ) -> None:
+    def __init__(self, runs: list[Any], errors: list[Any], vary: dict[Any, Any], start: float, until: float) -> None:
         self._runs, self._errors, self._vary = runs, errors, vary
         self._start, self._until = start, until
 

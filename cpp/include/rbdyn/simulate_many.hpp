@@ -39,10 +39,10 @@ struct Member {
 };
 
 struct ManyOptions {
-    SimulateOptions run = {};                      // of each member; its monitor is not called
-    int threads = 0;                               // 0: one for each processor
+    SimulateOptions run = {};                       // of each member; its monitor is not called
+    int threads = 0;                                // 0: one for each processor
     std::function<bool(double)> monitor = nullptr;  // called now and then with the fraction that is done, in the thread
-                                                   // that waits; false stops all that is not done
+                                                    // that waits; false stops all that is not done
 };
 
 /// Runs a scene once for each variation; the scene and the numbers stay as they are. A member that fails or is refused
@@ -51,9 +51,9 @@ struct ManyOptions {
 std::vector<Member> simulate_many(const Scene& scene, const std::vector<Variation>& members,
                                   const ManyOptions& options);
 
-/// The same for `count` members, each with the scene that a function of its number makes; it is called on all threads at
-/// once. What it throws is why the member is refused. Copies of one scene that start elsewhere (Scene::replace) share
-/// their plans.
+/// The same for `count` members, each with the scene that a function of its number makes; it is called on all threads
+/// at once. What it throws is why the member is refused. Copies of one scene that start elsewhere (Scene::replace)
+/// share their plans.
 std::vector<Member> simulate_many(std::size_t count, const std::function<Scene(std::size_t)>& scene,
                                   const ManyOptions& options);
 

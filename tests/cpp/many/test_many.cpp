@@ -45,7 +45,8 @@ Scene rough_hoop() {
 std::vector<Variation> speeds(std::size_t count) {
     std::vector<Variation> members;
     for (std::size_t i = 0; i < count; ++i)
-        members.push_back({.starts = {{BodyHandle{0}, RailStart{.parameter = 0.0, .speed = 0.5 * static_cast<double>(i)}}}});
+        members.push_back(
+            {.starts = {{BodyHandle{0}, RailStart{.parameter = 0.0, .speed = 0.5 * static_cast<double>(i)}}}});
     return members;
 }
 
@@ -73,7 +74,8 @@ TEST(Many, numbers_of_one_member_are_not_those_of_another) {
     for (int i = 0; i < 64; ++i)
         members.push_back({.starts = {{scene.body("ball"), FreeStart{.position = {0.5 + 0.1 * i, 0, 0}}}},
                            .numbers = {{k, 1.0 + 0.25 * i}}});
-    const std::vector<Member> many = simulate_many(scene, members, {.run = {.until = 3.0, .error = 1e-11}, .threads = 2});
+    const std::vector<Member> many =
+        simulate_many(scene, members, {.run = {.until = 3.0, .error = 1e-11}, .threads = 2});
     int planned = 0;
     for (int i = 0; i < 64; ++i) {
         const Trajectory& run = many[static_cast<std::size_t>(i)].run();
@@ -113,7 +115,8 @@ TEST(Many, one_that_fails_does_not_stop_the_others) {
     const BodyHandle a = scene.add(Particle{1.0}, FreeStart{{1, 0, 0}, {}}), b = scene.add(Particle{1.0}, FreeStart{});
     scene.connect(Gravitation{1.0}, a, b);
     std::vector<Variation> members;
-    for (const double speed : {1.0, 0.0, 1.2}) members.push_back({.starts = {{a, FreeStart{{1, 0, 0}, {0, speed, 0}}}}});
+    for (const double speed : {1.0, 0.0, 1.2})
+        members.push_back({.starts = {{a, FreeStart{{1, 0, 0}, {0, speed, 0}}}}});
     const std::vector<Member> many = simulate_many(scene, members, {.run = {.until = 2.0}, .threads = 2});
     EXPECT_TRUE(many[0].is_good());
     EXPECT_TRUE(many[2].is_good());
@@ -166,12 +169,11 @@ TEST(Many, stop_when_they_are_told_to_and_keep_what_is_done) {
         double last = 0.0;
         const auto began = std::chrono::steady_clock::now();
         const std::vector<Member> many =
-            simulate_many(scene, speeds(200000), {.run = {.until = 2.0, .error = 1e-9},
-                                                  .threads = threads,
-                                                  .monitor = [&](double fraction) {
-                                                      last = fraction;
-                                                      return ++asked < 3;
-                                                  }});
+            simulate_many(scene, speeds(200000),
+                          {.run = {.until = 2.0, .error = 1e-9}, .threads = threads, .monitor = [&](double fraction) {
+                               last = fraction;
+                               return ++asked < 3;
+                           }});
         EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 5.0);
         EXPECT_EQ(asked, 3);
         EXPECT_GT(last, 0.0);
@@ -196,11 +198,11 @@ TEST(Many, one_long_run_among_them_is_stopped_too) {
                 ball);
     for (const int threads : {1, 2}) {
         const auto began = std::chrono::steady_clock::now();
-        const std::vector<Member> many = simulate_many(
-            scene, std::vector<Variation>(2),
-            {.run = {.until = 1e9, .rtol = 1e-12, .keep = {.what = Keep::What::end}},
-             .threads = threads,
-             .monitor = [](double) { return false; }});
+        const std::vector<Member> many =
+            simulate_many(scene, std::vector<Variation>(2),
+                          {.run = {.until = 1e9, .rtol = 1e-12, .keep = {.what = Keep::What::end}},
+                           .threads = threads,
+                           .monitor = [](double) { return false; }});
         EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 1.0);
         ASSERT_TRUE(many[0].attempt);
         EXPECT_EQ(many[0].attempt->run.status(), Status::stopped_by_user);
@@ -208,15 +210,15 @@ TEST(Many, one_long_run_among_them_is_stopped_too) {
 }
 
 TEST(Many, may_have_scenes_of_their_own) {
-    const std::vector<Member> many = simulate_many(
-        4,
-        [](std::size_t i) {
-            if (i == 2) throw InvalidInput("not this one");
-            Scene scene(down);
-            scene.add(Particle{1.0}, FreeStart{{0, 0, static_cast<double>(i)}, {}});
-            return scene;
-        },
-        {.run = {.until = 1.0}, .threads = 2});
+    const std::vector<Member> many =
+        simulate_many(4,
+                      [](std::size_t i) {
+                          if (i == 2) throw InvalidInput("not this one");
+                          Scene scene(down);
+                          scene.add(Particle{1.0}, FreeStart{{0, 0, static_cast<double>(i)}, {}});
+                          return scene;
+                      },
+                      {.run = {.until = 1.0}, .threads = 2});
     for (const std::size_t i : {0, 1, 3})
         EXPECT_NEAR(many[i].run()[BodyHandle{0}].position(1.0)[2], static_cast<double>(i) - 0.5 * 9.81, 1e-14);
     EXPECT_EQ(refusal([&] { (void)many[2].run(); }), "not this one");

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "effects/random_formula.hpp"
 #include "many/same_run.hpp"
 #include "random.hpp"
 #include "rbdyn/rbdyn.hpp"
@@ -171,9 +172,8 @@ std::vector<Kind> kinds() {
         {"a curve of one's own", on_rail(wave)},
         {"a spline", on_rail(spline, std::nullopt, {}, {.parameter = 1.7, .speed = 0.5})},
         {"a force with cases", with_cases()},
-        {"a body with a torque", of_body(Torque([](const Number&, const auto&, const Vector& w) {
-             return Vector(Vector(w * -0.1));
-         }))},
+        {"a body with a torque",
+         of_body(Torque([](const Number&, const auto&, const Vector& w) { return Vector(Vector(w * -0.1)); })), false},
         {"a body with a force", of_body(Force(Vector3(0.5, 0, 0))), false},
         {"a top", on_joint(bar, Spherical{}, SphericalStart{.angular_velocity = Vector3(0.5, 0, 3)}), false},
         {"a top with drag", on_joint(bar, Spherical{}, SphericalStart{.angular_velocity = Vector3(0.5, 0, 3)}, true),
@@ -242,6 +242,36 @@ TEST(Starts, runs_that_start_elsewhere_are_those_of_scenes_built_so) {
         all_kept += kept;
     }
     EXPECT_GT(all_kept, 400);
+}
+
+TEST(Starts, random_formulas_give_the_same_from_wherever_they_start) {
+    int kept = 0;
+    for (unsigned seed = 0; seed < 120; ++seed) {
+        SCOPED_TRACE(seed);
+        Parameter a(0.5, "a"), b(0.7, "b");
+        const auto force = [=](const Number& t, const Vector& r, const Vector& v) {
+            RandomFormula formula(seed);
+            const std::vector<Number> x{a, b, t, r[0], r[1], r[2], v[0], v[1], v[2]};
+            Vector f;
+            for (int i = 0; i < 3; ++i) f[i] = formula.draw(2) == 0 ? Number(0.0) : 0.3 * formula(3, x);
+            return f;
+        };
+        Scene scene = seed % 3 == 0 ? on_rail(hoop, Coulomb{0.3, 0.2}) : Scene(down);
+        if (seed % 3 != 0) scene.add(Particle{1.0}, FreeStart{{0.1, 0, 1}, {0.5, 0, 0.5}});
+        scene.apply(Force(force), BodyHandle{0});
+        Random random(seed + 1000);
+        for (int i = 0; i < 6; ++i) {
+            static constexpr double some[] = {0.5, 0.7, 0.0, 1.0, -1.0, 0.3};
+            a.set(some[random.whole(0, 5)]);
+            b.set(some[random.whole(0, 5)]);
+            Scene other = scene;
+            if (i > 0) other.replace(BodyHandle{0}, drawn(random, scene.start(BodyHandle{0})));
+            const Attempt run = attempt(other, until(0.5, i % 3 == 0));
+            kept += run.run.statistics().planned ? 0 : 1;
+            expect_same_run(run, attempt(unplanned(other), until(0.5, i % 3 == 0)));
+        }
+    }
+    EXPECT_GT(kept, 150);
 }
 
 TEST(Starts, plan_once_where_the_same_stays_as_it_starts) {

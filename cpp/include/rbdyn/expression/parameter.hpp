@@ -39,8 +39,8 @@ private:
     friend class BoundParameters;
 };
 
-/// Gives parameters other values in this thread, for as long as it lives: runs that start meanwhile take these, and so do
-/// functions that are called back. Other threads see nothing of it. Of one that is given twice the last counts.
+/// Gives parameters other values in this thread, for as long as it lives: runs that start meanwhile take these, and so
+/// do functions that are called back. Other threads see nothing of it. Of one that is given twice the last counts.
 class BoundParameters {
 public:
     using Values = std::vector<std::pair<Parameter, double>>;

@@ -39,7 +39,7 @@ GivenNumbers numbers_of(const Scene& scene);
 /// Throws InvalidInput if a first integral of the user's has the name of one that the scene has by itself.
 void require_own_names(const Scene& scene, const Plan& plan);
 
-/// A plan for the same scene with other numbers, and `elsewhere`: with another start; none if a new one would be another.
+/// A plan for the same scene with other numbers, and `elsewhere`: with another start; none if a new one may differ.
 [[gnu::cold]] std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers,
                                           bool elsewhere);
 

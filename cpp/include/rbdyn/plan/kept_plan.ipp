@@ -69,6 +69,8 @@ RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, c
         // on which side of a case motion begins depends on both
         if (plan.model->distinguishes() || (elsewhere && names_depend_on_start(*plan.model)))
             plan.guards = guards_of(*plan.model);
+        // what a plan says where there are none
+        if (plan.guards.empty() != kept.guards.empty()) return std::nullopt;
         if (!kept.closed) return plan;
         plan.closed = closed_form(scene, *plan.model, true).form;
         if (!plan.closed) return std::nullopt;

@@ -139,11 +139,9 @@ RBDYN_INLINE Start words(const Joint& joint, bool is_rigid, const Started& s) {
             } else if constexpr (std::is_same_v<J, Universal>) {
                 return UniversalStart{.angles = {c[0], c[1]}, .rates = {r[0], r[1]}};
             } else if constexpr (std::is_same_v<J, Cylindrical>) {
-                return CylindricalStart{
-                    .angle = c[0], .rate = r[0], .displacement = c[1], .displacement_rate = r[1]};
+                return CylindricalStart{.angle = c[0], .rate = r[0], .displacement = c[1], .displacement_rate = r[1]};
             } else if constexpr (std::is_same_v<J, Planar>) {
-                return PlanarStart{
-                    .position = {c[0], c[1]}, .velocity = {r[0], r[1]}, .angle = c[2], .rate = r[2]};
+                return PlanarStart{.position = {c[0], c[1]}, .velocity = {r[0], r[1]}, .angle = c[2], .rate = r[2]};
             } else {
                 return FixedStart{};
             }
