@@ -635,9 +635,10 @@ void bind_trajectory(py::module_& m) {
 
     py::class_<BoundTrajectory> run(m, "Trajectory", R"(The result of simulate(): motion, events, error estimate, price.
 
-run[handle] is the motion of a body or a coupling, also by its name: run["ball"]. Quantities of the whole system are methods of time: t [s] is a number
-or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
-bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.)");
+run[handle] is the motion of a body or a coupling, also by its name: run["ball"]. Quantities of the whole system are
+methods of time: t [s] is a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes;
+of: a handle or several, all bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs
+and outlives its scene.)");
     run.def_property_readonly(
            "status", [](const BoundTrajectory& r) { return name_of(r.run.status()); },
            "reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or "

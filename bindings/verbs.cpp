@@ -14,10 +14,15 @@ namespace {
 
 BoundTrajectory simulate(const BoundScene& scene, double until, double start, std::optional<double> error,
                          std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
-                         std::int64_t max_steps, const py::object& progress, const std::optional<py::dict>& initial) {
+                         std::int64_t max_steps, const py::object& progress, const py::object& initial) {
     // copies, since other threads may change the scene while this one runs without the lock
     rbdyn::Scene copy = scene.scene;
-    if (initial) restart(copy, scene.handles, *initial, "simulate");
+    if (!initial.is_none()) {
+        if (PyMapping_Check(initial.ptr()) == 0)
+            throw InvalidInput("simulate: initial is " + shown(initial) +
+                               "; it is a mapping of (handle, word), as in {(wheel, \"rate\"): 3.0}");
+        restart(copy, scene.handles, py::dict(initial), "simulate");
+    }
     const auto handles = std::make_shared<const Handles>(scene.handles);
     Watch watch(progress);
     rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);

@@ -20,11 +20,13 @@ print("\nturns until it sticks, over the angle it starts at (across) and its spe
 for row, speed in zip(turns, speeds[:, 0], strict=True):
     print(f"{speed:6.2f} m/s  " + "".join("·" if n == 0 else str(abs(n)) for n in row))
 
-# it sticks where static friction holds it: within the angle of friction of the lowest point
-held = np.abs(rest - 2 * np.pi * turns)
+# it sticks where static friction holds it: within the angle of friction of the lowest point, or of the highest
+held = np.abs(rest - np.pi * np.round(rest / np.pi))
 assert held.max() <= np.arctan(0.4) + 1e-9
 assert np.all(many[bead].speed(20.0) == 0.0)
-print(f"\nfarthest from a lowest point {held.max():.3f} rad, the angle of static friction {np.arctan(0.4):.3f} rad")
+at_top = np.round(rest / np.pi).astype(int) % 2 == 1
+print(f"\n{at_top.sum()} of them stay near the top; farthest from where it is level {held.max():.3f} rad,")
+print(f"and the angle of static friction is {np.arctan(0.4):.3f} rad")
 print(f"planned {sum(s.planned for s in many.statistics)} times for {len(many)} runs")
 
 # one of them by itself is the same, bit for bit

@@ -358,7 +358,7 @@ class Many:
             first = next((r for r in results if r is not None), None)
             if isinstance(first, tuple):
                 parts = [_stacked([None if r is None else r[k] for r in results]) for k in range(len(first))]
-                return type(first)(*parts) if hasattr(first, "_fields") else tuple(parts)
+                return _like(first, parts)
             return _stacked(results)
 
         return of_all
@@ -379,7 +379,7 @@ class Many:
         there = method(**{**kwargs, "t": within}) if "t" in kwargs else method(within, *args[1:], **kwargs)
         if isinstance(there, tuple):
             parts = [_without(part, beyond) for part in there]
-            return type(there)(*parts) if hasattr(there, "_fields") else tuple(parts)
+            return _like(there, parts)
         return _without(there, beyond)
 
     def to_xarray(self, times: npt.ArrayLike) -> Any:
@@ -401,8 +401,8 @@ class Many:
         variables: dict[str, Any] = {"status": ("member", self.status), "error": ("member", self.error)}
         for handle in [*some.bodies, *some.couplings]:
             for quantity in some[handle].quantities:
-                value = getattr(self[handle], quantity)(t)
-                fields = dict(zip(type(value)._fields, value, strict=True)) if isinstance(value, tuple) else {"": value}
+                value: Any = getattr(self[handle], quantity)(t)
+                fields: dict[str, Any] = value._asdict() if isinstance(value, tuple) else {"": value}
                 for field, array in fields.items():
                     name = f"{handle.name}.{quantity}" + (f".{field}" if field else "")
                     variables[name] = (("member", "t", *axes_of(quantity, array[0])), array)
@@ -456,6 +456,12 @@ class _Quantities:
 
     def __repr__(self) -> str:
         return f"<Many: {len(self._many)} of {self._some!r}>"
+
+
+def _like(one: Any, parts: list[Any]) -> Any:
+    """A tuple of parts, or a named one as `one` is."""
+    kind: Any = type(one)
+    return kind(*parts) if hasattr(one, "_fields") else tuple(parts)
 
 
 def _without(values: Any, beyond: npt.NDArray[np.bool_]) -> Any:

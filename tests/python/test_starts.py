@@ -127,6 +127,8 @@ def test_words_of_other_joints_and_keys_that_are_none_are_refused():
     for key in (bar, "rate", (bar,), ("bar", "rate"), (bar, 3)):
         with pytest.raises(rb.InvalidInput, match="it is a handle and a word of add"):
             rb.simulate(scene, until=1.0, initial={key: 1.0})
+    with pytest.raises(rb.InvalidInput, match="initial is 3.0; it is a mapping"):
+        rb.simulate(scene, until=1.0, initial=3.0)
     _, other = pendulum()
     with pytest.raises(rb.InvalidInput, match="handle of another scene"):
         rb.simulate(scene, until=1.0, initial={(other, "rate"): 1.0})
