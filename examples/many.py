@@ -27,7 +27,7 @@ assert np.all(many[bead].speed(20.0) == 0.0)
 at_top = np.round(rest / np.pi).astype(int) % 2 == 1
 print(f"\n{at_top.sum()} of them stay near the top; farthest from where it is level {held.max():.3f} rad,")
 print(f"and the angle of static friction is {np.arctan(0.4):.3f} rad")
-print(f"planned {sum(s.planned for s in many.statistics)} times for {len(many)} runs")
+print(f"plans made for {len(many)} runs: {sum(s.planned for s in many.statistics)}")
 
 # one of them by itself is the same, bit for bit
 start = {(bead, "parameter"): angles[4, 7], (bead, "speed"): speeds[4, 7]}

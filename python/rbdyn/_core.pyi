@@ -3165,9 +3165,10 @@ class Trajectory:
     """
     The result of simulate(): motion, events, error estimate, price.
 
-    run[handle] is the motion of a body or a coupling, also by its name: run["ball"]. Quantities of the whole system are methods of time: t [s] is a number
-    or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
-    bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.
+    run[handle] is the motion of a body or a coupling, also by its name: run["ball"]. Quantities of the whole system are
+    methods of time: t [s] is a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes;
+    of: a handle or several, all bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs
+    and outlives its scene.
     """
     @typing.overload
     def __getitem__(self, handle: BodyHandle) -> BodyMotion:
@@ -3753,7 +3754,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: dict[typing.Any, typing.Any] | None = None) -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None) -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 

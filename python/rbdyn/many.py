@@ -402,8 +402,7 @@ class Many:
         for handle in [*some.bodies, *some.couplings]:
             for quantity in some[handle].quantities:
                 value: Any = getattr(self[handle], quantity)(t)
-                fields: dict[str, Any] = value._asdict() if isinstance(value, tuple) else {"": value}
-                for field, array in fields.items():
+                for field, array in _fields(value).items():
                     name = f"{handle.name}.{quantity}" + (f".{field}" if field else "")
                     variables[name] = (("member", "t", *axes_of(quantity, array[0])), array)
         for key, values in self._vary.items():
@@ -462,6 +461,11 @@ def _like(one: Any, parts: list[Any]) -> Any:
     """A tuple of parts, or a named one as `one` is."""
     kind: Any = type(one)
     return kind(*parts) if hasattr(one, "_fields") else tuple(parts)
+
+
+def _fields(value: Any) -> dict[str, Any]:
+    """The fields of a named tuple by name; of anything else itself, without one."""
+    return value._asdict() if hasattr(value, "_asdict") else {"": value}
 
 
 def _without(values: Any, beyond: npt.NDArray[np.bool_]) -> Any:

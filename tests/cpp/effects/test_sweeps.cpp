@@ -344,6 +344,22 @@ TEST(Sweeps, run_side_by_side_with_one_plan) {
     for (const Vector3& end : ends) EXPECT_EQ(end, alone.run[BodyHandle{0}].position(2.0));
 }
 
+TEST(Sweeps, take_a_force_that_is_a_number_where_bodies_touch) {
+    // what acts beside the equations takes more numbers than they do
+    Parameter k(0.1, "k"), m(0.2, "m");
+    Scene scene(down);
+    const BodyHandle box = scene.add(shapes::box(1.0, {1, 1, 1}), BodyStart{.position = {0, 0, 1}});
+    scene.contact(box.point({0.5, 0.5, -0.5}), Plane{.normal = {0, 0, 1}});
+    for (const Parameter& n : {k, m})
+        scene.apply(Force([n](const auto&, const auto&, const auto&) { return Vector(Number(n), 0.0, 0.0); }), box);
+    for (const double value : {0.1, 0.3, 0.7}) {
+        k.set(value);
+        const Attempt run = ran(scene, 0.25);
+        EXPECT_NEAR(run.run[box].force(0.1)[0], value + 0.2, 1e-15);
+        expect_same_as_planned_anew(scene, run);
+    }
+}
+
 TEST(Sweeps, run_random_formulas_as_if_planned_anew) {
     int kept = 0;
     for (unsigned seed = 0; seed < 60; ++seed) {
