@@ -1,4 +1,4 @@
-// Sweeps: one scene, many starts and numbers. What python/rbdyn/many.py makes its results of.
+// Sweeps: one scene, many starts and numbers. What python/rbdyn/sweep.py runs them by.
 #include <algorithm>
 #include <rbdyn/simulate_many.hpp>
 #include <rbdyn/trajectory/run_bytes.hpp>

@@ -99,8 +99,9 @@ from rbdyn._core import (
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
-from rbdyn.many import Many, simulate_many
+from rbdyn.many import Many
 from rbdyn.sample import Sample
+from rbdyn.sweep import simulate_many
 
 __all__ = [
     "AccuracyError",
