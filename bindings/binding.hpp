@@ -303,6 +303,7 @@ void bind_expressions(py::module_& m);
 void bind_functions(py::module_& m);
 void bind_joints(py::module_& m);
 void bind_loads(py::module_& m);
+void bind_many(py::module_& m);
 void bind_parameters(py::module_& m);
 void bind_rails(py::module_& m);
 void bind_scene(py::module_& m);

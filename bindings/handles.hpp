@@ -78,6 +78,27 @@ struct Handles {
                                "\" is a handle of another scene; use what add(), connect(), constrain(), contact(), "
                                "apply() or watch() of this one returned");
     }
+    /// The handle of a name, as the Python object of its class. Throws InvalidInput, with the names there are, for any
+    /// other.
+    py::object find(const std::string& name, const std::string& user) const {
+        std::string names;
+        py::object found;
+        const auto look = [&](const auto& known) {
+            for (const auto& h : known) {
+                if (h.name == name && !found) found = py::cast(h);
+                names += (names.empty() ? "\"" : ", \"") + h.name + "\"";
+            }
+        };
+        look(bodies);
+        look(couplings);
+        look(constraints);
+        look(contacts);
+        look(watches);
+        look(loads);
+        if (found) return found;
+        throw InvalidInput(user + ": there is nothing named \"" + name + "\"; " +
+                           (names.empty() ? "the scene is empty: add() something" : "there are " + names));
+    }
     /// The body of a handle. Throws InvalidInput for any other handle.
     rbdyn::BodyHandle body(const Handle& h, const std::string& user) const {
         require(h, user);

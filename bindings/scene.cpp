@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "data.hpp"
+#include "starts.hpp"
 #include "watch.hpp"
 
 namespace binding {
@@ -26,99 +27,20 @@ Handle new_handle(Handle::Of of, int index, std::string name) {
     return {of, index, ++last, std::move(name)};
 }
 
-/// The initial state of a body, read keyword by keyword.
-class Initial {
-public:
-    Initial(const py::kwargs& given, std::string object) : given_(given), object_(std::move(object)) {}
-
-    /// Throws TypeError for a keyword that is not among `allowed`.
-    void require_keywords(const std::vector<std::string>& allowed, const std::string& who) const {
-        for (const auto& item : given_) {
-            const auto key = item.first.cast<std::string>();
-            if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
-            std::string list;
-            for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
-            throw py::type_error("Scene.add: unexpected keyword \"" + key + "\"; " + who + " starts with " + list);
-        }
-    }
-    std::optional<double> number(const char* key) const {
-        if (!has(key)) return std::nullopt;
-        return binding::number(given_[key], object_, key);
-    }
-    std::optional<Vector3> vector(const char* key) const {
-        if (!has(key)) return std::nullopt;
-        return vector3(given_[key], object_, key);
-    }
-    std::array<double, 2> pair(const char* key) const {
-        if (!has(key)) return {0.0, 0.0};
-        const std::vector<double> values = list_of_doubles(given_[key], object_, key);
-        if (values.size() != 2)
-            throw InvalidInput(object_ + ": " + key + " has " + std::to_string(values.size()) +
-                               " numbers; it is two, as in [0.5, 0]");
-        return {values[0], values[1]};
-    }
-    rbdyn::Attitude attitude() const {
-        return has("attitude") ? binding::attitude(given_["attitude"], object_) : rbdyn::Attitude();
-    }
-
-private:
-    bool has(const char* key) const { return given_.contains(key) && !given_[key].is_none(); }
-
-    const py::kwargs& given_;
-    std::string object_;
-};
-
-// --- what each pair of body and joint starts with ---
-
-FreeStart start_of(const Particle&, const Free&, const Initial& initial) {
-    initial.require_keywords({"position", "velocity"}, "a particle that is free");
-    const Vector3 none = Vector3::Zero();
-    return {initial.vector("position").value_or(none), initial.vector("velocity").value_or(none)};
+/// Adds a body with a start in the words of its joint.
+rbdyn::BodyHandle add_started(Scene& scene, const AnyBody& body, const Joint& joint, const rbdyn::Start& start,
+                              rbdyn::BodyHandle parent, const std::string& name) {
+    return std::visit(
+        [&](const auto& b, const auto& j, auto s) -> rbdyn::BodyHandle {
+            if constexpr (requires { scene.add(b, j, s, name); }) {
+                s.parent = parent;
+                return scene.add(b, j, s, name);
+            } else {
+                throw rbdyn::Error("a start that is none of its joint's");
+            }
+        },
+        body, joint, start);
 }
-RailStart start_of(const Particle&, const Rail&, const Initial& initial) {
-    initial.require_keywords({"parameter", "arc_length", "speed"}, "a particle on a rail");
-    return {initial.number("parameter"), initial.number("arc_length"), initial.number("speed").value_or(0.0)};
-}
-BodyStart start_of(const RigidBody&, const Free&, const Initial& initial) {
-    initial.require_keywords({"position", "velocity", "attitude", "angular_velocity", "angular_velocity_world"},
-                             "a body that is free");
-    const Vector3 none = Vector3::Zero();
-    return {initial.vector("position").value_or(none), initial.vector("velocity").value_or(none), initial.attitude(),
-            initial.vector("angular_velocity"), initial.vector("angular_velocity_world")};
-}
-rbdyn::SphericalStart start_of(const RigidBody&, const Spherical&, const Initial& initial) {
-    initial.require_keywords({"attitude", "angular_velocity", "angular_velocity_world"}, "a body on a ball joint");
-    return {initial.attitude(), initial.vector("angular_velocity"), initial.vector("angular_velocity_world")};
-}
-rbdyn::RevoluteStart start_of(const RigidBody&, const Revolute&, const Initial& initial) {
-    initial.require_keywords({"angle", "rate"}, "a body on a hinge");
-    return {initial.number("angle").value_or(0.0), initial.number("rate").value_or(0.0)};
-}
-rbdyn::PrismaticStart start_of(const RigidBody&, const Prismatic&, const Initial& initial) {
-    initial.require_keywords({"displacement", "rate"}, "a body on a slide");
-    return {initial.number("displacement").value_or(0.0), initial.number("rate").value_or(0.0)};
-}
-
-rbdyn::UniversalStart start_of(const RigidBody&, const Universal&, const Initial& initial) {
-    initial.require_keywords({"angles", "rates"}, "a body on a universal joint");
-    return {initial.pair("angles"), initial.pair("rates")};
-}
-rbdyn::CylindricalStart start_of(const RigidBody&, const Cylindrical&, const Initial& initial) {
-    initial.require_keywords({"angle", "rate", "displacement", "displacement_rate"}, "a body on a hinge that slides");
-    return {initial.number("angle").value_or(0.0), initial.number("rate").value_or(0.0),
-            initial.number("displacement").value_or(0.0), initial.number("displacement_rate").value_or(0.0)};
-}
-rbdyn::PlanarStart start_of(const RigidBody&, const Planar&, const Initial& initial) {
-    initial.require_keywords({"position", "velocity", "angle", "rate"}, "a body in a plane");
-    return {initial.pair("position"), initial.pair("velocity"), initial.number("angle").value_or(0.0),
-            initial.number("rate").value_or(0.0)};
-}
-rbdyn::FixedStart start_of(const RigidBody&, const Fixed&, const Initial& initial) {
-    initial.require_keywords({}, "a body that is welded");
-    return {};
-}
-
-using AnyBody = std::variant<Particle, RigidBody>;
 
 bool has_coupling_named(const BoundScene& scene, const std::string& name) {
     const auto& couplings = scene.handles.couplings;
@@ -131,23 +53,15 @@ BodyHandle add(BoundScene& self, const AnyBody& body, const Joint& joint, const 
     const std::string called = name.value_or("");
     if (has_coupling_named(self, called))
         throw InvalidInput("Scene.add: there is a coupling named \"" + called + "\" already; names differ");
-    const Initial initial(given, called.empty() ? "Scene.add" : called);
-    const auto added = std::visit(
-        [&](const auto& b, const auto& j) -> rbdyn::BodyHandle {
-            if constexpr (requires { start_of(b, j, initial); }) {
-                auto start = start_of(b, j, initial);
-                if (parent) start.parent = self.handles.body(*parent, "Scene.add");
-                return self.scene.add(b, j, start, called);
-            } else {
-                throw InvalidInput(
-                    std::holds_alternative<Particle>(body)
-                        ? "Scene.add: a Particle has no attitude, and its joints are Free and Rail; this "
-                          "one is for a RigidBody"
-                        : "Scene.add: a Rail guides a Particle; a RigidBody has the joints Free, "
-                          "Spherical, Revolute, Prismatic, Universal, Cylindrical, Planar and Fixed");
-            }
-        },
-        body, joint);
+    const auto start = start_of(body, joint, {given, called.empty() ? "Scene.add" : called, "Scene.add"});
+    if (!start)
+        throw InvalidInput(std::holds_alternative<Particle>(body)
+                               ? "Scene.add: a Particle has no attitude, and its joints are Free and Rail; this "
+                                 "one is for a RigidBody"
+                               : "Scene.add: a Rail guides a Particle; a RigidBody has the joints Free, "
+                                 "Spherical, Revolute, Prismatic, Universal, Cylindrical, Planar and Fixed");
+    const auto joined = parent ? self.handles.body(*parent, "Scene.add") : rbdyn::BodyHandle{};
+    const auto added = add_started(self.scene, body, joint, *start, joined, called);
     const std::string& known = self.scene.bodies()[static_cast<std::size_t>(added.index)].name;
     return self.handles.bodies.emplace_back(BodyHandle{new_handle(Handle::Of::body, added.index, known)});
 }
@@ -380,15 +294,15 @@ py::list contacts_data(const BoundScene& s) {
 
 py::tuple scene_data(const BoundScene& s) {
     py::list bodies, loads, couplings, watches, integrals;
+    const auto point = [](const std::optional<Vector3>& p) -> py::object {
+        return p ? py::object(tuple_of(*p)) : py::none();
+    };
     for (const Scene::Body& b : s.scene.bodies()) {
         const auto& w = b.angular_velocity;
         bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
                                      b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]}), b.parameter_rest,
-                                     b.parent, b.coordinates, b.rates));
+                                     b.parent, b.coordinates, b.rates, point(b.angular_velocity_world)));
     }
-    const auto point = [](const std::optional<Vector3>& p) -> py::object {
-        return p ? py::object(tuple_of(*p)) : py::none();
-    };
     for (const auto& l : s.scene.loads()) loads.append(py::make_tuple(l.load, l.body, point(l.at)));
     const auto end = [](const rbdyn::End& e) {
         const auto* of_body = std::get_if<rbdyn::BodyPoint>(&e);
@@ -427,59 +341,31 @@ py::tuple scene_data(const BoundScene& s) {
         constraints, contacts_data(s));
 }
 
-/// Where a body starts as a scene keeps it, in the words of each joint.
-struct Started {
-    Vector3 position, velocity;
-    double parameter, speed;
-    std::array<double, 3> coordinates{}, rates{};
-
-    FreeStart as(const Particle&, const Free&) const { return {position, velocity}; }
-    RailStart as(const Particle&, const Rail&) const { return {.parameter = parameter, .speed = speed}; }
-    BodyStart as(const RigidBody&, const Free&) const { return {position, velocity}; }
-    rbdyn::SphericalStart as(const RigidBody&, const Spherical&) const { return {}; }
-    rbdyn::RevoluteStart as(const RigidBody&, const Revolute&) const { return {parameter, speed}; }
-    rbdyn::PrismaticStart as(const RigidBody&, const Prismatic&) const { return {parameter, speed}; }
-    rbdyn::UniversalStart as(const RigidBody&, const Universal&) const {
-        return {{coordinates[0], coordinates[1]}, {rates[0], rates[1]}};
-    }
-    rbdyn::CylindricalStart as(const RigidBody&, const Cylindrical&) const {
-        return {coordinates[0], rates[0], coordinates[1], rates[1]};
-    }
-    rbdyn::PlanarStart as(const RigidBody&, const Planar&) const {
-        return {{coordinates[0], coordinates[1]}, {rates[0], rates[1]}, coordinates[2], rates[2]};
-    }
-    rbdyn::FixedStart as(const RigidBody&, const Fixed&) const { return {}; }
-};
-
 BoundScene scene_from(const py::tuple& d) {
     BoundScene s{Scene(vector3(d[0], "Scene", "gravity")), {}};
     for (const py::handle item : d[1]) {
         const auto b = item.cast<py::tuple>();
-        Started at{.position = vector_from(b[3]),
-                   .velocity = vector_from(b[4]),
-                   .parameter = b[5].cast<double>(),
-                   .speed = b[6].cast<double>()};
+        rbdyn::Started start{.position = vector_from(b[3]),
+                             .velocity = vector_from(b[4]),
+                             .parameter = b[5].cast<double>(),
+                             .speed = b[6].cast<double>(),
+                             .attitude = attitude_from(b[7])};
+        const auto w = digits_from<3>(b[8]);
+        start.angular_velocity = {w[0], w[1], w[2]};
+        if (b.size() > 9) start.parameter_rest = b[9].cast<double>();
         rbdyn::BodyHandle parent;
         if (b.size() > 10) {
             parent.index = b[10].cast<int>();
-            at.coordinates = b[11].cast<std::array<double, 3>>();
-            at.rates = b[12].cast<std::array<double, 3>>();
+            start.coordinates = b[11].cast<std::array<double, 3>>();
+            start.rates = b[12].cast<std::array<double, 3>>();
         }
+        if (b.size() > 13 && !b[13].is_none()) start.angular_velocity_world = vector_from(b[13]);
         const auto body = b[0].cast<AnyBody>();
         const auto joint = b[1].cast<Joint>();
-        std::visit(
-            [&](const auto& one, const auto& held) {
-                if constexpr (requires { at.as(one, held); }) {
-                    auto start = at.as(one, held);
-                    start.parent = parent;
-                    s.scene.add(one, held, start, b[2].cast<std::string>());
-                }
-            },
-            body, joint);
-        const auto w = digits_from<3>(b[8]);
-        const rbdyn::BodyHandle last{static_cast<int>(s.scene.bodies().size()) - 1};
-        s.scene.start_turning(last, attitude_from(b[7]), {w[0], w[1], w[2]});
-        if (b.size() > 9) s.scene.start_beyond(last, b[9].cast<double>());
+        const bool is_rigid = std::holds_alternative<RigidBody>(body);
+        const auto added = add_started(s.scene, body, joint, rbdyn::starts::words(joint, is_rigid, start), parent,
+                                       b[2].cast<std::string>());
+        s.scene.replace(added, start);
     }
     const auto point = [](const py::handle p) { return p.is_none() ? std::nullopt : std::optional(vector_from(p)); };
     for (const py::handle item : d[2]) {
@@ -702,6 +588,22 @@ friction: Coulomb(...); none: it is smooth.
 
 A start may be open, closed and at rest, or closed and moving; a gap within 1e-12 of the size of what it joins is none.
 run[handle] has gap, force, slip and state; events of kind land, impact, detach, accumulation name it.)")
+        .def(
+            "replace",
+            [](BoundScene& self, const Handle& handle, const py::kwargs& initial) {
+                const rbdyn::BodyHandle moved = self.handles.body(handle, "Scene.replace");
+                restart(self.scene, moved, {initial, handle.name, "Scene.replace"});
+            },
+            py::arg("handle"),
+            R"(Lets the motion of a body start elsewhere, in the words of add(). What is not given stays as it is, an angular
+velocity in the axes it was given in. Raises what add() raises.)")
+        .def(
+            "__getitem__",
+            [](const BoundScene& self, const std::string& name) { return self.handles.find(name, "Scene"); },
+            py::arg("name"),
+            "The handle of a name: of a body, a coupling, a watch, a constraint, a contact or a load. Raises "
+            "InvalidInput, "
+            "with the names there are, for any other.")
         .def_property_readonly(
             "contacts", [](const BoundScene& s) { return s.handles.contacts; },
             "Handles of the contacts, in order of addition.")

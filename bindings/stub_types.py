@@ -139,6 +139,8 @@ def typed(text: str) -> str:
     text = re.sub(r"(def apply\(.*?)handle: Handle", r"\1handle: BodyHandle", text)
     text = re.sub(r"(def (?:watch|integral)\(self, name: str, function: )typing\.Any", r"\1_Watched", text)
     text = re.sub(r"(def parameter\(value: )typing\.Any(.*\) -> )typing\.Any", r"\1float\2Parameter", text)
+    initial = "collections.abc.Mapping[tuple[BodyHandle, str], typing.Any]"
+    text = re.sub(r"initial: typing\.Any", f"initial: {initial} | None", text)
     text = re.sub(r"progress: typing\.Any", "progress: bool | collections.abc.Callable[[float], typing.Any]", text)
     text = re.sub(r"(def plot\(self, path: )typing\.Any", r"\1str | os.PathLike[str] | None", text)
     text = re.sub(r"(def plot\(self, path: .*?, handle: )typing\.Any", r"\1BodyHandle | None", text)

@@ -640,9 +640,10 @@ void bind_trajectory(py::module_& m) {
 
     py::class_<BoundTrajectory> run(m, "Trajectory", R"(The result of simulate(): motion, events, error estimate, price.
 
-run[handle] is the motion of a body or a coupling. Quantities of the whole system are methods of time: t [s] is a number
-or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
-bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.)");
+run[handle] is the motion of a body or a coupling, also by its name: run["ball"]. Quantities of the whole system are
+methods of time: t [s] is a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes;
+of: a handle or several, all bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs
+and outlives its scene.)");
     run.def_property_readonly(
            "status", [](const BoundTrajectory& r) { return name_of(r.run.status()); },
            "reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or "
@@ -692,7 +693,13 @@ size of its terms.)")
         .def("__getitem__", &motion_of_constraint, py::arg("handle"))
         .def("__getitem__", &motion_of_contact, py::arg("handle"))
         .def("__getitem__", &motion_of_watch, py::arg("handle"))
-        .def("__getitem__", &motion_of_load, py::arg("handle"));
+        .def("__getitem__", &motion_of_load, py::arg("handle"))
+        .def(
+            "__getitem__",
+            [](const py::object& self, const std::string& name) {
+                return py::object(self[self.cast<const BoundTrajectory&>().handles->find(name, "Trajectory")]);
+            },
+            py::arg("name"));
 
     const auto of_time_and_bodies = [&](const char* name, auto quantity, const char* doc) {
         run.def(name, of_bodies(quantity), py::arg("t"), py::arg("of") = py::none(), py::arg("side") = after(), doc);

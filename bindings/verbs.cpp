@@ -1,10 +1,10 @@
 // simulate() and cost(): they run without Python's lock, look for Ctrl-C and show progress. The engines are built here.
-#include <chrono>
 #include <optional>
 #include <rbdyn/rbdyn.hpp>
 #include <variant>
 
-#include "run.hpp"
+#include "running.hpp"
+#include "starts.hpp"
 
 namespace binding {
 
@@ -12,153 +12,22 @@ using rbdyn::Price, rbdyn::CostRow, rbdyn::EffectRow, rbdyn::EffectTable, rbdyn:
 
 namespace {
 
-/// Called by a running integration with the time reached: takes Python's lock now and then, to show progress and to
-/// ask whether a signal has come. What Python raises there stops the integration, and is kept.
-class Watch {
-public:
-    Watch(const py::object& progress, double start, double until) : start_(start), until_(until) {
-        if (PyBool_Check(progress.ptr())) {
-            if (progress.is(py::bool_(true))) show_ = py::module_::import("rbdyn.progress").attr("Bar")();
-        } else if (PyCallable_Check(progress.ptr()) != 0) {
-            show_ = progress;
-        } else {
-            throw InvalidInput("simulate: progress is " + shown(progress) +
-                               "; it is True, False, or a function of the fraction done");
-        }
-    }
-    Watch(const Watch&) = delete;
-    Watch& operator=(const Watch&) = delete;
-    /// With the lock held.
-    ~Watch() {
-        if (!show_ || !py::hasattr(show_, "close")) return;
-        try {
-            show_.attr("close")();
-        } catch (py::error_already_set& e) {
-            e.discard_as_unraisable("progress");
-        }
-    }
-
-    /// Without the lock.
-    bool goes_on(double t) {
-        if (raised_) return false;
-        const Clock::time_point now = Clock::now();
-        if (now - last_ < interval) return true;
-        const py::gil_scoped_acquire lock;
-        look((t - start_) / (until_ - start_));
-        last_ = Clock::now();
-        return !raised_;
-    }
-    /// With the lock held: asks for signals, shows the fraction done.
-    void look(double fraction) {
-        if (raised_) return;
-        try {
-            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-            if (show_) show_(fraction);
-        } catch (py::error_already_set& e) {
-            raised_.emplace(e);
-        }
-    }
-    rbdyn::Monitor monitor() {
-        return [this](double t) { return goes_on(t); };
-    }
-
-    /// With the lock held: what Python raised is raised again, with `run` on it.
-    template <class Run = BoundTrajectory>
-    void raise_if_raised(const std::optional<Run>& run) {
-        if (!raised_) return;
-        if (run && PyObject_SetAttrString(raised_->value().ptr(), "run", py::cast(*run).ptr()) != 0) PyErr_Clear();
-        throw py::error_already_set(*raised_);
-    }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    // far below the second within which Ctrl-C is obeyed, far above the time that taking the lock needs
-    static constexpr auto interval = std::chrono::milliseconds(50);
-
-    double start_, until_;
-    py::object show_;
-    std::optional<py::error_already_set> raised_;
-    Clock::time_point last_ = Clock::now();
-};
-
-using KeepLike = std::variant<std::string, ArrayLike>;
-
-rbdyn::Keep keep_of(const KeepLike& keep) {
-    using What = rbdyn::Keep::What;
-    if (const auto* times = std::get_if<ArrayLike>(&keep)) {
-        rbdyn::Keep result{What::times, list_of_doubles(*times, "simulate", "keep")};
-        std::sort(result.times.begin(), result.times.end());
-        return result;
-    }
-    const auto& name = std::get<std::string>(keep);
-    if (name == "all") return {What::all, {}};
-    if (name == "end") return {What::end, {}};
-    throw InvalidInput("simulate: keep is \"" + name + "\"; it is \"all\", \"end\", or a list of times");
-}
-
-/// Whether functions in Python are called at every step: then the lock is kept, which makes that cheap.
-bool calls_python(const rbdyn::Scene& scene) {
-    const auto is_python = [](const auto& l) {
-        const auto* force = std::get_if<rbdyn::Force>(&l.load);
-        return force != nullptr && force->callback() && force->callback()->is_python;
-    };
-    const auto is_called = [](const auto& w) { return !w.function.is_recorded(); };
-    return std::any_of(scene.loads().begin(), scene.loads().end(), is_python) ||
-           std::any_of(scene.watches().begin(), scene.watches().end(), is_called);
-}
-
-/// Raises an error of the library with the run it left behind.
-template <class Run>
-[[noreturn]] void raise_with(const Run& run, const char* type_name, const std::string& message) {
-    const py::object type = py::module_::import("rbdyn.errors").attr(type_name);
-    const py::object raised = type(message);
-    raised.attr("run") = py::cast(run);
-    PyErr_SetObject(type.ptr(), raised.ptr());
-    throw py::error_already_set();
-}
-
-/// What a function of the user's threw, unchanged but for the run it broke off.
-[[noreturn]] void raise_with(const BoundTrajectory& run, const std::exception_ptr& thrown) {
-    try {
-        std::rethrow_exception(thrown);
-    } catch (py::error_already_set& e) {
-        if (PyObject_SetAttrString(e.value().ptr(), "run", py::cast(run).ptr()) != 0) PyErr_Clear();
-        throw;
-    } catch (const InvalidInput& e) {
-        raise_with(run, "InvalidInput", e.what());
-    } catch (const rbdyn::Error& e) {
-        raise_with(run, "Error", e.what());
-    }
-}
-
-rbdyn::SimulateOptions options_of(double until, double start, std::optional<double> error, std::optional<double> rtol,
-                                  const std::string& engine, const KeepLike& keep, std::int64_t max_steps,
-                                  Watch& watch) {
-    if (error && rtol)
-        throw InvalidInput("simulate: both error " + rbdyn::text(*error) + " and rtol " + rbdyn::text(*rtol) +
-                           " are given; error is global and estimated, rtol local and without an estimate: give one");
-    rbdyn::SimulateOptions options;
-    options.until = until;
-    options.start = start;
-    options.error = error.value_or(options.error);
-    options.rtol = rtol;
-    options.engine = engine;
-    options.keep = keep_of(keep);
-    options.max_steps = max_steps;
-    options.monitor = watch.monitor();
-    return options;
-}
-
 BoundTrajectory simulate(const BoundScene& scene, double until, double start, std::optional<double> error,
                          std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
-                         std::int64_t max_steps, const py::object& progress) {
+                         std::int64_t max_steps, const py::object& progress, const py::object& initial) {
     // copies, since other threads may change the scene while this one runs without the lock
-    const rbdyn::Scene copy = scene.scene;
+    rbdyn::Scene copy = scene.scene;
+    if (!initial.is_none()) {
+        if (PyMapping_Check(initial.ptr()) == 0)
+            throw InvalidInput("simulate: initial is " + shown(initial) +
+                               "; it is a mapping of (handle, word), as in {(wheel, \"rate\"): 3.0}");
+        restart(copy, scene.handles, py::dict(initial), "simulate");
+    }
     const auto handles = std::make_shared<const Handles>(scene.handles);
-    Watch watch(progress, start, until);
-    const rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps, watch);
+    Watch watch(progress);
+    rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
+    options.monitor = watch.monitor(start, until);
 
-    using Outcome = rbdyn::simulating::Outcome;
     std::optional<rbdyn::Attempt> result;
     {
         std::optional<py::gil_scoped_release> free;
@@ -169,14 +38,7 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
     // also what came since the last look
     watch.look((run->run.end() - start) / (until - start));
     watch.raise_if_raised(run);
-    switch (result->outcome) {
-        case Outcome::good: break;
-        case Outcome::thrown: raise_with(*run, result->thrown);
-        default: {
-            const bool inaccurate = result->outcome == Outcome::inaccurate;
-            raise_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", result->message);
-        }
-    }
+    if (result->outcome != rbdyn::simulating::Outcome::good) raise(failure_of(*result, *run));
     return *run;
 }
 
@@ -184,8 +46,9 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
                              std::optional<double> error, std::optional<double> rtol, const std::string& engine,
                              const KeepLike& keep, std::int64_t max_steps, const py::object& progress) {
     const std::vector<double> x = list_of_doubles(state, "simulate", "state");
-    Watch watch(progress, start, until);
-    const rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps, watch);
+    Watch watch(progress);
+    rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
+    options.monitor = watch.monitor(start, until);
     std::optional<rbdyn::StateRun> run;
     std::string failure;
     {
@@ -201,20 +64,20 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
     watch.raise_if_raised(run);
     if (failure.empty()) return *run;
     const bool inaccurate = run->status() == rbdyn::Status::accuracy_not_reached;
-    raise_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", failure);
+    raise(error_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", failure));
 }
 
 Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
            const std::optional<std::vector<std::string>>& engines, double budget) {
     const rbdyn::Scene copy = scene.scene;
-    Watch watch(py::bool_(false), start, until);
+    Watch watch(py::bool_(false));
     rbdyn::CostOptions options;
     options.until = until;
     options.start = start;
     if (errors) options.errors = list_of_doubles(*errors, "cost", "errors");
     if (engines) options.engines = *engines;
     options.budget = budget;
-    options.monitor = watch.monitor();
+    options.monitor = watch.monitor(start, until);
     std::optional<Price> price;
     {
         const py::gil_scoped_release free;
@@ -227,19 +90,20 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
 EffectTable effects(const BoundScene& scene, double until, double start, std::optional<double> error,
                     std::optional<double> rtol, const std::string& engine, std::int64_t max_steps) {
     const rbdyn::Scene copy = scene.scene;
-    Watch watch(py::bool_(false), start, until);
-    const rbdyn::SimulateOptions options =
-        options_of(until, start, error, rtol, engine, std::string("all"), max_steps, watch);
+    Watch watch(py::bool_(false));
+    rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, std::string("all"), max_steps);
+    options.monitor = watch.monitor(start, until);
     std::optional<EffectTable> table;
     try {
         std::optional<py::gil_scoped_release> free;
         if (!calls_python(copy)) free.emplace();
         table = rbdyn::effects(copy, options);
     } catch (const rbdyn::AccuracyError& e) {
-        raise_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError", e.what());
+        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError",
+                         e.what()));
     } catch (const rbdyn::IntegrationError& e) {
-        raise_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError",
-                   e.what());
+        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError",
+                         e.what()));
     }
     watch.look(1.0);
     watch.raise_if_raised<BoundTrajectory>(std::nullopt);
@@ -364,6 +228,7 @@ void bind_verbs(py::module_& m) {
     m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
           py::arg("error") = py::none(), py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
           py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps, py::arg("progress") = false,
+          py::arg("initial") = py::none(),
           R"(Runs a scene, as accurately as asked for.
 
 until, start: times [s]. error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the
@@ -371,6 +236,8 @@ scene is run again more accurately until the two agree. rtol, instead of it: loc
 way. engine: "auto", "closed form",
 "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
 integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
+and the scene stays as it is.
 Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
 Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion

@@ -1,5 +1,5 @@
 # Finds what rbdyn stands on; the build and an installed rbdyn both read this file.
-# Targets: Eigen3::Eigen, Boost::headers and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing.
+# Targets: Eigen3::Eigen, Boost::headers, Threads::Threads and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing.
 #
 # SUNDIALS is looked for by file, not by its own package file: Debian's asks for OpenMP, MPI and PETSc, none of which CVODE
 # needs. The static archive is preferred, so that what links it needs no SUNDIALS where it runs. To point at another copy,
@@ -14,6 +14,11 @@ endif()
 find_package(Boost 1.74 QUIET)
 if(NOT TARGET Boost::headers)
   set(rbdyn_missing "rbdyn needs the headers of Boost 1.74 or later: apt install libboost-dev")
+endif()
+
+find_package(Threads QUIET)
+if(NOT TARGET Threads::Threads)
+  set(rbdyn_missing "rbdyn needs the threads of the C++ library, which this compiler cannot link")
 endif()
 
 if(RBDYN_SUNDIALS AND NOT TARGET rbdyn::sundials)

@@ -7,6 +7,7 @@
 #include "rbdyn/options.ipp"
 #include "rbdyn/own_motion.ipp"
 #include "rbdyn/simulate.ipp"
+#include "rbdyn/simulate_many.ipp"
 #include "rbdyn/solve.ipp"
 #include "rbdyn/trajectory/accuracy.ipp"
 #include "rbdyn/trajectory/body_motion.ipp"

@@ -15,5 +15,6 @@
 #include "rbdyn/scene/rigid_motion.ipp"
 #include "rbdyn/scene/scene.ipp"
 #include "rbdyn/scene/spring.ipp"
+#include "rbdyn/scene/starts.ipp"
 #include "rbdyn/scene/torque.ipp"
 #include "rbdyn/scene/watch.ipp"

@@ -99,7 +99,9 @@ from rbdyn._core import (
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
+from rbdyn.many import Many
 from rbdyn.sample import Sample
+from rbdyn.sweep import simulate_many
 
 __all__ = [
     "AccuracyError",
@@ -152,6 +154,7 @@ __all__ = [
     "Line",
     "LoadHandle",
     "Lorentz",
+    "Many",
     "NormalModes",
     "Now",
     "Omission",
@@ -203,6 +206,7 @@ __all__ = [
     "rail_potential",
     "shapes",
     "simulate",
+    "simulate_many",
     "where",
 ]
 

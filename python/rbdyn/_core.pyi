@@ -2145,6 +2145,10 @@ class Scene:
         ...
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getitem__(self, name: str) -> typing.Any:
+        """
+        The handle of a name: of a body, a coupling, a watch, a constraint, a contact or a load. Raises InvalidInput, with the names there are, for any other.
+        """
     def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __init__(self, gravity: numpy.typing.ArrayLike | None = None) -> None:
@@ -2212,6 +2216,11 @@ class Scene:
         """
         A first integral of one's own: function(now) as for watch(). run.drift[name] says how far it departs from its value
         at the start, relative to its largest size.
+        """
+    def replace(self, handle: Handle, **kwargs: typing.Any) -> None:
+        """
+        Lets the motion of a body start elsewhere, in the words of add(). What is not given stays as it is, an angular
+        velocity in the axes it was given in. Raises what add() raises.
         """
     def watch(self, name: str, function: _Watched, *, direction: typing.Literal['either', 'rising', 'falling'] = 'either', action: typing.Literal['record', 'stop'] | _Watched = 'record', trace: bool | None = None) -> WatchHandle:
         """
@@ -3156,9 +3165,10 @@ class Trajectory:
     """
     The result of simulate(): motion, events, error estimate, price.
 
-    run[handle] is the motion of a body or a coupling. Quantities of the whole system are methods of time: t [s] is a number
-    or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes; of: a handle or several, all
-    bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs and outlives its scene.
+    run[handle] is the motion of a body or a coupling, also by its name: run["ball"]. Quantities of the whole system are
+    methods of time: t [s] is a number or an array; scalars come back as float or (n,), vectors as (3,) or (n, 3), world axes;
+    of: a handle or several, all bodies by default; side: at a jump the value "after" it, or "before". A run owns all it needs
+    and outlives its scene.
     """
     @typing.overload
     def __getitem__(self, handle: BodyHandle) -> BodyMotion:
@@ -3177,6 +3187,9 @@ class Trajectory:
         ...
     @typing.overload
     def __getitem__(self, handle: LoadHandle) -> typing.Never:
+        ...
+    @typing.overload
+    def __getitem__(self, name: str) -> typing.Any:
         ...
     def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
@@ -3613,6 +3626,14 @@ class EffectTable:
         """
         With all of them.
         """
+def _bytes_of(run: Trajectory) -> bytes:
+    """
+    A run as data, without its scene.
+    """
+def _check_sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex) -> None:
+    """
+    Raises what a sweep would raise before anything runs.
+    """
 def _describe(function: typing.Any, signature: str) -> None:
     ...
 def _function(inputs: typing.SupportsInt | typing.SupportsIndex, nodes: collections.abc.Sequence[tuple[str, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]], outputs: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], names: collections.abc.Sequence[str], parameters: collections.abc.Sequence[Parameter]) -> Function:
@@ -3621,6 +3642,14 @@ def _length(parts: collections.abc.Sequence[typing.Any]) -> typing.Any:
     ...
 def _meaning(parameter: Parameter) -> typing.Any:
     ...
+def _runs_from(scene: Scene, vary: dict[typing.Any, typing.Any], data: list[typing.Any]) -> list[typing.Any]:
+    """
+    The runs of members of a sweep from their data.
+    """
+def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex) -> tuple[typing.Any, ...]:
+    """
+    The runs of a sweep, what went wrong with each, and what interrupted it.
+    """
 def _user_function(kind: str, f: typing.Any, trace: bool | None = None) -> UserFunction:
     ...
 def _where(condition: typing.Any, a: typing.Any, b: typing.Any, name: str = 'where') -> typing.Any:
@@ -3725,7 +3754,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None) -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 
@@ -3734,6 +3763,8 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     way. engine: "auto", "closed form",
     "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
     integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+    initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
+    and the scene stays as it is.
     Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion

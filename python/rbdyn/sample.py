@@ -70,7 +70,7 @@ class Sample:
         columns: dict[tuple[str, str, str], npt.NDArray[np.float64]] = {}
         for handle, values in self._values.items():
             for quantity, array in values.items():
-                labels = [AXES[axis] for axis in _axes(quantity, array)]
+                labels = [AXES[axis] for axis in axes_of(quantity, array)]
                 for index in np.ndindex(*array.shape[1:]):
                     component = " ".join(label[i] for label, i in zip(labels, index, strict=True))
                     columns[handle.name, quantity, component] = array[(slice(None), *index)]
@@ -83,7 +83,7 @@ class Sample:
         import xarray as xr  # type: ignore[import-not-found,unused-ignore]
 
         variables = {
-            f"{handle.name}.{quantity}": (("t", *_axes(quantity, array)), array)
+            f"{handle.name}.{quantity}": (("t", *axes_of(quantity, array)), array)
             for handle, values in self._values.items()
             for quantity, array in values.items()
         }
@@ -91,7 +91,7 @@ class Sample:
         return xr.Dataset(variables, {"t": self.t, **{axis: AXES[axis] for axis in AXES if axis in used}})
 
 
-def _axes(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:
+def axes_of(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:
     """What an array runs along, after time."""
     if array.ndim == 3:
         return ("component", "body_axis")

@@ -4,6 +4,7 @@ import compares those of this process from then on; `python sizes.py PROGRAM` th
 begin at time 0 is not compared: the plan speaks of the motion from there.
 """
 
+import copy
 import functools
 import runpy
 import sys
@@ -24,6 +25,10 @@ def announced(simulate):
             skipped += 1
             return run
         compared += 1
+        if options.get("initial"):
+            scene = copy.copy(scene)
+            for (handle, word), value in options["initial"].items():
+                scene.replace(handle, **{word: value})
         plan = rb.plan(scene)
         assert run.statistics.size == plan.size, f"{run.statistics.size} is not what the plan says\n{plan}"
         return run

@@ -19,6 +19,7 @@ DOCUMENTS = [
     "docs/bodies.md",
     "docs/effects.md",
     "docs/functions.md",
+    "docs/many.md",
     "docs/mechanisms.md",
     "docs/plan.md",
     "docs/systems.md",

@@ -13,6 +13,7 @@
 #include "rbdyn/own_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/simulate.hpp"
+#include "rbdyn/simulate_many.hpp"
 #include "rbdyn/statics/equilibria.hpp"
 #include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/rail_potential.hpp"

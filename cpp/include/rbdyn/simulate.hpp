@@ -35,6 +35,9 @@ struct Attempt {
 /// Runs a scene and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
 Attempt attempt(const Scene& scene, const SimulateOptions& options);
 
+/// Throws what simulate() throws of an attempt that is not good.
+void require_good(const Attempt& attempt);
+
 /// Runs a scene. Throws InvalidInput for options that break a rule, AccuracyError if the error asked for is out of
 /// reach, IntegrationError if the motion cannot be continued; both carry the partial run. What a function of the user's
 /// throws passes unchanged.

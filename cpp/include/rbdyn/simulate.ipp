@@ -76,15 +76,19 @@ RBDYN_INLINE Attempt attempt(const Scene& scene, const SimulateOptions& options)
     return simulating::attempted(scene, options);
 }
 
-RBDYN_INLINE Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
+RBDYN_INLINE void require_good(const Attempt& attempt) {
     using simulating::Outcome;
-    Attempt result = attempt(scene, options);
-    switch (result.outcome) {
-        case Outcome::inaccurate: throw AccuracyError(result.message, std::move(result.run));
-        case Outcome::broken: throw IntegrationError(result.message, std::move(result.run));
-        case Outcome::thrown: std::rethrow_exception(result.thrown);
+    switch (attempt.outcome) {
+        case Outcome::inaccurate: throw AccuracyError(attempt.message, attempt.run);
+        case Outcome::broken: throw IntegrationError(attempt.message, attempt.run);
+        case Outcome::thrown: std::rethrow_exception(attempt.thrown);
         case Outcome::good: break;
     }
+}
+
+RBDYN_INLINE Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
+    Attempt result = attempt(scene, options);
+    require_good(result);
     return std::move(result.run);
 }
 

@@ -1,8 +1,11 @@
 // Numbers of the user's that recorded functions use by reference.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/node.hpp"
@@ -13,7 +16,7 @@ namespace rbdyn::inline RBDYN_FORM {
 class Parameter {
 public:
     explicit Parameter(double value, std::string name = {});
-    double value() const { return cell_->value; }
+    double value() const;
     const std::string& name() const { return cell_->name; }
     void set(double value);
     /// "parameter k", for messages.
@@ -26,10 +29,36 @@ public:
 
 private:
     struct Cell {
-        double value;
+        std::atomic<double> value;  // runs may start while another thread sets it
         std::string name;
+        Cell(double v, std::string n) : value(v), name(std::move(n)) {}
     };
+    void require_finite(double value) const;
+
     std::shared_ptr<Cell> cell_;
+    friend class BoundParameters;
+};
+
+/// Gives parameters other values in this thread, for as long as it lives: runs that start meanwhile take these, and so
+/// do functions that are called back. Other threads see nothing of it. Of one that is given twice the last counts.
+class BoundParameters {
+public:
+    using Values = std::vector<std::pair<Parameter, double>>;
+
+    /// `values` outlive it. Throws InvalidInput for a value that is not finite.
+    explicit BoundParameters(const Values& values);
+    ~BoundParameters() { active() = before_; }
+    BoundParameters(const BoundParameters&) = delete;
+    BoundParameters& operator=(const BoundParameters&) = delete;
+
+    /// The innermost in this thread.
+    static const BoundParameters*& active();
+    /// What it gives a parameter, if anything.
+    const double* find(const Parameter& parameter) const;
+
+private:
+    const Values& values_;
+    const BoundParameters* before_;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

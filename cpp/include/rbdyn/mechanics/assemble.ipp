@@ -89,6 +89,7 @@ inline void put(const Tree& tree, int i, const std::vector<Moving<DoubleDouble>>
         };
         body.attitude = Attitude(quaternion(product(matrix(parent.axes).transpose(), matrix(own.axes))));
         body.angular_velocity = own.to_body(own.omega - parent.omega);
+        body.angular_velocity_world.reset();
     }
     if (std::holds_alternative<Free>(body.joint)) {
         const auto origin = n.is_point ? Vector3Of<DoubleDouble>{} : own.to_world(n.joint.held().point);

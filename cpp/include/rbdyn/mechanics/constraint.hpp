@@ -38,10 +38,12 @@ struct Condition {
     Vector3Of<DoubleDouble> normal{};  // of a plane, axes of b; its point is that of b
     struct RightAngle {
         Vector3Of<DoubleDouble> in_a{}, in_b{};
+        bool operator==(const RightAngle&) const = default;
     };
     std::vector<RightAngle> angles;
     int first = 0;  // among all rows
 
+    bool operator==(const Condition&) const = default;
     int rows() const {
         return (points == Points::coincide ? 3 : points == Points::none ? 0 : 1) + static_cast<int>(angles.size());
     }

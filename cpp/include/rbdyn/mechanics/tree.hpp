@@ -45,6 +45,8 @@ struct Node {
 struct Anchor {
     int body = -1;
     Vector3Of<DoubleDouble> point{};
+
+    bool operator==(const Anchor&) const = default;
 };
 
 class Tree {

@@ -44,9 +44,9 @@ public:
     bool touches() const override { return contacts() > 0; }
     bool turns(int body) const override { return !tree_->node(body).is_point; }
     int freedom() const override { return tree_->velocities() - static_cast<int>(rows_.size()); }
-    /// The constraints whose forces the motion does not determine.
-    std::vector<std::string> not_unique() const;
+    std::vector<std::string> not_unique() const override;
     std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
+    std::shared_ptr<const SceneModel> started_elsewhere(const Scene& scene, const GivenNumbers& numbers) const override;
 
     std::vector<double> start(double t = 0.0) const override;
     std::vector<double> start_rest() const override;

@@ -118,6 +118,7 @@ RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
 }
 
 RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
+    if (conditions_->all().empty()) return {};
     const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
                                               mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
     std::vector<std::string> names;
@@ -134,7 +135,16 @@ RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
 
 RBDYN_INLINE std::shared_ptr<const SceneModel> TreeModel::with_numbers(const Scene& scene,
                                                                        const GivenNumbers& numbers) const {
-    return std::make_shared<const TreeModel>(scene, numbers);
+    const auto model = std::make_shared<TreeModel>(scene, numbers);
+    // what holds bodies together may depend on how they lie as they start
+    if (model->rows_ == rows_ && model->conditions_->all() == conditions_->all()) model->share(*this);
+    return model;
+}
+
+RBDYN_INLINE std::shared_ptr<const SceneModel> TreeModel::started_elsewhere(const Scene& scene,
+                                                                            const GivenNumbers& numbers) const {
+    auto model = with_numbers(scene, numbers);
+    return shares(*model) ? model : nullptr;
 }
 
 RBDYN_INLINE bool TreeModel::on_rail(int body) const {

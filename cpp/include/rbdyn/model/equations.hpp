@@ -81,6 +81,8 @@ struct VariableGroup {
     double steady = 0.0;  // the largest magnitude of what belongs to it and stays as it starts
     Alike alike = Alike::nothing;
     double measure = 1.0;  // what one of it is where `alike` is compared: m, m/s, rad/s
+
+    bool operator==(const VariableGroup&) const = default;
 };
 
 /// The share of the scale of the whole that the scale of a part is at least, for an error wanted: a body that hardly

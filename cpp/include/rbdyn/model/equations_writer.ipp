@@ -109,6 +109,9 @@ RBDYN_INLINE std::unique_ptr<Structure> EquationsWriter::finish(std::vector<Vari
     std::vector<Expression> outputs = rates_;
     outputs.insert(outputs.end(), watched_.begin(), watched_.end());
     Equations& e = result->equations;
+    // numbers of the user's that are all of what acts become parameters of both programs
+    for (const Expression& x : acting_)
+        if (x.is_number()) (void)r_.node_of(x);
     e.program = Program(r_, outputs, static_cast<int>(rates_.size()));
     if (!acting_.empty()) {
         std::vector<Expression> all = rates_;

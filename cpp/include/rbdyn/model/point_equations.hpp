@@ -55,8 +55,6 @@ public:
     /// The guards of watched functions.
     void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
 
-    std::vector<VariableGroup> groups() const;
-
     /// The speeds of the surfaces of rough rails, by body, also of what a rail carries, for a drive may jump; none if
     /// no drive changes in time.
     std::vector<S> drives() const;
@@ -89,6 +87,9 @@ private:
     std::vector<PointState<S>> states_;
     std::vector<RecordedPoints::Body> present_;
 };
+
+/// The variables that share a scale, of those that are simulated.
+std::vector<VariableGroup> groups_of(const PointLaws& laws);
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
 std::unique_ptr<Structure> record_points(const std::shared_ptr<const PointLaws>& of,

@@ -292,21 +292,22 @@ RBDYN_INLINE void PointsWriter::powers(int i, std::span<S> power) const {
     }
 }
 
-RBDYN_INLINE std::vector<VariableGroup> PointsWriter::groups() const {
+RBDYN_INLINE std::vector<VariableGroup> groups_of(const PointLaws& laws) {
+    const StateMap& map = laws.map();
     std::vector<VariableGroup> groups;
     const auto add = [&](const VariableGroup& g) {
         VariableGroup simulated = g;
         simulated.count = 0;
         for (int i = g.first; i < g.first + g.count; ++i) {
-            if (!map_.is_simulated(i))
-                simulated.steady = std::max(simulated.steady, std::abs(map_.start(i)));
+            if (!map.is_simulated(i))
+                simulated.steady = std::max(simulated.steady, std::abs(map.start(i)));
             else if (simulated.count++ == 0)
-                simulated.first = map_.place(i);
+                simulated.first = map.place(i);
         }
         if (simulated.count > 0) groups.push_back(simulated);
     };
     for (const bool is_position : {true, false})
-        for (const PointLaws::Body& b : laws_.bodies()) {
+        for (const PointLaws::Body& b : laws.bodies()) {
             const int first = is_position ? b.first : b.first_rate;
             if (b.rigid) {
                 for (VariableGroup g : b.rigid->groups(is_position)) {
@@ -318,7 +319,7 @@ RBDYN_INLINE std::vector<VariableGroup> PointsWriter::groups() const {
             const Alike alike = is_position ? Alike::place : Alike::velocity;
             // one of the parameter is |r'| metres
             if (b.curve)
-                add({first, 1, is_position, 0.0, alike, std::sqrt(laws_.curve_point(b, b.start_u.hi).speed_squared)});
+                add({first, 1, is_position, 0.0, alike, std::sqrt(laws.curve_point(b, b.start_u.hi).speed_squared)});
             if (!b.curve || b.may_fly) add({first + b.positions() - 3, 3, is_position, 0.0, alike});
         }
     return groups;
@@ -360,7 +361,7 @@ RBDYN_INLINE std::unique_ptr<Structure> record_points(const std::shared_ptr<cons
             put(drives, points.drives());
             put(pulls, points.pulls());
             if (points.distinguishes()) write.acting(values.subspan(at(map.size())));
-            return points.groups();
+            return groups_of(laws);
         });
     if (!result) return result;
     result->equations.drives = drives;

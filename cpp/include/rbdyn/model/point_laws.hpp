@@ -149,6 +149,9 @@ public:
     /// What may depend on numbers of the user's: all that acts on bodies, and how their rails move.
     [[gnu::cold]] void take_functions(const Scene& scene);
 
+    /// Where the bodies of the scene start; leave_out() is due then.
+    [[gnu::cold]] void take_starts(const Scene& scene);
+
     /// Takes what stays as it starts out of the state.
     [[gnu::cold]] void leave_out(const std::vector<bool>& stays);
 

@@ -52,21 +52,12 @@ RBDYN_INLINE PointLaws::PointLaws(const Scene& scene, const Placement& view) : v
         Body body;
         body.mass = b.mass();
         body.name = b.name;
-        if (b.rigid() != nullptr) {
-            body.rigid.emplace(scene, static_cast<int>(bodies_.size()));
-            body.rigid->start(b, body.start_positions, body.start_velocities);
-            body.start_angles = b.attitude.given_angles();
-        }
+        if (b.rigid() != nullptr) body.rigid.emplace(scene, static_cast<int>(bodies_.size()));
         if (const Rail* rail = b.rail()) {
             body.curve = rail->curve();
             body.side = rail->side();
             body.ends = rail->ends();
             body.may_fly = rail->may_release();
-            if (body.side != RailSide::both) {
-                body.one_side = curves::one_side(*body.curve, b.parameter, rail->up(), b.name);
-                if (body.side == RailSide::minus) body.one_side->sign = -body.one_side->sign;
-                body.binormal = seen(body.one_side->binormal());
-            }
             if (const auto friction = rail->friction()) {
                 body.rough = true;
                 body.mu_static = friction->mu_static;
@@ -75,12 +66,9 @@ RBDYN_INLINE PointLaws::PointLaws(const Scene& scene, const Placement& view) : v
         }
         body.first = position;
         position += body.positions();
-        body.start_u = {b.parameter, b.parameter_rest};
-        body.start_speed = b.speed;
-        body.start_position = b.position;
-        body.start_velocity = b.velocity;
         bodies_.push_back(std::move(body));
     }
+    take_starts(scene);
     positions_ = variables_ = position;
     for (Body& b : bodies_) {
         b.first_rate = variables_;
@@ -90,6 +78,26 @@ RBDYN_INLINE PointLaws::PointLaws(const Scene& scene, const Placement& view) : v
     for (const Scene::Connection& c : scene.connections()) couplings_.push_back({c.coupling, end(c.a), end(c.b)});
     take_couplings(scene);
     leave_out(std::vector<bool>(at(variables_), false));
+}
+
+RBDYN_INLINE void PointLaws::take_starts(const Scene& scene) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const Scene::Body& b = scene.bodies()[i];
+        Body& body = bodies_[i];
+        if (body.rigid) {
+            body.rigid->start(b, body.start_positions, body.start_velocities);
+            body.start_angles = b.attitude.given_angles();
+        }
+        if (body.side != RailSide::both) {
+            body.one_side = curves::one_side(*body.curve, b.parameter, b.rail()->up(), b.name);
+            if (body.side == RailSide::minus) body.one_side->sign = -body.one_side->sign;
+            body.binormal = seen(body.one_side->binormal());
+        }
+        body.start_u = {b.parameter, b.parameter_rest};
+        body.start_speed = b.speed;
+        body.start_position = b.position;
+        body.start_velocity = b.velocity;
+    }
 }
 
 RBDYN_INLINE void PointLaws::take_functions(const Scene& scene) {

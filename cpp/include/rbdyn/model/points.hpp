@@ -6,6 +6,7 @@
 // asks for more; else it starts the way it is pulled. A bead that lands loses its velocity across the rail.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -30,6 +31,7 @@
 #include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/model/system_report.hpp"
+#include "rbdyn/model/what_stays.hpp"
 #include "rbdyn/model/within.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
@@ -44,8 +46,10 @@ class PointsModel : public SceneModel {
 public:
     /// `leaves_out`: what stays as it starts is not simulated. `numbers`: of the user's, as they are in the scene.
     PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false, const GivenNumbers& numbers = {});
-    /// The model of the same scene with other numbers of the user's, which leave out the same.
-    PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers);
+    /// The model of the same scene with other numbers of the user's, which leave out the same. `elsewhere`: laws that
+    /// start there, and leave out the same; none: those of the model that was planned.
+    PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers,
+                std::shared_ptr<PointLaws> elsewhere = nullptr);
 
     int variables() const override;
     bool holds_what_touches(int subject) const override;
@@ -58,6 +62,7 @@ public:
     bool turns(int body) const override { return laws_->turns(body); }
     int freedom() const override;
     std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
+    std::shared_ptr<const SceneModel> started_elsewhere(const Scene& scene, const GivenNumbers& numbers) const override;
     /// Why all variables are simulated, also what stays as it starts; empty if that is left out.
     const std::string& why_all() const override { return why_all_; }
 
@@ -128,6 +133,12 @@ private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+    /// What is left out of the state, and why nothing is, where nobody knows.
+    Staying left_out(const PointLaws& laws) const;
+    static constexpr const char* nothing_moves = "nothing moves, and what is watched for needs time to pass";
+    /// Also of zeros.
+    static bool same_bits(double a, double b) { return a == b && std::signbit(a) == std::signbit(b); }
+
     bool has_angles(int body) const { return laws_->body(body).rigid && laws_->body(body).rigid->turns_freely(); }
 
     /// A state with quaternions of unit length: between bodies what they are short of it would show as a moment.
@@ -197,6 +208,7 @@ private:
     /// Beads on smooth rails slip, as far as equations go.
     std::vector<signed char> kind_of(const Mode& mode) const override;
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
+    std::unique_ptr<Structure> adapted(const Structure& recorded) const override;
     void own_parameters(Mode& mode, std::span<const double> x) const override;
 
     std::shared_ptr<const PointLaws> laws_;

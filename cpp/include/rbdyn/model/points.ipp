@@ -63,22 +63,31 @@ RBDYN_INLINE PointsModel::PointsModel(const Scene& scene, const Placement& view,
     const auto laws = std::make_shared<PointLaws>(scene, view);
     laws_ = laws;
     if (!leaves_out) return;
-    for (const Scene::Watch& w : watches_)
-        if (w.options.action.kind == WatchAction::Kind::change)
-            why_all_ = "the action of \"" + w.name + "\" may change any of them";
-    if (!why_all_.empty()) return;
-    auto [stays, why_none] = what_stays(*laws);
+    auto [stays, why_none] = left_out(*laws);
     why_all_ = std::move(why_none);
     laws->leave_out(stays);
     if (laws->map().size() > 0) return;
     // where something may happen all the same there have to be time steps, and so a state
     if (record_points(laws_, watches_, undecided().slip, {})->still) return;
-    why_all_ = "nothing moves, and what is watched for needs time to pass";
+    why_all_ = nothing_moves;
     laws->leave_out(std::vector<bool>(stays.size(), false));
 }
 
-RBDYN_INLINE PointsModel::PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers)
-    : SceneModel(planned, numbers), watches_(scene.watches()), why_all_(planned.why_all_) {
+RBDYN_INLINE Staying PointsModel::left_out(const PointLaws& laws) const {
+    for (const Scene::Watch& w : watches_)
+        if (w.options.action.kind == WatchAction::Kind::change)
+            return {std::vector<bool>(at(laws.variables()), false),
+                    "the action of \"" + w.name + "\" may change any of them"};
+    return what_stays(laws);
+}
+
+RBDYN_INLINE PointsModel::PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers,
+                                      std::shared_ptr<PointLaws> elsewhere)
+    : SceneModel(planned, numbers, elsewhere != nullptr), watches_(scene.watches()), why_all_(planned.why_all_) {
+    if (elsewhere != nullptr) {
+        laws_ = std::move(elsewhere);
+        return;
+    }
     const auto laws = std::make_shared<PointLaws>(planned.laws());
     laws->take_functions(scene);
     laws_ = laws;
@@ -251,6 +260,30 @@ RBDYN_INLINE int PointsModel::freedom() const {
 RBDYN_INLINE std::shared_ptr<const SceneModel> PointsModel::with_numbers(const Scene& scene,
                                                                          const GivenNumbers& numbers) const {
     return std::make_shared<const PointsModel>(*this, scene, numbers);
+}
+
+RBDYN_INLINE std::shared_ptr<const SceneModel> PointsModel::started_elsewhere(const Scene& scene,
+                                                                              const GivenNumbers& numbers) const {
+    if (why_all_ == nothing_moves) return nullptr;
+    const auto laws = std::make_shared<PointLaws>(*laws_);
+    laws->take_functions(scene);
+    laws->take_starts(scene);
+    // what the equations have of a start: what stays, and the plane of a rail that only pushes
+    for (int i = 0; i < bodies(); ++i)
+        if (!(laws->body(i).binormal == laws_->body(i).binormal)) return nullptr;
+    const StateMap& before = laws_->map();
+    const std::vector<DoubleDouble> start = laws->exact_start();
+    for (int i = 0; i < before.variables(); ++i) {
+        const DoubleDouble was = before.exact_start(i), is = start[at(i)];
+        const double rest = std::isfinite(is.lo) ? is.lo : 0.0;
+        if (!before.is_simulated(i) && !(same_bits(was.hi, is.hi) && was.lo == rest)) return nullptr;
+    }
+    const Staying now = left_out(*laws);
+    if (now.unknown != why_all_) return nullptr;
+    for (int i = 0; i < before.variables(); ++i)
+        if (now.variables[at(i)] == before.is_simulated(i)) return nullptr;
+    laws->leave_out(now.variables);
+    return std::make_shared<const PointsModel>(*this, scene, numbers, laws);
 }
 
 RBDYN_INLINE JointReport PointsModel::joint(const Mode& mode, int body, double t, std::span<const double> x) const {
@@ -775,6 +808,24 @@ RBDYN_INLINE std::vector<signed char> PointsModel::kind_of(const Mode& mode) con
 
 RBDYN_INLINE std::unique_ptr<Structure> PointsModel::record(const Mode& mode, const RecordedFor& state) const {
     return record_points(laws_, watches_, mode.slip, state);
+}
+
+RBDYN_INLINE std::unique_ptr<Structure> PointsModel::adapted(const Structure& recorded) const {
+    const Equations& e = recorded.equations;
+    const auto locator = [&](const Guard& guard) -> std::shared_ptr<const Locator> {
+        if (guard.locator == nullptr) return nullptr;
+        if (guard.kind == EventKind::land) return laws_->landing(guard.subject);
+        if (guard.kind == EventKind::singular) return laws_->singularity(guard.subject);
+        return laws_->singular_landing(guard.subject);
+    };
+    std::vector<VariableGroup> groups = groups_of(*laws_);
+    const bool is_same = groups == e.groups && std::all_of(e.guards.begin(), e.guards.end(),
+                                                           [&](const Guard& g) { return g.locator == locator(g); });
+    if (is_same) return nullptr;
+    auto result = std::make_unique<Structure>(recorded);
+    result->equations.groups = std::move(groups);
+    for (Guard& guard : result->equations.guards) guard.locator = locator(guard);
+    return result;
 }
 
 RBDYN_INLINE void PointsModel::own_parameters(Mode& mode, std::span<const double> x) const {

@@ -52,13 +52,16 @@ public:
 protected:
     RecordedModel() = default;
     explicit RecordedModel(GivenNumbers given) : given_(std::move(given)) {}
-    /// With what another one has recorded, for other numbers of the user's.
-    RecordedModel(const RecordedModel& other, GivenNumbers given);
+    /// With what another one has recorded, for other numbers of the user's; `elsewhere`: and for another start.
+    RecordedModel(const RecordedModel& other, GivenNumbers given, bool elsewhere = false);
 
     /// What the equations depend on beside the choices: modes of one kind share them.
     virtual std::vector<signed char> kind_of(const Mode& mode) const = 0;
     /// The equations for a mode of a kind, at a state; none if it cannot slide as decided.
     virtual std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const = 0;
+    /// The same structure, recorded by a model that starts elsewhere, with what is this one's own; none if that is the
+    /// same, too.
+    virtual std::unique_ptr<Structure> adapted(const Structure& /*recorded*/) const { return nullptr; }
     /// Sets the parameters that are no signs of switches.
     virtual void own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const;
 
@@ -69,6 +72,10 @@ protected:
     /// The structure for a state, recorded anew only if no earlier one makes the same choices, and holds for the same
     /// numbers of the user's; none if there is none.
     const Structure* structure(const Mode& mode, double t, std::span<const double> x, const Decisions& decided) const;
+
+    /// Takes what another one has recorded: the equations are the same.
+    void share(const RecordedModel& other) { recordings_ = other.recordings_; }
+    bool shares(const RecordedModel& other) const { return recordings_ == other.recordings_; }
 
     /// Completes a mode: its equations and their parameters. `flipped`: guards whose switch or choice changed; the
     /// others stay as they are, unless the state is a new one.
@@ -114,8 +121,13 @@ private:
         std::map<Key, std::vector<std::unique_ptr<Structure>>> structures;
     };
 
+    /// A structure of those recorded, as this model has it; the recordings are locked.
+    const Structure* own(const Structure& recorded) const;
+
     GivenNumbers given_;
     std::shared_ptr<Recordings> recordings_ = std::make_shared<Recordings>();
+    bool is_elsewhere_ = false;
+    mutable std::map<const Structure*, std::unique_ptr<const Structure>> own_;  // those that are adapted, or none
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

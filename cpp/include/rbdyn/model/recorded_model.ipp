@@ -50,8 +50,15 @@ RBDYN_INLINE bool RecordedModel::restore(Mode& mode, double t, std::span<const d
     return true;
 }
 
-RBDYN_INLINE RecordedModel::RecordedModel(const RecordedModel& other, GivenNumbers given)
-    : given_(std::move(given)), recordings_(other.recordings_) {}
+RBDYN_INLINE RecordedModel::RecordedModel(const RecordedModel& other, GivenNumbers given, bool elsewhere)
+    : given_(std::move(given)), recordings_(other.recordings_), is_elsewhere_(elsewhere || other.is_elsewhere_) {}
+
+RBDYN_INLINE const Structure* RecordedModel::own(const Structure& recorded) const {
+    if (!is_elsewhere_) return &recorded;
+    const auto [place, is_new] = own_.try_emplace(&recorded);
+    if (is_new) place->second = adapted(recorded);
+    return place->second ? place->second.get() : &recorded;
+}
 
 RBDYN_INLINE void RecordedModel::own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const {}
 
@@ -74,7 +81,7 @@ RBDYN_INLINE const Structure* RecordedModel::structure(const Mode& mode, double 
         return !s.equations.numbers || s.equations.numbers->holds(given_.values);
     };
     for (const auto& one : known)
-        if (one->equations.branches.empty() && fits(*one)) return one.get();
+        if (one->equations.branches.empty() && fits(*one)) return own(*one);
     const auto numbers = given_.cells.empty() ? nullptr : std::make_shared<Numbers>(given_);
     Numbers* const outer = Numbers::active();
     const Numbers::Active active(numbers.get());
@@ -87,7 +94,7 @@ RBDYN_INLINE const Structure* RecordedModel::structure(const Mode& mode, double 
         if (!fits(*one)) continue;
         const auto& others = one->equations.branches;
         const auto same = [](const Branch& a, const Branch& b) { return a.id == b.id && a.choice == b.choice; };
-        if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return one.get();
+        if (std::equal(branches.begin(), branches.end(), others.begin(), others.end(), same)) return own(*one);
     }
     known.push_back(std::move(recorded));
     return known.back().get();

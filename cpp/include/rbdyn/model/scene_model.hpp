@@ -70,6 +70,11 @@ public:
     virtual bool touches() const { return false; }
     /// The same model with other numbers of the user's.
     virtual std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const = 0;
+    /// The same for a scene that starts elsewhere; none if its equations would be others.
+    virtual std::shared_ptr<const SceneModel> started_elsewhere(const Scene& scene,
+                                                                const GivenNumbers& numbers) const = 0;
+    /// The constraints whose forces the motion does not determine.
+    virtual std::vector<std::string> not_unique() const { return {}; }
 
     /// The state the scene starts in.
     virtual std::vector<double> start(double t = 0.0) const = 0;

@@ -3,6 +3,9 @@
 // A plan holds as long as its scene stays what it is and, of the numbers of the user's (Parameter), the same vanish
 // (expression/numbers.hpp). Then a run takes its decisions and the equations that are recorded; what depends on the
 // numbers is its own.
+//
+// It holds for another start, too, if the same variables stay as they start, those with the same values: the equations
+// are the same then. What stays is looked for anew, which is a small part of planning.
 #pragma once
 
 #include <memory>
@@ -36,13 +39,14 @@ GivenNumbers numbers_of(const Scene& scene);
 /// Throws InvalidInput if a first integral of the user's has the name of one that the scene has by itself.
 void require_own_names(const Scene& scene, const Plan& plan);
 
-/// A plan for the same scene with other numbers; none if a closed form it had is none for these.
-[[gnu::cold]] std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers);
+/// A plan for the same scene with other numbers, and `elsewhere`: with another start; none if a new one may differ.
+[[gnu::cold]] std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers,
+                                          bool elsewhere);
 
 }  // namespace planning
 
-/// A scene with the numbers of the user's as they are now, and its plan: the one it keeps if that holds, else a new
-/// one, which it keeps from now on. Throws InvalidInput on a scene without bodies.
+/// A scene with the numbers of the user's as they are now, and its plan: one that it keeps and that holds, else a
+/// new one, which it keeps from now on. Throws InvalidInput on a scene without bodies.
 PlannedScene planned(const Scene& scene);
 
 }  // namespace rbdyn::inline RBDYN_FORM

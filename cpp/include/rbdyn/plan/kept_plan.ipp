@@ -50,26 +50,50 @@ RBDYN_INLINE void require_own_names(const Scene& scene, const Plan& plan) {
                 "\" is one that this scene has by itself, and drifts are found by name; give it another");
 }
 
-RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers) {
-    Plan plan = kept;
+/// Whether what is watched for may be called otherwise where motion starts elsewhere.
+RBDYN_INLINE bool names_depend_on_start(const SceneModel& model) {
+    const PointLaws* laws = model.special();
+    return laws == nullptr || std::any_of(laws->bodies().begin(), laws->bodies().end(),
+                                          [](const PointLaws::Body& b) { return b.one_side.has_value(); });
+}
+
+RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers,
+                                         bool elsewhere) {
     if (kept.model) {
-        plan.model = kept.model->with_numbers(scene, numbers);
-        // on which side of a case motion begins depends on them
-        if (plan.model->distinguishes()) plan.guards = guards_of(*plan.model);
+        std::shared_ptr<const SceneModel> model =
+            elsewhere ? kept.model->started_elsewhere(scene, numbers) : kept.model->with_numbers(scene, numbers);
+        if (!model) return std::nullopt;
+        Plan plan = kept;
+        plan.model = std::move(model);
+        if (elsewhere) plan.not_unique = plan.model->not_unique();
+        // on which side of a case motion begins depends on both
+        if (plan.model->distinguishes() || (elsewhere && names_depend_on_start(*plan.model)))
+            plan.guards = guards_of(*plan.model);
+        // what a plan says where there are none
+        if (plan.guards.empty() != kept.guards.empty()) return std::nullopt;
         if (!kept.closed) return plan;
         plan.closed = closed_form(scene, *plan.model, true).form;
         if (!plan.closed) return std::nullopt;
         plan.reason = reason_of(*plan.closed);
         return plan;
     }
+    Plan plan = kept;
     auto apart = std::make_shared<const SceneParts>(scene);
     for (std::size_t i = 0; i < plan.parts.size(); ++i) {
-        auto part = renewed(kept.parts[i], apart->parts[i].scene, numbers);
+        const auto &before = kept.apart->parts[i].scene.bodies(), &now = apart->parts[i].scene.bodies();
+        const bool is_moved = elsewhere && !std::equal(now.begin(), now.end(), before.begin(), before.end(),
+                                                       [](const Started& a, const Started& b) { return a == b; });
+        if (!is_moved && numbers.cells.empty()) continue;
+        auto part = renewed(kept.parts[i], apart->parts[i].scene, numbers, is_moved);
         if (!part) return std::nullopt;
         plan.parts[i] = *std::move(part);
     }
     plan.guards.clear();
-    for (const Plan& part : plan.parts) plan.guards.insert(plan.guards.end(), part.guards.begin(), part.guards.end());
+    plan.not_unique.clear();
+    for (const Plan& part : plan.parts) {
+        plan.guards.insert(plan.guards.end(), part.guards.begin(), part.guards.end());
+        plan.not_unique.insert(plan.not_unique.end(), part.not_unique.begin(), part.not_unique.end());
+    }
     plan.apart = std::move(apart);
     return plan;
 }
@@ -84,11 +108,15 @@ RBDYN_INLINE PlannedScene planned(const Scene& scene) {
     auto numbers = given.cells.empty() ? nullptr : std::make_unique<Numbers>(given);
     const Numbers::Active active(numbers.get());
     Scene now = scene.frozen();
-    if (const auto kept = scene.kept_plan().get()) {
-        if (!kept->decided) return {std::move(now), kept->plan, false};
-        if (kept->decided->holds(given.values))
-            if (auto plan = planning::renewed(kept->plan, now, given)) return {std::move(now), *std::move(plan), false};
-    }
+    const auto held = [&](const KeptPlan& kept, bool elsewhere) -> std::optional<Plan> {
+        if (!elsewhere && !kept.decided) return kept.plan;
+        if (kept.decided && !kept.decided->holds(given.values)) return std::nullopt;
+        return planning::renewed(kept.plan, now, given, elsewhere);
+    };
+    if (const auto kept = scene.kept_plan().get())
+        if (auto plan = held(*kept, false)) return {std::move(now), *std::move(plan), false};
+    for (const auto& [kept, is_of_another_start] : scene.kept_plan().others())
+        if (auto plan = held(*kept, is_of_another_start)) return {std::move(now), *std::move(plan), false};
     Plan plan = planning::plan_of(now, false, given);
     planning::require_own_names(now, plan);
     scene.kept_plan().set(std::make_shared<const KeptPlan>(KeptPlan{plan, std::move(numbers)}));

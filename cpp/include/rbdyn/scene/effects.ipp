@@ -206,6 +206,7 @@ RBDYN_INLINE void Scene::hold_attitudes() {
         b.body = Particle{b.mass()};
         b.attitude = {};
         b.angular_velocity = {};
+        b.angular_velocity_world.reset();
     }
     for (AppliedLoad& l : loads_) {
         const auto body = static_cast<std::size_t>(l.body);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <set>
 #include <string>
@@ -23,22 +22,17 @@
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/plan_slot.hpp"
+#include "rbdyn/scene/starts.hpp"
 #include "rbdyn/scene/watch.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 class Scene {
 public:
-    struct Body {
+    struct Body : Started {
         std::variant<Particle, RigidBody> body;
         Joint joint = Free{};
-        Vector3 position = Vector3::Zero(), velocity = Vector3::Zero();  // the start of a free body
-        double parameter = 0.0, speed = 0.0;                             // of a bead; of a joint with one coordinate
-        double parameter_rest = 0.0;                                     // what the parameter is short of 32 digits
-        Attitude attitude = {};                                          // of a body that turns freely
-        Vector3Of<DoubleDouble> angular_velocity = {};                   // its own, body axes
-        std::array<double, 3> coordinates{}, rates{};                    // of a joint with two or three
-        int parent = -1;                                                 // the body it is joined to; -1: the ground
+        int parent = -1;  // the body it is joined to; -1: the ground
         std::string name;
 
         const Rail* rail() const { return std::get_if<Rail>(&joint); }
@@ -110,6 +104,12 @@ public:
     BodyHandle add(const RigidBody& body, const Planar& joint, const PlanarStart& start = {}, std::string name = {});
     BodyHandle add(const RigidBody& body, const Fixed& joint, const FixedStart& start = {}, std::string name = {});
 
+    /// Lets the motion of a body start elsewhere: the words of add(), all of them; those not given are zero, as there.
+    /// Throws what add() throws, and InvalidInput for the words of another joint.
+    void replace(BodyHandle body, const Start& start);
+    /// Where the motion of a body starts, in the words of its joint, in doubles; bodies() has it in all its digits.
+    Start start(BodyHandle body) const;
+
     /// The start of a body that turns freely, in 32 digits: what another scene has of it.
     void start_turning(BodyHandle body, const Attitude& attitude, const Vector3Of<DoubleDouble>& angular_velocity);
 
@@ -154,6 +154,8 @@ public:
     bool operator==(const Scene&) const = default;
 
     const std::vector<Body>& bodies() const { return bodies_; }
+    /// The body of a name. Throws InvalidInput, with the names there are, for any other.
+    BodyHandle body(const std::string& name) const;
     const std::vector<AppliedLoad>& loads() const { return loads_; }
     const std::vector<Connection>& connections() const { return connections_; }
     const std::vector<Held>& constraints() const { return constraints_; }
@@ -174,7 +176,8 @@ private:
 
     static Rail without(const Rail& rail, const std::string& name, const std::vector<std::string>& gone);
     void hold_attitudes();
-    BodyHandle add(Body body);
+    BodyHandle add(const Started& start, std::variant<Particle, RigidBody> body, Joint joint, BodyHandle parent,
+                   const std::string& name);
     /// The parent that a start gives: the ground, or a body of this scene.
     int parent_of(BodyHandle parent, const std::string& name) const;
     void require_end(const End& end, const std::string& verb) const;

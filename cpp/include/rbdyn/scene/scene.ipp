@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -28,6 +29,7 @@
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/plan_slot.hpp"
+#include "rbdyn/scene/starts.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
 
@@ -46,20 +48,11 @@ RBDYN_INLINE void Scene::set_gravity(const Vector3& g) {
     plan_.forget();
 }
 
-RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Free&, const FreeStart& start, std::string name) {
+RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Free& joint, const FreeStart& start,
+                                   std::string name) {
     particle.validate();
     name = named(std::move(name), "particle");
-    for (int i = 0; i < 3; ++i) {
-        require(std::isfinite(start.position[i]), name, "component " + std::to_string(i) + " of position",
-                start.position[i], "a position is finite; give it in m");
-        require(std::isfinite(start.velocity[i]), name, "component " + std::to_string(i) + " of velocity",
-                start.velocity[i], "a velocity is finite; give it in m/s");
-    }
-    return add({.body = particle,
-                .position = start.position,
-                .velocity = start.velocity,
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), particle, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const FreeStart& start, std::string name) {
@@ -70,42 +63,14 @@ RBDYN_INLINE BodyHandle Scene::add(const Particle& particle, const Rail& rail, c
                                    std::string name) {
     particle.validate();
     name = named(std::move(name), "bead");
-    const Curve& curve = rail.curve();
-    if (start.parameter && start.arc_length)
-        throw InvalidInput(name + ": both parameter " + text(*start.parameter) + " and arc_length " +
-                           text(*start.arc_length) + " are given; one of them says where it starts");
-    DoubleDouble u = start.parameter.value_or(0.0);
-    if (start.arc_length) {
-        require(std::isfinite(*start.arc_length), name, "arc_length", *start.arc_length, "it is finite, in m");
-        u = curve.exact_parameter_at(arc_length_origin(curve), *start.arc_length);
-    }
-    require(std::isfinite(u.hi), name, "parameter", u.hi, "a start is a finite parameter of the curve");
-    const Domain domain = curve.domain();
-    require(u.hi >= domain.begin && u.hi <= domain.end, name, "parameter", u.hi,
-            "a start lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
-    require(std::isfinite(start.speed), name, "speed", start.speed, "a speed is finite; give it in m/s");
-    curve.require_regular(u.hi);
-    return add({.body = particle,
-                .joint = rail,
-                .parameter = u.hi,
-                .speed = start.speed,
-                .parameter_rest = u.lo,
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(rail, start, name), particle, rail, start.parent, name);
 }
 
-RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free&, const BodyStart& start, std::string name) {
+RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Free& joint, const BodyStart& start, std::string name) {
     name = named(std::move(name), "body");
-    joints::require_finite(name, "position", start.position);
-    joints::require_finite(name, "velocity", start.velocity);
+    const Started started = starts::on(joint, start, name);
     require_turnable(body, body.com(), name);
-    return add({.body = body,
-                .position = start.position,
-                .velocity = start.velocity,
-                .attitude = start.attitude,
-                .angular_velocity = joints::angular_velocity(start, start.attitude, name),
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(started, body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const BodyStart& start, std::string name) {
@@ -117,127 +82,113 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Spherical& joint
     joint.validate();
     name = named(std::move(name), "body");
     require_turnable(body, joint.point, name);
-    return add({.body = body,
-                .joint = joint,
-                .attitude = start.attitude,
-                .angular_velocity = joints::angular_velocity(start, start.attitude, name),
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint, const RevoluteStart& start,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
-    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    const Started started = starts::on(joint, start, name);
     const Vector3 e = direction(joint.axis);
     const Matrix3 about = body.inertia(joint.point);
     const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
     require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
             "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
-    return add({.body = body,
-                .joint = joint,
-                .parameter = start.angle,
-                .speed = start.rate,
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(started, body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    require(std::isfinite(start.displacement), name, "displacement", start.displacement,
-            "a displacement is finite; give it in m");
-    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
-    return add({.body = body,
-                .joint = joint,
-                .parameter = start.displacement,
-                .speed = start.rate,
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Universal& joint, const UniversalStart& start,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    for (std::size_t k = 0; k < 2; ++k) {
-        require(std::isfinite(start.angles[k]), name, "angles " + std::to_string(k), start.angles[k],
-                "an angle is finite; give it in rad");
-        require(std::isfinite(start.rates[k]), name, "rates " + std::to_string(k), start.rates[k],
-                "a rate is finite; give it in rad/s");
-    }
-    return add({.body = body,
-                .joint = joint,
-                .coordinates = {start.angles[0], start.angles[1], 0.0},
-                .rates = {start.rates[0], start.rates[1], 0.0},
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Cylindrical& joint, const CylindricalStart& start,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
-    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
-    require(std::isfinite(start.displacement), name, "displacement", start.displacement,
-            "a displacement is finite; give it in m");
-    require(std::isfinite(start.displacement_rate), name, "displacement_rate", start.displacement_rate,
-            "a rate is finite; give it in m/s");
-    return add({.body = body,
-                .joint = joint,
-                .coordinates = {start.angle, start.displacement, 0.0},
-                .rates = {start.rate, start.displacement_rate, 0.0},
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Planar& joint, const PlanarStart& start,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    for (std::size_t k = 0; k < 2; ++k) {
-        require(std::isfinite(start.position[k]), name, "position " + std::to_string(k), start.position[k],
-                "a position is finite; give it in m");
-        require(std::isfinite(start.velocity[k]), name, "velocity " + std::to_string(k), start.velocity[k],
-                "a velocity is finite; give it in m/s");
-    }
-    require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
-    require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
-    return add({.body = body,
-                .joint = joint,
-                .coordinates = {start.position[0], start.position[1], start.angle},
-                .rates = {start.velocity[0], start.velocity[1], start.rate},
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Fixed& joint, const FixedStart& start,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    return add({.body = body,
-                .joint = joint,
-                .attitude = joint.attitude,
-                .parent = parent_of(start.parent, name),
-                .name = name});
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
+}
+
+RBDYN_INLINE void Scene::replace(BodyHandle body, const Start& start) {
+    require_body(body, "replace");
+    Body& b = bodies_[static_cast<std::size_t>(body.index)];
+    const bool is_rigid = b.rigid() != nullptr;
+    Started& kept = b;
+    kept = std::visit(
+        [&]<class J, class S>(const J& joint, const S& given) -> Started {
+            if constexpr (std::is_same_v<S, Started>) {
+                return given;
+            } else if constexpr (requires { starts::on(joint, given, b.name); }) {
+                const bool is_of_particle = std::is_same_v<S, FreeStart> || std::is_same_v<S, RailStart>;
+                if (is_of_particle != is_rigid) {
+                    if (given.parent.index != -1 && given.parent.index != b.parent)
+                        throw InvalidInput(b.name + ": parent is body " + std::to_string(given.parent.index) +
+                                           "; a new start leaves what a body is joined to as it is: leave it out");
+                    return starts::on(joint, given, b.name);
+                }
+            }
+            throw InvalidInput(b.name +
+                               ": its start is given in the words of another joint; give those of its own, as add() "
+                               "takes them");
+        },
+        b.joint, start);
+    plan_.start_elsewhere();
+}
+
+RBDYN_INLINE Start Scene::start(BodyHandle body) const {
+    require_body(body, "start");
+    const Body& b = bodies_[static_cast<std::size_t>(body.index)];
+    return starts::words(b.joint, b.rigid() != nullptr, b);
+}
+
+RBDYN_INLINE BodyHandle Scene::body(const std::string& name) const {
+    std::string names;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        if (bodies_[i].name == name) return {static_cast<int>(i)};
+        names += (i == 0 ? "" : ", ") + ("\"" + bodies_[i].name + "\"");
+    }
+    throw InvalidInput("Scene: there is no body named \"" + name + "\"; " +
+                       (names.empty() ? "it has no bodies: add() some" : "there are " + names));
 }
 
 RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude,
                                        const Vector3Of<DoubleDouble>& angular_velocity) {
     require_body(body, "start_turning");
-    bodies_[static_cast<std::size_t>(body.index)].attitude = attitude;
-    bodies_[static_cast<std::size_t>(body.index)].angular_velocity = angular_velocity;
-    plan_.forget();
+    Body& b = bodies_[static_cast<std::size_t>(body.index)];
+    b.attitude = attitude;
+    b.angular_velocity = angular_velocity;
+    b.angular_velocity_world.reset();
+    plan_.start_elsewhere();
 }
 
 RBDYN_INLINE void Scene::start_beyond(BodyHandle body, double rest) {
     require_body(body, "start_beyond");
     bodies_[static_cast<std::size_t>(body.index)].parameter_rest = rest;
-    plan_.forget();
+    plan_.start_elsewhere();
 }
 
 RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<Vector3> at) {
@@ -450,9 +401,11 @@ RBDYN_INLINE void Scene::require_observable(const Observable& o, const std::stri
         refuse(" has no rate; a body on a Revolute or Prismatic joint has");
 }
 
-RBDYN_INLINE BodyHandle Scene::add(Body body) {
-    body_names_.insert(body.name);
-    bodies_.push_back(std::move(body));
+RBDYN_INLINE BodyHandle Scene::add(const Started& start, std::variant<Particle, RigidBody> body, Joint joint,
+                                   BodyHandle parent, const std::string& name) {
+    const int joined = parent_of(parent, name);
+    body_names_.insert(name);
+    bodies_.push_back({start, std::move(body), std::move(joint), joined, name});
     plan_.forget();
     return {static_cast<int>(bodies_.size()) - 1};
 }

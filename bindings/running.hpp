@@ -1,0 +1,78 @@
+// What verbs that run scenes share: they run without Python's lock, look for Ctrl-C and show progress.
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <optional>
+#include <rbdyn/options.hpp>
+#include <rbdyn/simulate.hpp>
+#include <string>
+#include <variant>
+
+#include "run.hpp"
+
+namespace binding {
+
+/// Asked by what runs whether to go on: takes Python's lock now and then, to show progress and to ask whether a signal
+/// has come. What Python raises there stops the run, and is kept.
+class Watch {
+public:
+    explicit Watch(const py::object& progress);
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+    /// With the lock held.
+    ~Watch();
+
+    /// Without the lock, with the fraction that is done.
+    bool goes_on(double fraction);
+    /// With the lock held: asks for signals, shows the fraction done.
+    void look(double fraction);
+    /// Of a run from `start` to `until`.
+    rbdyn::Monitor monitor(double start, double until) {
+        return [this, start, until](double t) { return goes_on((t - start) / (until - start)); };
+    }
+    const std::optional<py::error_already_set>& raised() const { return raised_; }
+
+    /// With the lock held: what Python raised is raised again, with `run` on it.
+    template <class Run = BoundTrajectory>
+    void raise_if_raised(const std::optional<Run>& run) {
+        if (!raised_) return;
+        if (run && PyObject_SetAttrString(raised_->value().ptr(), "run", py::cast(*run).ptr()) != 0) PyErr_Clear();
+        throw py::error_already_set(*raised_);
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    // far below the second within which Ctrl-C is obeyed, far above the time that taking the lock needs
+    static constexpr auto interval = std::chrono::milliseconds(50);
+
+    py::object show_;
+    std::optional<py::error_already_set> raised_;
+    Clock::time_point last_ = Clock::now();
+};
+
+using KeepLike = std::variant<std::string, ArrayLike>;
+
+/// What simulate() is asked for, but for its monitor.
+rbdyn::SimulateOptions options_of(double until, double start, std::optional<double> error, std::optional<double> rtol,
+                                  const std::string& engine, const KeepLike& keep, std::int64_t max_steps);
+
+/// Whether functions in Python are called at every step: then the lock is kept, which makes that cheap.
+bool calls_python(const rbdyn::Scene& scene);
+
+/// An error of the library with the run it left behind.
+template <class Run>
+py::object error_with(const Run& run, const char* type_name, const std::string& message) {
+    const py::object raised = py::module_::import("rbdyn.errors").attr(type_name)(message);
+    raised.attr("run") = py::cast(run);
+    return raised;
+}
+
+/// What went wrong with an attempt, with its run: an error of the library, or what a function of the user's threw,
+/// unchanged but for the run it broke off. None if nothing did.
+py::object failure_of(const rbdyn::Attempt& attempt, const BoundTrajectory& run);
+
+/// Raises it.
+[[noreturn]] void raise(const py::object& error);
+
+}  // namespace binding
