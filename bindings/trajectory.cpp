@@ -187,7 +187,12 @@ Statistics statistics_from(const py::tuple& d) {
 
 /// A run is its scene, with the numbers it ran with, and what was computed.
 py::tuple data_of(const BoundTrajectory& r) {
-    return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(rbdyn::bytes_of(*r.run.data())));
+    try {
+        return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(rbdyn::bytes_of(*r.run.data())));
+    } catch (const InvalidInput& e) {
+        // as everything that cannot be pickled
+        throw py::type_error(e.what());
+    }
 }
 BoundTrajectory trajectory_from(const py::tuple& d) {
     const auto& scene = d[0].cast<const BoundScene&>();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -94,12 +95,13 @@ def _contents(run: Trajectory) -> dict[str, Any]:
         for name in dir(run.statistics)
         if not name.startswith("_") and isinstance(getattr(run.statistics, name), (int, float))
     }
+    known = json.dumps(handles)
     return {
-        "about": json.dumps(about),
+        "about": json.dumps(about | {"checksum": _checksum(text, known, state)}),
         "scene": text,
         "plan": str(run.plan),
         "statistics": json.dumps(statistics),
-        "handles": json.dumps(handles),
+        "handles": known,
         "state": np.frombuffer(state, dtype=np.uint8),
         "t": run.t,
         "event_time": np.array([e.time for e in run.events]),
@@ -118,12 +120,18 @@ def _run_from(contents: dict[str, Any]) -> Trajectory:
             f"it was written by rbdyn {about.get('rbdyn')!s:.20}, in version {about.get('version')!s:.20} of the format; "
             f"this is {_core.__version__}, which reads its own runs, of version {RUN_VERSION}; scenes are for all"
         )
+    if about.get("checksum") != _checksum(contents["scene"], contents["handles"], contents["state"]):
+        raise InvalidInput("it was changed or cut short: its checksum is not that of what is in it")
     handles = tuple([tuple(handle) for handle in kind] for kind in json.loads(contents["handles"]))
     scene = _core.Scene.__new__(_core.Scene)
     scene.__setstate__((contents["scene"], [], handles))  # type: ignore[attr-defined]
     run = _core.Trajectory.__new__(_core.Trajectory)
     run.__setstate__((scene, contents["state"]))  # type: ignore[attr-defined]
     return run
+
+
+def _checksum(scene: str, handles: str, state: bytes) -> int:
+    return zlib.crc32(state, zlib.crc32(handles.encode(), zlib.crc32(scene.encode())))
 
 
 def _save_npz(file: io.BytesIO, contents: dict[str, Any]) -> None:

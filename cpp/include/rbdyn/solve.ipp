@@ -104,6 +104,24 @@ RBDYN_INLINE std::vector<std::optional<EulerAngles>> angles_at(const RunData& ru
     return angles;
 }
 
+/// HybridModel::winding at a time of a run, at its state there.
+RBDYN_INLINE std::vector<double> winding_at(const SceneModel& model, const RunData& run, double t,
+                                            std::span<const double> x) {
+    std::vector<double> winding = model.winding(t, x);
+    if (winding.empty()) return winding;
+    const auto angles = angles_at(run, t);
+    for (int body = 0; body < model.bodies(); ++body) {
+        const int place = model.place_of_angles(body);
+        const auto& known = angles[static_cast<std::size_t>(body)];
+        if (place < 0 || !known) continue;
+        double* own = winding.data() + 3 * place;
+        own[0] = known->theta;
+        own[1] = known->psi;
+        own[2] = known->phi;
+    }
+    return winding;
+}
+
 /// What of a run tells that it is one that goes on, and with which.
 RBDYN_INLINE void set_origin(Solved& result, const SimulateOptions& options, const RunData* before) {
     result.data.asked = options;
@@ -143,7 +161,11 @@ RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const 
             course.tolerance = *options.rtol;
             course.manner = {};
         }
-        const Standing standing{before.origin, course, options.rtol ? nullptr : &*before.judge, before.scales,
+        const Course* judge = options.rtol ? nullptr : &*before.judge;
+        Course better = judge != nullptr ? *judge : course;
+        // turns that are counted go on from those of the run
+        course.halt.winding = better.halt.winding = winding_at(model, before, options.start, course.halt.x);
+        const Standing standing{before.origin, course, judge != nullptr ? &better : nullptr, before.scales,
                                 before.error.value_or(0.0)};
         if (auto solution = carry_on(model, standing, options, plan.closed)) return *std::move(solution);
     }

@@ -26,13 +26,13 @@ struct Halt {
     bool begins = false;          // and with it the motion
     int crowded = 0, passes = 0;  // events of this instant, and points passed so far where the equations are not finite
     std::vector<int> fired = {};  // guards that stopped the run, among others: what these change is still to be done
-    std::vector<bool> handled = {};                 // guards whose zero began the mode
-    std::vector<WatchedSide> watched = {};          // by watched function
-    std::vector<int> sides = {};                    // by guard, as the next two
-    std::vector<double> ends = {};                  // values of watched guards at the end of the last piece
-    std::vector<std::optional<double>> zeros = {};  // values of those that were taken to pass zero just here
-    std::vector<double> engine = {};                // what it keeps from step to step
-    std::vector<double> winding = {};               // HybridModel::winding
+    std::vector<bool> handled = {};         // guards whose zero began the mode
+    std::vector<WatchedSide> watched = {};  // by watched function
+    std::vector<int> sides = {};            // by guard, as the next two
+    std::vector<double> ends = {};          // values of watched guards at the end of the last piece
+    std::vector<bool> passed = {};          // those that passed zero just here, whatever rounding makes of them
+    std::vector<double> engine = {};        // what it keeps from step to step
+    std::vector<double> winding = {};       // HybridModel::winding
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -205,8 +205,9 @@ private:
     /// A guard at a place of the piece; `by_piece`: of one that is recorded, at the state the polynomial gives.
     double value_at(const Mode& mode, const Guard& guard, double place, bool by_piece = false);
 
-    /// The value that a guard begins the piece with, if it is known to be its zero.
-    std::optional<double> known_zero(const Guard& guard, std::size_t g, bool fresh);
+    /// Whether it is known of a guard that it begins the piece with its zero, and the value of that if it is to be
+    /// compared.
+    void know_zero(const Guard& guard, std::size_t g, bool fresh, Passages::Arrival& arrival);
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
 
     const HybridModel& model_;
@@ -217,8 +218,8 @@ private:
     std::vector<Watched> watched_;  // by watched function
     std::vector<double> ends_;      // values of watched guards at the end of the last piece
     std::vector<bool> handled_;     // guards whose zero began the mode
-    // values of guards that were taken to pass zero at the end of the run, and where it was that this one goes on from
-    std::vector<std::optional<double>> passed_at_end_, passed_before_;
+    // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
+    std::vector<bool> passed_at_end_, passed_before_;
     std::vector<int> fired_;
     std::vector<Direction> directions_;
     std::vector<Found> found_;

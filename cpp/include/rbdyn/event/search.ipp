@@ -51,7 +51,7 @@ RBDYN_INLINE void EventSearch::leave(Halt& halt) const {
     halt.sides = sides_;
     halt.ends = ends_;
     halt.handled = handled_;
-    halt.zeros = passed_at_end_;
+    halt.passed = passed_at_end_;
 }
 
 RBDYN_INLINE void EventSearch::recall(const Halt& halt) {
@@ -59,7 +59,7 @@ RBDYN_INLINE void EventSearch::recall(const Halt& halt) {
     const std::size_t guards = sides_.size();
     if (halt.sides.size() == guards) sides_ = halt.sides;
     if (halt.ends.size() == guards) ends_ = halt.ends;
-    if (halt.zeros.size() == guards) passed_before_ = halt.zeros;
+    if (halt.passed.size() == guards) passed_before_ = halt.passed;
 }
 
 RBDYN_INLINE void EventSearch::forget_side(const Guard& guard) {
@@ -128,9 +128,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         }
         if (f.breaks) continue;
         side_of(guard) = f.rising ? 1 : -1;
-        if (is_last && !f.is_pole && f.place + f.doubt >= 1.0) {
+        if (is_last && !f.is_pole && f.place + std::max(f.near, 16.0 * finest()) >= 1.0) {
             passed_at_end_.resize(guards.size());
-            passed_at_end_[f.guard] = value_at(mode, guard, piece.length);
+            passed_at_end_[f.guard] = true;
         }
         if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
         const double place = f.place * piece.length;
@@ -181,14 +181,8 @@ RBDYN_INLINE bool EventSearch::settle(Record& record, const Mode& mode, Instant 
         note(record, guard, f.direction(), t);
         watched(guard).reached = 0;
         watched(guard).side = reached;
-        if (guard.output >= 0) {
-            Evaluator<double> values(mode.equations->program);
-            values.set_parameters(mode.parameters);
-            values(t.hi, x);
-            passed_at_end_.resize(mode.equations->guards.size());
-            passed_at_end_[static_cast<std::size_t>(&guard - mode.equations->guards.data())] =
-                values.output(guard.output);
-        }
+        passed_at_end_.resize(mode.equations->guards.size());
+        passed_at_end_[static_cast<std::size_t>(&guard - mode.equations->guards.data())] = true;
         stops = stops || guard.role == GuardRole::stop;
     }
     return stops;
@@ -341,10 +335,10 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     if (fresh && !is_watch) side = 1;
     const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
     if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) return;
-    if (!fresh && is_watch && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
-    Passages::Arrival arrival{.side = side, .is_series = !engine_.fits_guards()};
-    if (fresh && handled(g)) arrival.at_zero = !is_watch;
-    arrival.zero = known_zero(guard, g, fresh);
+    Passages::Arrival arrival{.is_series = !engine_.fits_guards()};
+    know_zero(guard, g, fresh, arrival);
+    if (!fresh && is_watch && !arrival.at_zero && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
+    arrival.side = side;
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
         arrival.at_zero = begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon);
@@ -471,10 +465,11 @@ RBDYN_INLINE void EventSearch::locate(const Guard& guard, std::size_t g, bool fr
     if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, 0.0, g, false});
 }
 
-RBDYN_INLINE std::optional<double> EventSearch::known_zero(const Guard& guard, std::size_t g, bool fresh) {
-    if (g < passed_before_.size() && passed_before_[g]) return passed_before_[g];
-    if (fresh && handled(g) && guard.watch >= 0) return watched(guard).zero;
-    return std::nullopt;
+RBDYN_INLINE void EventSearch::know_zero(const Guard& guard, std::size_t g, bool fresh, Passages::Arrival& arrival) {
+    if (g < passed_before_.size() && passed_before_[g]) arrival.at_zero = true;
+    if (!fresh || !handled(g)) return;
+    if (!guard.is_watched()) arrival.at_zero = true;
+    if (guard.watch >= 0) arrival.zero = watched(guard).zero;
 }
 
 RBDYN_INLINE double EventSearch::finest() const {
@@ -497,8 +492,7 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
     };
     const auto fitted = [&](const series::Coefficients& q, double lo, double hi, double miss) {
         Passages::Arrival arrival{.side = side(), .reach = 0x1p-2, .is_series = false};
-        if (fresh && lo == 0.0 && handled(g)) arrival.at_zero = !guard.is_watched();
-        if (lo == 0.0) arrival.zero = known_zero(guard, g, fresh);
+        if (lo == 0.0) know_zero(guard, g, fresh, arrival);
         if (is_last && hi == 1.0)
             arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
         double rounding = 0.0;

@@ -113,7 +113,7 @@ Json put(const TimeFunction& f, Writing& w);
 TimeFunction take(const Place& p, Tag<TimeFunction>);
 Json put(const RigidMotion& motion, Writing& w);
 RigidMotion take(const Place& p, Tag<RigidMotion>);
-/// {"body": name}, {"body": name, "point": [...]} or, of the world, {"point": [...]}; {}: the world itself.
+/// {"body": name}, {"body": name, "point": [...]} or, of the world, {"point": [...]}.
 Json put(const End& end, Writing& w);
 End take(const Place& p, Tag<End>);
 Json put(const WatchFunction& f, Writing& w);

@@ -92,6 +92,7 @@ RBDYN_INLINE Json put(const End& end, Writing& w) {
 RBDYN_INLINE End take(const Place& p, Tag<End>) {
     p.require_known({"body", "point"});
     const auto named = p.find("body"), placed = p.find("point");
+    if (!named && !placed) p.complain("it has a body, a point or both");
     const BodyHandle body{named ? take(*named, Tag<int>()) : -1};
     if (!placed) return body;
     const auto point = take(*placed, Tag<Vector3>());

@@ -211,9 +211,12 @@ RBDYN_INLINE Json scene_to(const Scene& scene, Writing& w) {
         return one;
     };
     for (const Scene::Connection& c : scene.connections()) add("couplings", joined(put(c.coupling, w), c.a, c.b));
-    for (const Scene::Held& c : scene.constraints())
-        add("constraints",
-            {{"name", c.name}, {"constraint", put(c.constraint, w)}, {"a", put(c.a, w)}, {"b", put(c.b, w)}});
+    for (const Scene::Held& c : scene.constraints()) {
+        Json one = {{"name", c.name}, {"constraint", put(c.constraint, w)}, {"a", put(c.a, w)}};
+        // without it the world itself
+        if (!(c.b == End(BodyHandle{}))) one["b"] = put(c.b, w);
+        add("constraints", std::move(one));
+    }
     for (const Scene::Touch& c : scene.contacts()) {
         Json one = {{"name", c.name}, {"a", put(c.a, w)}, {"b", put(c.b, w)}};
         if (c.options.friction) one["friction"] = put(*c.options.friction, w);
@@ -284,8 +287,10 @@ RBDYN_INLINE Scene scene_from(const Json& json, const std::string& document, con
     });
     for_each_in(whole, "constraints", [&](const Place& p) {
         p.require_known({"name", "constraint", "a", "b"});
-        scene.constrain(take(p.at("constraint"), Tag<Constraint>()), take(p.at("a"), Tag<End>()),
-                        take(p.at("b"), Tag<End>()), p.at("name").text());
+        std::optional<End> b;
+        if (const auto place = p.find("b")) b = take(*place, Tag<End>());
+        scene.constrain(take(p.at("constraint"), Tag<Constraint>()), take(p.at("a"), Tag<End>()), b,
+                        p.at("name").text());
     });
     for_each_in(whole, "contacts", [&](const Place& p) {
         p.require_known({"name", "a", "b", "friction", "restitution"});

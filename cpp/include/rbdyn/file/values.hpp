@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/function.hpp"
@@ -101,7 +102,7 @@ inline Json put(const Vector3Of<DoubleDouble>& v, Writing& w) {
 }
 inline Json put(const Matrix3Of<DoubleDouble>& m, Writing& w) {
     Json rows = Json::array();
-    for (int i = 0; i < 3; ++i) rows.push_back({put(m(i, 0), w), put(m(i, 1), w), put(m(i, 2), w)});
+    for (int i = 0; i < 3; ++i) rows.push_back(Json::array({put(m(i, 0), w), put(m(i, 1), w), put(m(i, 2), w)}));
     return rows;
 }
 template <class T, std::size_t count>

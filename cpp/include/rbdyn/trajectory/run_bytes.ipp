@@ -181,8 +181,7 @@ RBDYN_INLINE void put(Writer& w, const Halt& halt) {
     }
     w.put(halt.sides);
     w.put(halt.ends);
-    w.put(halt.zeros.size());
-    for (const auto& zero : halt.zeros) put_zero(zero);
+    w.put(halt.passed);
     w.put(halt.engine);
     w.put(halt.winding);
 }
@@ -219,7 +218,7 @@ RBDYN_INLINE Halt take_halt(Reader& r, const SceneModel& model) {
     }
     halt.sides = r.list<int>();
     halt.ends = r.list<double>();
-    for (std::size_t left = r.count(1); left > 0; --left) halt.zeros.push_back(take_zero());
+    halt.passed = r.flags();
     halt.engine = r.list<double>();
     halt.winding = r.list<double>();
     Reader::require(halt.winding.empty() || halt.winding.size() == model.winding(halt.at.hi, halt.x).size(),
