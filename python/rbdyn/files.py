@@ -75,7 +75,7 @@ def load(path: str | os.PathLike[str]) -> Any:
 def _contents(run: Trajectory) -> dict[str, Any]:
     """What a file has of a run: texts, and arrays. `scene`, `handles` and `state` are what it is read from."""
     try:
-        scene, state = run.__getstate__()  # type: ignore[misc]
+        scene, state = run.__getstate__()
         text, _, handles = scene.__getstate__()
     except TypeError as problem:
         raise InvalidInput(f"save: {problem}") from None
@@ -117,16 +117,16 @@ def _run_from(contents: dict[str, Any]) -> Trajectory:
         raise InvalidInput(f'it is no run: its "format" would be "{RUN_FORMAT}"')
     if about.get("version") != RUN_VERSION or about.get("rbdyn") != _core.__version__:
         raise InvalidInput(
-            f"it was written by rbdyn {about.get('rbdyn')!s:.20}, in version {about.get('version')!s:.20} of the format; "
+            f"it was written by rbdyn {about.get('rbdyn')!s:.20}, version {about.get('version')!s:.20} of the format; "
             f"this is {_core.__version__}, which reads its own runs, of version {RUN_VERSION}; scenes are for all"
         )
     if about.get("checksum") != _checksum(contents["scene"], contents["handles"], contents["state"]):
         raise InvalidInput("it was changed or cut short: its checksum is not that of what is in it")
     handles = tuple([tuple(handle) for handle in kind] for kind in json.loads(contents["handles"]))
     scene = _core.Scene.__new__(_core.Scene)
-    scene.__setstate__((contents["scene"], [], handles))  # type: ignore[attr-defined]
+    scene.__setstate__((contents["scene"], [], handles))
     run = _core.Trajectory.__new__(_core.Trajectory)
-    run.__setstate__((scene, contents["state"]))  # type: ignore[attr-defined]
+    run.__setstate__((scene, contents["state"]))
     return run
 
 
@@ -168,7 +168,7 @@ def _load_h5(file: io.BytesIO) -> dict[str, Any]:
 
 def _h5py() -> Any:
     try:
-        import h5py  # type: ignore[import-not-found,unused-ignore]
+        import h5py  # type: ignore[import-not-found,import-untyped,unused-ignore]
     except ImportError:
         raise ImportError("files that end with .h5 need h5py: pip install h5py; .npz needs nothing more") from None
     return h5py
@@ -193,4 +193,6 @@ def _write(place: Path, content: bytes) -> None:
 
 def _require_suffix(place: Path, known: tuple[str, ...], what: str) -> None:
     if place.suffix.lower() not in known:
-        raise InvalidInput(f"{str(place)!r} ends with {place.suffix!r}; {what} is a file that ends with {', '.join(known)}")
+        raise InvalidInput(
+            f"{str(place)!r} ends with {place.suffix!r}; {what} is a file that ends with {', '.join(known)}"
+        )

@@ -155,7 +155,8 @@ class Sample:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes a line a time, comma-separated, every number so that it reads back as itself.
 
-        The first line names the columns, "name.quantity.component [unit]". Raises InvalidInput where the system refuses.
+        The first line names the columns, "name.quantity.component [unit]". Raises InvalidInput where the system
+        refuses.
         """
         units = {(handle.name, q): self.unit(handle, q) for handle, values in self._values.items() for q in values}
         names, arrays = ["t [s]"], [self.t]

@@ -58,9 +58,13 @@ def everything():
     scene.add(rb.RigidBody(1, [1, 1, 1]), rb.Fixed(attitude=rb.EulerAngles(0.3, 0, 0)), parent=plate)
     scene.add(rb.RigidBody(1, [1, 1, 1]), rb.Revolute([0, 0, 1], motion=lambda t: np.sin(t)), parent=drill)
     scene.apply(rb.Force([1, 0, 0]), free, at=[0, 0.1, 0])
-    scene.apply(rb.Force(lambda t, r, v: [np.where(r[0] > 0, -k * r[0], 0), np.floor(t), np.arctan2(v[1], 2)]), beads[0])
-    scene.apply(rb.Force(lambda t, r, v: -0.1 * np.linalg.norm(v) * v + np.sqrt(1 + t * t) * np.exp(-r), frame="body"), free)
-    scene.apply(rb.Potential(lambda r: -(r @ r) ** 0.75 + np.tanh(r[0])), beads[1])
+    scene.apply(
+        rb.Force(lambda t, r, v: [np.where(r[0] > 0, -k * r[0], 0), np.floor(t), np.arctan2(v[1], 2)]), beads[0]
+    )
+    scene.apply(
+        rb.Force(lambda t, r, v: -0.1 * np.linalg.norm(v) * v + np.sqrt(1 + t * t) * np.exp(-r), frame="body"), free
+    )
+    scene.apply(rb.Potential(lambda r: -((r @ r) ** 0.75) + np.tanh(r[0])), beads[1])
     scene.apply(rb.Lorentz(k, [0, 0, 1]), beads[2])
     scene.apply(rb.Drag(k, 0.2), free)
     scene.apply(rb.Torque(lambda t, r, w: [np.cosh(t), r[0, 1], -w[2]]), ball)
@@ -114,7 +118,12 @@ def test_scenes_that_differ_are_not_equal():
         assert scene_of() == scene_of()
     assert len(texts) == len(SCENES) + 1
     text = rb._core._scene_text(everything())
-    for old, new in [("0.30000000000000004", "0.3"), ('"rising"', '"falling"'), ("1e-300", "0.0"), ("n1 * n", "n1 + n")]:
+    for old, new in [
+        ("0.30000000000000004", "0.3"),
+        ('"rising"', '"falling"'),
+        ("1e-300", "0.0"),
+        ("n1 * n", "n1 + n"),
+    ]:
         assert old in text
         assert rb._core._scene_from(text.replace(old, new, 1), "changed") != everything(), old
 
@@ -174,7 +183,11 @@ def changed(text, path, value):
         (["bodies", 0, "start", "sped"], 1, r'bodies\[0\].start: there is a "sped", and what there may be is param'),
         (["bodies", 1, "name"], "bead 1", r"bodies\[1\]: .*differ"),
         (["loads", 0, "on"], "nobody", r'loads\[0\].on is "nobody"; it is the name of a body'),
-        (["loads", 1, "function", "operations", 0], "n0 = sin n5", r"operations\[0\] is .*it is an operation on earlier"),
+        (
+            ["loads", 1, "function", "operations", 0],
+            "n0 = sin n5",
+            r"operations\[0\] is .*it is an operation on earlier",
+        ),
         (["loads", 1, "function", "operations", 1], "system", r'operations\[1\] is "system"; it begins with "n1 = "'),
         (["loads", 1, "function", "results", 0], "n999", r"results\[0\] is .*the name of an operation"),
         (["loads", 1, "function", "inputs"], 1e99, r"inputs is 1e\+99; it is a whole number"),
@@ -198,7 +211,17 @@ def test_an_error_names_the_place_in_the_file(path, value, message, tmp_path):
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"{", b"[" * 100000, b'{"a": ' * 100000, b"\xff\xfe", b"null", b"1e999", b"{}{}", b'{"format": "rbdyn scene"}'],
+    [
+        b"",
+        b"{",
+        b"[" * 100000,
+        b'{"a": ' * 100000,
+        b"\xff\xfe",
+        b"null",
+        b"1e999",
+        b"{}{}",
+        b'{"format": "rbdyn scene"}',
+    ],
     ids=lambda c: repr(c[:12]),
 )
 def test_what_is_no_scene_is_refused(content, tmp_path):
