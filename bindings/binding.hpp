@@ -313,6 +313,7 @@ void bind_trajectory(py::module_& m);
 void bind_tree_joints(py::module_& m);
 void bind_euler_top(py::module_& m);
 void bind_verbs(py::module_& m);
+void bind_files(py::module_& m);
 void bind_watch(py::module_& m);
 
 }  // namespace binding

@@ -55,6 +55,7 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_couplings(m);
     binding::bind_scene(m);
     binding::bind_watch(m);
+    binding::bind_files(m);
     binding::bind_plan(m);
     binding::bind_statics(m);
     binding::bind_trajectory(m);

@@ -45,8 +45,6 @@ void Watch::look(double fraction) {
     }
 }
 
-namespace {
-
 rbdyn::Keep keep_of(const KeepLike& keep) {
     using What = rbdyn::Keep::What;
     if (const auto* times = std::get_if<ArrayLike>(&keep)) {
@@ -59,8 +57,6 @@ rbdyn::Keep keep_of(const KeepLike& keep) {
     if (name == "end") return {What::end, {}};
     throw InvalidInput("simulate: keep is \"" + name + "\"; it is \"all\", \"end\", or a list of times");
 }
-
-}  // namespace
 
 rbdyn::SimulateOptions options_of(double until, double start, std::optional<double> error, std::optional<double> rtol,
                                   const std::string& engine, const KeepLike& keep, std::int64_t max_steps) {

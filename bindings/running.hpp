@@ -53,6 +53,8 @@ private:
 
 using KeepLike = std::variant<std::string, ArrayLike>;
 
+rbdyn::Keep keep_of(const KeepLike& keep);
+
 /// What simulate() is asked for, but for its monitor.
 rbdyn::SimulateOptions options_of(double until, double start, std::optional<double> error, std::optional<double> rtol,
                                   const std::string& engine, const KeepLike& keep, std::int64_t max_steps);

@@ -1,11 +1,10 @@
 // The scene and its handles.
 #include <algorithm>
-#include <atomic>
-#include <random>
 #include <utility>
 #include <variant>
 
 #include "data.hpp"
+#include "files.hpp"
 #include "starts.hpp"
 #include "watch.hpp"
 
@@ -17,15 +16,6 @@ using rbdyn::Ball, rbdyn::Hinge, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld, r
     rbdyn::Spherical;
 
 namespace {
-
-Handle new_handle(Handle::Of of, int index, std::string name) {
-    // from a start of its own in every process, so that handles of unpickled scenes meet no others
-    static std::atomic<std::uint64_t> last{[] {
-        std::random_device device;
-        return (static_cast<std::uint64_t>(device()) << 32) ^ device();
-    }()};
-    return {of, index, ++last, std::move(name)};
-}
 
 /// Adds a body with a start in the words of its joint.
 rbdyn::BodyHandle add_started(Scene& scene, const AnyBody& body, const Joint& joint, const rbdyn::Start& start,
@@ -40,11 +30,6 @@ rbdyn::BodyHandle add_started(Scene& scene, const AnyBody& body, const Joint& jo
             }
         },
         body, joint, start);
-}
-
-bool has_coupling_named(const BoundScene& scene, const std::string& name) {
-    const auto& couplings = scene.handles.couplings;
-    return std::any_of(couplings.begin(), couplings.end(), [&](const auto& c) { return c.name == name; });
 }
 
 BodyHandle add(BoundScene& self, const AnyBody& body, const Joint& joint, const std::optional<BodyHandle>& parent,
@@ -82,13 +67,7 @@ using AnyCoupling = std::variant<rbdyn::Spring, rbdyn::Gravitation, rbdyn::Centr
 CouplingHandle connect(BoundScene& self, const AnyCoupling& given, const ArrayLike& a, const ArrayLike& b) {
     const rbdyn::Coupling coupling = given;
     const auto added = self.scene.connect(coupling, end_of(self, a, "a"), end_of(self, b, "b"));
-    const auto& bodies = self.handles.bodies;
-    int number = added.index;
-    std::string name;
-    do name = std::string(kind_of(coupling)) + " " + std::to_string(++number);
-    while (has_coupling_named(self, name) ||
-           std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) { return body.name == name; }));
-    return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, added.index, name)});
+    return add_coupling(self, added.index);
 }
 
 using AnyConstraint = std::variant<Ball, Rod, Weld, Hinge, PointOnPlane, Universal>;
@@ -166,10 +145,7 @@ LoadHandle apply(BoundScene& self, const AnyLoad& load, const Handle& handle, co
     const rbdyn::BodyHandle body = self.handles.body(handle, "Scene.apply");
     const auto place = at ? std::optional(vector3(*at, "Scene.apply", "at")) : std::nullopt;
     const auto added = self.scene.apply(load_from(load), body, place);
-    const char* kinds[] = {"drag ",   "force ",          "Lorentz force ", "potential ",
-                           "torque ", "torsion spring ", "joint torque ",  "joint force "};
-    return self.handles.loads.emplace_back(
-        LoadHandle{new_handle(Handle::Of::load, added.index, kinds[load.index()] + std::to_string(added.index + 1))});
+    return add_load(self, added.index);
 }
 
 WatchHandle watch(BoundScene& self, const std::string& name, const py::object& function, const std::string& direction,
@@ -200,226 +176,6 @@ BoundScene without(const BoundScene& self, const py::args& what) {
         }
     }
     return {self.scene.without(parts), self.handles};
-}
-
-/// Handles as data: what they are of is where they stand.
-template <class H>
-py::list data_of(const std::vector<H>& handles) {
-    py::list result;
-    for (const H& h : handles) result.append(py::make_tuple(h.id, h.name));
-    return result;
-}
-template <class H>
-std::vector<H> handles_from(const py::handle& data, Handle::Of of) {
-    std::vector<H> result;
-    for (const py::handle item : data) {
-        const auto pair = item.cast<std::pair<std::uint64_t, std::string>>();
-        result.push_back(H{{of, static_cast<int>(result.size()), pair.first, pair.second}});
-    }
-    return result;
-}
-
-/// Numbers of 32 digits, each as two doubles.
-py::list digits(std::initializer_list<DoubleDouble> numbers) {
-    py::list result;
-    for (const DoubleDouble& x : numbers) result.append(py::make_tuple(x.hi, x.lo));
-    return result;
-}
-template <std::size_t n>
-std::array<DoubleDouble, n> digits_from(const py::handle& data) {
-    std::array<DoubleDouble, n> result;
-    const auto pairs = data.cast<std::array<std::pair<double, double>, n>>();
-    for (std::size_t i = 0; i < n; ++i) result[i] = {pairs[i].first, pairs[i].second};
-    return result;
-}
-
-/// An attitude by the angles it was given by, if it was, else by its quaternion.
-py::object attitude_data(const rbdyn::Attitude& attitude) {
-    if (attitude.given_angles()) return py::cast(*attitude.given_angles());
-    const auto& q = attitude.exact();
-    return digits({q.w, q.x, q.y, q.z});
-}
-rbdyn::Attitude attitude_from(const py::handle& data) {
-    if (py::isinstance<rbdyn::EulerAngles>(data)) return data.cast<rbdyn::EulerAngles>();
-    const auto q = digits_from<4>(data);
-    return rbdyn::QuaternionOf<DoubleDouble>{q[0], q[1], q[2], q[3]};
-}
-
-/// Parts and surfaces of contacts, as data and back.
-py::tuple side_data(const rbdyn::ContactPart& part) {
-    if (const auto* body = std::get_if<rbdyn::BodyHandle>(&part)) return py::make_tuple("body", body->index);
-    if (const auto* p = std::get_if<rbdyn::BodyPoint>(&part))
-        return py::make_tuple("point", p->body, tuple_of(p->point));
-    if (const auto* s = std::get_if<rbdyn::BodySphere>(&part))
-        return py::make_tuple("sphere", s->body, s->radius, tuple_of(s->center));
-    if (const auto* d = std::get_if<rbdyn::BodyDisc>(&part))
-        return py::make_tuple("disc", d->body, d->radius, tuple_of(d->normal), tuple_of(d->center));
-    const auto& e = std::get<rbdyn::BodyEllipsoid>(part);
-    return py::make_tuple("ellipsoid", e.body, tuple_of(e.semi_axes), tuple_of(e.center), attitude_data(e.attitude));
-}
-rbdyn::ContactPart part_from(const py::tuple& d) {
-    const auto kind = d[0].cast<std::string>();
-    const int body = d[1].cast<int>();
-    if (kind == "body") return rbdyn::BodyHandle{body};
-    if (kind == "point") return rbdyn::BodyPoint{body, vector_from(d[2])};
-    if (kind == "sphere") return rbdyn::BodySphere{body, d[2].cast<double>(), vector_from(d[3])};
-    if (kind == "disc") return rbdyn::BodyDisc{body, d[2].cast<double>(), vector_from(d[3]), vector_from(d[4])};
-    return rbdyn::BodyEllipsoid{body, vector_from(d[2]), vector_from(d[3]), attitude_from(d[4])};
-}
-py::tuple side_data(const rbdyn::ContactSurface& surface) {
-    if (const auto* p = std::get_if<rbdyn::Plane>(&surface)) return py::make_tuple(-1, *p);
-    if (const auto* s = std::get_if<rbdyn::Sphere>(&surface)) return py::make_tuple(-1, *s);
-    if (const auto* p = std::get_if<rbdyn::BodyPlane>(&surface)) return py::make_tuple(p->body, p->plane);
-    const auto& s = std::get<rbdyn::BodySphere>(surface);
-    return py::make_tuple(s.body, rbdyn::Sphere{s.center, s.radius});
-}
-rbdyn::ContactSurface surface_from(const py::tuple& d) {
-    const int body = d[0].cast<int>();
-    if (py::isinstance<rbdyn::Plane>(d[1])) {
-        const auto plane = d[1].cast<rbdyn::Plane>();
-        if (body < 0) return plane;
-        return rbdyn::BodyPlane{body, plane};
-    }
-    const auto sphere = d[1].cast<rbdyn::Sphere>();
-    if (body < 0) return sphere;
-    return rbdyn::BodySphere{body, sphere.radius, sphere.center};
-}
-py::list contacts_data(const BoundScene& s) {
-    py::list contacts;
-    for (const auto& c : s.scene.contacts())
-        contacts.append(
-            py::make_tuple(side_data(c.a), side_data(c.b), c.options.friction, c.options.restitution, c.name));
-    return contacts;
-}
-
-py::tuple scene_data(const BoundScene& s) {
-    py::list bodies, loads, couplings, watches, integrals;
-    const auto point = [](const std::optional<Vector3>& p) -> py::object {
-        return p ? py::object(tuple_of(*p)) : py::none();
-    };
-    for (const Scene::Body& b : s.scene.bodies()) {
-        const auto& w = b.angular_velocity;
-        bodies.append(py::make_tuple(b.body, b.joint, b.name, tuple_of(b.position), tuple_of(b.velocity), b.parameter,
-                                     b.speed, attitude_data(b.attitude), digits({w[0], w[1], w[2]}), b.parameter_rest,
-                                     b.parent, b.coordinates, b.rates, point(b.angular_velocity_world)));
-    }
-    for (const auto& l : s.scene.loads()) loads.append(py::make_tuple(l.load, l.body, point(l.at)));
-    const auto end = [](const rbdyn::End& e) {
-        const auto* of_body = std::get_if<rbdyn::BodyPoint>(&e);
-        const auto* of_world = std::get_if<Vector3>(&e);
-        const Vector3* place = of_body != nullptr ? &of_body->point : of_world;
-        return py::make_tuple(body_of(e), place != nullptr ? py::object(tuple_of(*place)) : py::none());
-    };
-    for (const auto& c : s.scene.connections()) couplings.append(py::make_tuple(c.coupling, end(c.a), end(c.b)));
-    for (const auto& w : s.scene.watches()) {
-        if (w.options.action.change)
-            throw py::type_error("Scene: the action of watch \"" + w.name +
-                                 "\" is a function of Python's own, and a scene "
-                                 "with one cannot be pickled");
-        const char* action = w.options.action.kind == rbdyn::WatchAction::Kind::stop ? "stop" : "record";
-        watches.append(py::make_tuple(w.name, watch_data(w.function, "watch \"" + w.name + "\""),
-                                      word_for(w.options.direction, directions), action));
-    }
-    for (const auto& i : s.scene.integrals())
-        integrals.append(py::make_tuple(i.name, watch_data(i.function, "integral \"" + i.name + "\"")));
-    py::list constraints;
-    for (const auto& c : s.scene.constraints()) {
-        const py::object kind = std::visit(
-            [](const auto& one) -> py::object {
-                if constexpr (std::is_same_v<std::decay_t<decltype(one)>, rbdyn::PointOnCurve>)
-                    return py::none();
-                else
-                    return py::cast(one);
-            },
-            c.constraint);
-        constraints.append(py::make_tuple(kind, end(c.a), end(c.b), c.name));
-    }
-    return py::make_tuple(
-        to_python(s.scene.gravity()), bodies, loads, couplings, watches, integrals,
-        py::make_tuple(data_of(s.handles.bodies), data_of(s.handles.loads), data_of(s.handles.couplings),
-                       data_of(s.handles.watches), data_of(s.handles.constraints), data_of(s.handles.contacts)),
-        constraints, contacts_data(s));
-}
-
-BoundScene scene_from(const py::tuple& d) {
-    BoundScene s{Scene(vector3(d[0], "Scene", "gravity")), {}};
-    for (const py::handle item : d[1]) {
-        const auto b = item.cast<py::tuple>();
-        rbdyn::Started start{.position = vector_from(b[3]),
-                             .velocity = vector_from(b[4]),
-                             .parameter = b[5].cast<double>(),
-                             .speed = b[6].cast<double>(),
-                             .attitude = attitude_from(b[7])};
-        const auto w = digits_from<3>(b[8]);
-        start.angular_velocity = {w[0], w[1], w[2]};
-        if (b.size() > 9) start.parameter_rest = b[9].cast<double>();
-        rbdyn::BodyHandle parent;
-        if (b.size() > 10) {
-            parent.index = b[10].cast<int>();
-            start.coordinates = b[11].cast<std::array<double, 3>>();
-            start.rates = b[12].cast<std::array<double, 3>>();
-        }
-        if (b.size() > 13 && !b[13].is_none()) start.angular_velocity_world = vector_from(b[13]);
-        const auto body = b[0].cast<AnyBody>();
-        const auto joint = b[1].cast<Joint>();
-        const bool is_rigid = std::holds_alternative<RigidBody>(body);
-        const auto added = add_started(s.scene, body, joint, rbdyn::starts::words(joint, is_rigid, start), parent,
-                                       b[2].cast<std::string>());
-        s.scene.replace(added, start);
-    }
-    const auto point = [](const py::handle p) { return p.is_none() ? std::nullopt : std::optional(vector_from(p)); };
-    for (const py::handle item : d[2]) {
-        const auto l = item.cast<py::tuple>();
-        s.scene.apply(load_from(l[0].cast<AnyLoad>()), rbdyn::BodyHandle{l[1].cast<int>()}, point(l[2]));
-    }
-    const auto end = [&](const py::handle data) -> rbdyn::End {
-        const auto e = data.cast<py::tuple>();
-        const rbdyn::BodyHandle body{e[0].cast<int>()};
-        const auto place = point(e[1]);
-        if (!place) return body;
-        if (body.index < 0) return *place;
-        return body.point(*place);
-    };
-    for (const py::handle item : d[3]) {
-        const auto c = item.cast<py::tuple>();
-        s.scene.connect(c[0].cast<AnyCoupling>(), end(c[1]), end(c[2]));
-    }
-    for (const py::handle item : d[4]) {
-        const auto w = item.cast<py::tuple>();
-        rbdyn::WatchOptions options;
-        options.direction = one_of(w[2].cast<std::string>(), directions, "Scene.watch", "direction");
-        if (w[3].cast<std::string>() == "stop") options.action.kind = rbdyn::WatchAction::Kind::stop;
-        s.scene.watch(w[0].cast<std::string>(), watch_from(w[1]), options);
-    }
-    for (const py::handle item : d[5]) {
-        const auto i = item.cast<py::tuple>();
-        s.scene.integral(i[0].cast<std::string>(), watch_from(i[1]));
-    }
-    if (d.size() > 7)
-        for (const py::handle item : d[7]) {
-            const auto c = item.cast<py::tuple>();
-            const auto kind = c[0].cast<AnyConstraint>();
-            std::visit([&](const auto& one) { s.scene.constrain(one, end(c[1]), end(c[2]), c[3].cast<std::string>()); },
-                       kind);
-        }
-    if (d.size() > 8)
-        for (const py::handle item : d[8]) {
-            const auto c = item.cast<py::tuple>();
-            s.scene.contact(
-                part_from(c[0]), surface_from(c[1]),
-                {.friction = c[2].cast<std::optional<rbdyn::Coulomb>>(), .restitution = c[3].cast<double>()},
-                c[4].cast<std::string>());
-        }
-    const auto handles = d[6].cast<py::tuple>();
-    s.handles = {handles_from<BodyHandle>(handles[0], Handle::Of::body),
-                 handles_from<LoadHandle>(handles[1], Handle::Of::load),
-                 handles_from<CouplingHandle>(handles[2], Handle::Of::coupling),
-                 handles_from<WatchHandle>(handles[3], Handle::Of::watch),
-                 handles.size() > 4 ? handles_from<ConstraintHandle>(handles[4], Handle::Of::constraint)
-                                    : std::vector<ConstraintHandle>(),
-                 handles.size() > 5 ? handles_from<ContactHandle>(handles[5], Handle::Of::contact)
-                                    : std::vector<ContactHandle>()};
-    return s;
 }
 
 }  // namespace
@@ -650,7 +406,12 @@ Raises InvalidInput for a name that is none, and for an effect that the scene do
              [](const BoundScene& a, const py::object& b) {
                  return py::isinstance<BoundScene>(b) && a.scene == b.cast<const BoundScene&>().scene;
              })
-        .def(py::pickle(&scene_data, &scene_from))
+        .def_property_readonly("handles", &handles_by_name,
+                               "All handles of the scene by their names: bodies, loads, couplings, constraints, "
+                               "contacts and watches.")
+        .def_property_readonly("parameters", &parameters_of,
+                               "The numbers by reference that it uses: each Parameter once.")
+        .def(py::pickle(&scene_state, &scene_from_state))
         .def("__copy__", [](const BoundScene& s) { return BoundScene(s); })
         .def(
             "__deepcopy__", [](const BoundScene& s, const py::dict&) { return BoundScene(s); }, py::arg("memo"))

@@ -188,7 +188,12 @@ Statistics statistics_from(const py::tuple& d) {
 
 /// A run is its scene, with the numbers it ran with, and what was computed.
 py::tuple data_of(const BoundTrajectory& r) {
-    return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(rbdyn::bytes_of(*r.run.data())));
+    try {
+        return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(rbdyn::bytes_of(*r.run.data())));
+    } catch (const InvalidInput& e) {
+        // as everything that cannot be pickled
+        throw py::type_error(e.what());
+    }
 }
 BoundTrajectory trajectory_from(const py::tuple& d) {
     const auto& scene = d[0].cast<const BoundScene&>();
@@ -824,10 +829,21 @@ the model, never from differences. pole: as of angular_momentum, but how it move
 time that can be recorded, or a handle.)")
         .def(
             "sample",
-            [](const py::object& self, const ArrayLike& times) {
+            [](const py::object& self, const std::optional<ArrayLike>& times) {
                 return SampleObject(py::module_::import("rbdyn.sample").attr("Sample")(self, times));
             },
-            py::arg("times"), "All quantities of all bodies and couplings at times (n,) [s]: a rbdyn.sample.Sample.")
+            py::arg("times") = py::none(),
+            "All quantities of all bodies and couplings at times (n,) [s], by default the ends of the pieces, run.t: a "
+            "rbdyn.sample.Sample.")
+        .def(
+            "save",
+            [](const py::object& self, const py::object& path) {
+                py::module_::import("rbdyn.files").attr("save")(self, path);
+            },
+            py::arg("path"),
+            R"(Writes the run with its scene to a file, by its suffix .npz, or .h5, which needs h5py; load() reads it.
+
+Raises InvalidInput if a function of its scene is called back, and where the system refuses.)")
         .def(
             "plot",
             [](const py::object& self, const py::object& path, const py::object& handle) {

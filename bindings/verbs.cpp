@@ -12,6 +12,17 @@ using rbdyn::Price, rbdyn::CostRow, rbdyn::EffectRow, rbdyn::EffectTable, rbdyn:
 
 namespace {
 
+/// What an attempt came to, or the error that it did.
+BoundTrajectory finished(const rbdyn::Attempt& result, const std::shared_ptr<const Handles>& handles, Watch& watch,
+                         double start, double until) {
+    const std::optional<BoundTrajectory> run = BoundTrajectory{result.run, handles};
+    // also what came since the last look
+    watch.look((run->run.end() - start) / (until - start));
+    watch.raise_if_raised(run);
+    if (result.outcome != rbdyn::simulating::Outcome::good) raise(failure_of(result, *run));
+    return *run;
+}
+
 BoundTrajectory simulate(const BoundScene& scene, double until, double start, std::optional<double> error,
                          std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
                          std::int64_t max_steps, const py::object& progress, const py::object& initial) {
@@ -34,12 +45,26 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
         if (!calls_python(copy)) free.emplace();
         result = rbdyn::attempt(copy, options);
     }
-    const std::optional<BoundTrajectory> run = BoundTrajectory{result->run, handles};
-    // also what came since the last look
-    watch.look((run->run.end() - start) / (until - start));
-    watch.raise_if_raised(run);
-    if (result->outcome != rbdyn::simulating::Outcome::good) raise(failure_of(*result, *run));
-    return *run;
+    return finished(*result, handles, watch, start, until);
+}
+
+BoundTrajectory simulate_on(const BoundTrajectory& before, double until, std::optional<double> error,
+                            std::optional<double> rtol, const std::optional<std::string>& engine,
+                            const std::optional<KeepLike>& keep, std::optional<std::int64_t> max_steps,
+                            const py::object& progress) {
+    const double start = before.run.end();
+    Watch watch(progress);
+    rbdyn::ContinueOptions options{.until = until, .error = error, .rtol = rtol, .engine = engine};
+    if (keep) options.keep = keep_of(*keep);
+    options.max_steps = max_steps;
+    options.monitor = watch.monitor(start, until);
+    std::optional<rbdyn::Attempt> result;
+    {
+        std::optional<py::gil_scoped_release> free;
+        if (!calls_python(before.run.scene())) free.emplace();
+        result = rbdyn::attempt(before.run, options);
+    }
+    return finished(*result, before.handles, watch, start, until);
 }
 
 rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& state, double until, double start,
@@ -243,6 +268,16 @@ Bodies that nothing joins are solved apart (plan(scene).parts), and the run is o
 Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
 cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
 Other threads run meanwhile.)");
+    m.def("simulate", &simulate_on, py::arg("run"), py::arg("until"), py::kw_only(), py::arg("error") = py::none(),
+          py::arg("rtol") = py::none(), py::arg("engine") = py::none(), py::arg("keep") = py::none(),
+          py::arg("max_steps") = py::none(), py::arg("progress") = false,
+          R"(Goes on with a run: from its end, or from run.certain_until if the error asked for was not reached.
+
+The options are those of the run where none are given; its scene and its numbers are as it had them. The motion, what
+sticks and touches, and the estimate of the error are those of a run that was not interrupted; the events at the time
+where it starts are of the run before.
+
+Raises what simulate() of a scene does, and InvalidInput where there is nothing to go on with: at the end of a rail.)");
     m.def("simulate", &simulate_top, py::arg("model"), py::arg("state"), py::arg("until"), py::kw_only(),
           py::arg("start") = defaults.start, py::arg("error") = py::none(), py::arg("rtol") = py::none(),
           py::arg("engine") = defaults.engine, py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps,

@@ -1,5 +1,5 @@
 # Finds what rbdyn stands on; the build and an installed rbdyn both read this file.
-# Targets: Eigen3::Eigen, Boost::headers, Threads::Threads and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing.
+# Targets: Eigen3::Eigen, Boost::headers, Threads::Threads, nlohmann_json::nlohmann_json and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing.
 #
 # SUNDIALS is looked for by file, not by its own package file: Debian's asks for OpenMP, MPI and PETSc, none of which CVODE
 # needs. The static archive is preferred, so that what links it needs no SUNDIALS where it runs. To point at another copy,
@@ -19,6 +19,11 @@ endif()
 find_package(Threads QUIET)
 if(NOT TARGET Threads::Threads)
   set(rbdyn_missing "rbdyn needs the threads of the C++ library, which this compiler cannot link")
+endif()
+
+find_package(nlohmann_json 3.9 QUIET CONFIG)
+if(NOT TARGET nlohmann_json::nlohmann_json)
+  set(rbdyn_missing "rbdyn needs nlohmann's JSON 3.9 or later, for scenes as files: apt install nlohmann-json3-dev")
 endif()
 
 if(RBDYN_SUNDIALS AND NOT TARGET rbdyn::sundials)

@@ -98,6 +98,7 @@ from rbdyn._core import (
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
+from rbdyn.files import load, save
 from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
 from rbdyn.many import Many
 from rbdyn.sample import Sample
@@ -200,10 +201,12 @@ __all__ = [
     "cost",
     "effects",
     "equilibria",
+    "load",
     "normal_modes",
     "parameter",
     "plan",
     "rail_potential",
+    "save",
     "shapes",
     "simulate",
     "simulate_many",

@@ -2277,9 +2277,19 @@ class Scene:
     def gravity(self, arg1: numpy.typing.ArrayLike) -> None:
         ...
     @property
+    def handles(self) -> dict[str, Handle]:
+        """
+        All handles of the scene by their names: bodies, loads, couplings, constraints, contacts and watches.
+        """
+    @property
     def loads(self) -> list[LoadHandle]:
         """
         Handles of the loads, in order of addition.
+        """
+    @property
+    def parameters(self) -> list[typing.Any]:
+        """
+        The numbers by reference that it uses: each Parameter once.
         """
 class BodyNow:
     """
@@ -3295,9 +3305,15 @@ class Trajectory:
 
         of: bodies, or loads and couplings for theirs alone; a coupling's is that on both its ends.
         """
-    def sample(self, times: numpy.typing.ArrayLike) -> rbdyn.sample.Sample:
+    def sample(self, times: numpy.typing.ArrayLike | None = None) -> rbdyn.sample.Sample:
         """
-        All quantities of all bodies and couplings at times (n,) [s]: a rbdyn.sample.Sample.
+        All quantities of all bodies and couplings at times (n,) [s], by default the ends of the pieces, run.t: a rbdyn.sample.Sample.
+        """
+    def save(self, path: typing.Any) -> None:
+        """
+        Writes the run with its scene to a file, by its suffix .npz, or .h5, which needs h5py; load() reads it.
+
+        Raises InvalidInput if a function of its scene is called back, and where the system refuses.
         """
     def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
         """
@@ -3650,6 +3666,10 @@ def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.Suppo
     """
     The runs of a sweep, what went wrong with each, and what interrupted it.
     """
+def _scene_from(text: str, document: str) -> Scene:
+    ...
+def _scene_text(scene: Scene) -> str:
+    ...
 def _user_function(kind: str, f: typing.Any, trace: bool | None = None) -> UserFunction:
     ...
 def _where(condition: typing.Any, a: typing.Any, b: typing.Any, name: str = 'where') -> typing.Any:
@@ -3770,6 +3790,17 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
     cannot be continued; the last two, KeyboardInterrupt and what `progress` raises carry the partial run as `.run`.
     Other threads run meanwhile.
+    """
+@typing.overload
+def simulate(run: Trajectory, until: typing.SupportsFloat | typing.SupportsIndex, *, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine | None = None, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike | None = None, max_steps: typing.SupportsInt | typing.SupportsIndex | None = None, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Trajectory:
+    """
+    Goes on with a run: from its end, or from run.certain_until if the error asked for was not reached.
+
+    The options are those of the run where none are given; its scene and its numbers are as it had them. The motion, what
+    sticks and touches, and the estimate of the error are those of a run that was not interrupted; the events at the time
+    where it starts are of the run before.
+
+    Raises what simulate() of a scene does, and InvalidInput where there is nothing to go on with: at the end of a rail.
     """
 @typing.overload
 def simulate(model: EulerTop, state: numpy.typing.ArrayLike, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> StateRun:

@@ -1,10 +1,14 @@
-"""A run at given times, as arrays."""
+"""A run at given times, as arrays and tables, each with its units."""
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from rbdyn.errors import InvalidInput
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -18,26 +22,69 @@ AXES = {
     "frenet": ["tangent", "normal", "binormal"],
     "quaternion": ["w", "x", "y", "z"],
     "euler": ["theta", "psi", "phi"],
+    "angle": ["first", "second"],
+}
+
+# of each quantity the unit, and the axes that its components are along
+QUANTITIES = {
+    "position": ("m", "world"),
+    "velocity": ("m/s", "world"),
+    "acceleration": ("m/s^2", "world"),
+    "force": ("N", "world"),
+    "parameter": ("", ""),
+    "arc_length": ("m", ""),
+    "speed": ("m/s", ""),
+    "tangential_force": ("N", ""),
+    "reaction": ("N", "world"),
+    "reaction_frenet": ("N", "frenet"),
+    "reaction_torque": ("N m", "world"),
+    "center_of_mass": ("m", "world"),
+    "center_of_mass_velocity": ("m/s", "world"),
+    "center_of_mass_acceleration": ("m/s^2", "world"),
+    "quaternion": ("1", "body to world"),
+    "rotation_matrix": ("1", "body to world"),
+    "euler_angles": ("rad", "body to world"),
+    "euler_rates": ("rad/s", "body to world"),
+    "angular_velocity": ("rad/s", "body"),
+    "angular_velocity_world": ("rad/s", "world"),
+    "angular_acceleration": ("rad/s^2", "body"),
+    "poisson_vector": ("1", "body"),
+    "instantaneous_axis.point": ("m", "world"),
+    "instantaneous_axis.direction": ("1", "world"),
+    "angle": ("rad", ""),
+    "angles": ("rad", ""),
+    "rates": ("rad/s", ""),
+    "displacement": ("m", ""),
+    "displacement_rate": ("m/s", ""),
+    "length": ("m", ""),
+    "gap": ("m", ""),
+    "slip": ("m/s", "world"),
+    "torque": ("N m", "world"),
 }
 
 
 class Sample:
-    """All quantities of all bodies and springs of a run at times `t` (n,) [s].
+    """All quantities of all bodies and couplings of a run at times `t` (n,) [s].
 
     sample[handle] is a dict: names of quantities to arrays, (n,) for scalars, (n, 3) for vectors, (n, 4) for
     quaternions and (n, 3, 3) for matrices. Of a named tuple each field is an entry: "instantaneous_axis.point".
     """
 
-    def __init__(self, run: Trajectory, times: npt.ArrayLike) -> None:
-        given = np.array(times)
+    def __init__(self, run: Trajectory, times: npt.ArrayLike | None = None) -> None:
+        given = run.t if times is None else np.array(times)
         if given.dtype == object:
-            from rbdyn.errors import InvalidInput
-
             raise InvalidInput(f"Sample: times is {times!r}; give numbers, of a parameter its .value")
         self.t: npt.NDArray[np.float64] = np.atleast_1d(given.astype(float))
+        self.attributes: dict[str, Any] = {
+            "engine": run.engine,
+            "error": np.nan if run.error is None else run.error,
+            "certain_until": run.certain_until,
+            "status": run.status,
+        }
         self._values: dict[Handle, dict[str, npt.NDArray[np.float64]]] = {}
         motions: dict[Handle, Any] = {body: run[body] for body in run.bodies}
         motions |= {coupling: run[coupling] for coupling in run.couplings}
+        self._slides = {handle for handle, motion in motions.items() if "displacement" in motion.quantities}
         for handle, motion in motions.items():
             values: dict[str, npt.NDArray[np.float64]] = {}
             self._values[handle] = values
@@ -53,8 +100,6 @@ class Sample:
         try:
             return self._values[handle]
         except KeyError:
-            from rbdyn.errors import InvalidInput
-
             raise InvalidInput(
                 f'Sample: "{getattr(handle, "name", handle)}" is no body or coupling of this run; '
                 "use what add() or connect() of its scene returned"
@@ -63,32 +108,79 @@ class Sample:
     def __repr__(self) -> str:
         return f"<Sample: {self.t.size} times, {', '.join(handle.name for handle in self._values)}>"
 
+    def unit(self, handle: Handle, quantity: str) -> str:
+        """Of a quantity of a body or coupling: "m/s"; "1" for what has none, "" where it is the curve's own."""
+        self[handle][quantity]
+        if quantity == "rate":
+            # of an angle, or of the displacement of a slide
+            return "m/s" if handle in self._slides and "angle" not in self[handle] else "rad/s"
+        return QUANTITIES[quantity][0]
+
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame over t; columns (name, quantity, component), component "" for scalars."""
+        """A pandas.DataFrame over t; columns (name, quantity, component), component "" for scalars.
+
+        frame.attrs has the engine, the estimated error of the run and, by name and quantity, units.
+        """
         import pandas as pd  # type: ignore[import-untyped,unused-ignore]
 
-        columns: dict[tuple[str, str, str], npt.NDArray[np.float64]] = {}
+        columns = {(name, quantity, component): array for name, quantity, component, array in self._columns()}
+        frame = pd.DataFrame(columns, index=pd.Index(self.t, name="t"))
+        frame.columns.names = ["name", "quantity", "component"]
+        units = {
+            f"{handle.name}.{quantity}": self.unit(handle, quantity)
+            for handle, values in self._values.items()
+            for quantity in values
+        }
+        frame.attrs = {**self.attributes, "t": "s", "units": units}
+        return frame
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset over t; variables "name.quantity", along the dimensions of AXES.
+
+        Attributes of each: units, and frame, the axes its components are along; of the dataset: engine, error.
+        """
+        import xarray as xr  # type: ignore[import-not-found,unused-ignore]
+
+        variables = {}
+        for handle, values in self._values.items():
+            for quantity, array in values.items():
+                attributes = {"units": self.unit(handle, quantity)}
+                if frame := QUANTITIES.get(quantity, ("", ""))[1]:
+                    attributes["frame"] = frame
+                variables[f"{handle.name}.{quantity}"] = (("t", *axes_of(quantity, array)), array, attributes)
+        used = {dimension for variable in variables.values() for dimension in variable[0]}
+        coordinates = {"t": ("t", self.t, {"units": "s"}), **{axis: AXES[axis] for axis in AXES if axis in used}}
+        return xr.Dataset(variables, coordinates, self.attributes)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Writes a line a time, comma-separated, every number so that it reads back as itself.
+
+        The first line names the columns, "name.quantity.component [unit]". Raises InvalidInput where the system
+        refuses.
+        """
+        units = {(handle.name, q): self.unit(handle, q) for handle, values in self._values.items() for q in values}
+        names, arrays = ["t [s]"], [self.t]
+        for name, quantity, component, array in self._columns():
+            unit = units[name, quantity]
+            names.append(f"{name}.{quantity}{'.' if component else ''}{component}{f' [{unit}]' if unit else ''}")
+            arrays.append(array)
+        quoted = ['"' + name.replace('"', '""') + '"' if set(name) & set(',"\n') else name for name in names]
+        lines = [",".join(quoted), *(",".join(map(repr, row)) for row in np.column_stack(arrays).tolist())]
+        try:
+            Path(path).write_text("\n".join(lines) + "\n")
+        except OSError as problem:
+            raise InvalidInput(f"to_csv: {str(path)!r} cannot be written: {problem.strerror}") from None
+
+    def _columns(self) -> list[tuple[str, str, str, npt.NDArray[np.float64]]]:
+        """Name, quantity, component and values, number by number."""
+        columns = []
         for handle, values in self._values.items():
             for quantity, array in values.items():
                 labels = [AXES[axis] for axis in axes_of(quantity, array)]
                 for index in np.ndindex(*array.shape[1:]):
                     component = " ".join(label[i] for label, i in zip(labels, index, strict=True))
-                    columns[handle.name, quantity, component] = array[(slice(None), *index)]
-        frame = pd.DataFrame(columns, index=pd.Index(self.t, name="t"))
-        frame.columns.names = ["name", "quantity", "component"]
-        return frame
-
-    def to_xarray(self) -> Any:
-        """An xarray.Dataset over t; variables "name.quantity", along the dimensions of AXES."""
-        import xarray as xr  # type: ignore[import-not-found,unused-ignore]
-
-        variables = {
-            f"{handle.name}.{quantity}": (("t", *axes_of(quantity, array)), array)
-            for handle, values in self._values.items()
-            for quantity, array in values.items()
-        }
-        used = {dimension for dimensions, _ in variables.values() for dimension in dimensions}
-        return xr.Dataset(variables, {"t": self.t, **{axis: AXES[axis] for axis in AXES if axis in used}})
+                    columns.append((handle.name, quantity, component, array[(slice(None), *index)]))
+        return columns
 
 
 def axes_of(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:
@@ -101,4 +193,6 @@ def axes_of(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:
         return ("quaternion",)
     if quantity in ("euler_angles", "euler_rates"):
         return ("euler",)
+    if array.shape[1] == 2:
+        return ("angle",)
     return ("frenet",) if quantity.endswith("_frenet") else ("component",)

@@ -18,6 +18,7 @@ DOCUMENTS = [
     "docs/accuracy.md",
     "docs/bodies.md",
     "docs/effects.md",
+    "docs/files.md",
     "docs/functions.md",
     "docs/many.md",
     "docs/mechanisms.md",

@@ -13,11 +13,12 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/course.hpp"
 #include "rbdyn/event/keep.hpp"
 #include "rbdyn/event/record.hpp"
-#include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/options.hpp"
+#include "rbdyn/trajectory/error_scales.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -28,14 +29,6 @@ inline constexpr int compared_times = 2000;
 
 /// The names of the engines of this build.
 std::vector<std::string> engines();
-
-/// How an engine makes its steps: beside its tolerance, so that two runs need not share their rounding.
-struct Manner {
-    int order = 0;            // of Taylor series; 0: from the tolerance
-    double stride = 1.0;      // of dop853: how much of the steps that the tolerance allows is taken
-    bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
-    Program::Rounding rounding = Program::Rounding::nearest;  // of constants, so that no rounded one is shared
-};
 
 std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {});
 
@@ -54,10 +47,16 @@ struct Timed {
     double seconds = 0.0;
 };
 
-/// One integration from the state x.
+/// One integration, from the state x where the motion begins.
 Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
-                const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {},
-                const std::shared_ptr<const ClosedForm>& form = nullptr);
+                const Beginning& beginning, const std::string& name, double tolerance, const Keep& keep,
+                const Manner& manner = {}, const std::shared_ptr<const ClosedForm>& form = nullptr);
+
+inline Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
+                       const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {},
+                       const std::shared_ptr<const ClosedForm>& form = nullptr) {
+    return integrate(model, x, o, {.origin = o.start}, name, tolerance, keep, manner, form);
+}
 
 /// A motion as accurate as asked for, or what there is of it and why there is no more.
 struct Solution {
@@ -70,6 +69,9 @@ struct Solution {
     double certain_until = 0.0;
     double integration_seconds = 0.0;
     int runs = 0;
+    // what goes on from its end: it, and the better run it was held against; and the scales of the motion so far
+    std::optional<Course> course, judge;
+    ErrorScales scales;
 };
 
 /// What is not finite where a run broke off, or just after.
@@ -82,20 +84,45 @@ std::string broken_off(const HybridModel& model, const Record& record);
 /// both.
 Keep compared_pieces(const SimulateOptions& options);
 
+/// What a run left behind is the result's.
+void take(Solution& result, Timed&& timed);
+/// Whether a run ended otherwise than by its end or an event; then the result is complete.
+bool is_cut_short(const HybridModel& model, Solution& result, Timed& timed);
+/// What goes on from the end of a record; none if nothing can.
+std::optional<Course> course_of(const Record& record, const std::string& engine, double tolerance,
+                                const Manner& manner);
+/// Takes away events that are none: holds of no length.
+void drop_grazes(Record& record, const std::vector<Event>& grazes);
+
 /// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until it agrees with
 /// the closed form, if there is one, or with a better run of the engine `judge`.
 Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
-               const std::string& engine, const std::string& judge,
+               const Beginning& beginning, const std::string& engine, const std::string& judge,
                const std::shared_ptr<const ClosedForm>& form = nullptr);
 
-/// What rounding makes of what is computed from the state of a closed form up to a time, over its scales there.
+/// A motion and its estimate, where they have come to.
+struct Standing {
+    double origin;  // s: where the motion began
+    const Course& course;
+    const Course* judge;  // none: no estimate is asked for
+    const ErrorScales& scales;
+    double error;  // so far
+};
+
+/// Goes on from there, the run and the better one it is held against each from its own end, so that the estimate is
+/// that of the whole motion. None if the error asked for is not reached so.
+std::optional<Solution> carry_on(const HybridModel& model, const Standing& standing, const SimulateOptions& options,
+                                 const std::shared_ptr<const ClosedForm>& form);
+
+/// What rounding makes of what is computed from the state of a closed form from where it begins up to a time, over its
+/// scales there.
 double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form, const SimulateOptions& options,
-                     double end);
+                     double start, double end);
 
 /// A motion known in closed form. Nothing is integrated unless there is something to watch for: then Taylor series from
 /// exact states find the events, twice, and the two are compared.
 Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
-                      const std::shared_ptr<const ClosedForm>& form);
+                      const Beginning& beginning, const std::shared_ptr<const ClosedForm>& form);
 
 }  // namespace simulating
 

@@ -9,10 +9,12 @@
 #include <cstddef>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
@@ -51,14 +53,16 @@ RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double
 }
 
 RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
-                             const std::string& name, double tolerance, const Keep& keep, const Manner& manner,
-                             const std::shared_ptr<const ClosedForm>& form) {
+                             const Beginning& beginning, const std::string& name, double tolerance, const Keep& keep,
+                             const Manner& manner, const std::shared_ptr<const ClosedForm>& form) {
     const auto before = std::chrono::steady_clock::now();
     const std::unique_ptr<Engine> engine =
-        form ? std::make_unique<ClosedFormEngine>(form, Instant{o.start, 0.0}, tolerance, manner.order)
+        form ? std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order)
              : make_engine(name, tolerance, manner);
-    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
-    Timed result{driver.run(o.start, x, o.until)};
+    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin));
+    driver.pass_stops(beginning.stops_from);
+    Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
+                                           : driver.run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     return result;
 }
@@ -98,38 +102,56 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
     return compared;
 }
 
+RBDYN_INLINE void take(Solution& result, Timed&& timed) {
+    result.integration_seconds = timed.seconds;
+    result.record = std::move(timed.record);
+}
+
+RBDYN_INLINE bool is_cut_short(const HybridModel& model, Solution& result, Timed& timed) {
+    const Status status = timed.record.status;
+    if (status == Status::reached_end || status == Status::stopped_by_event) return false;
+    take(result, std::move(timed));
+    const Record& record = result.record;
+    result.certain_until = record.start;
+    if (record.thrown) {
+        result.outcome = Outcome::thrown;
+        result.thrown = record.thrown;
+    } else if (status == Status::not_finite || status == Status::inconsistent) {
+        result.outcome = Outcome::broken;
+        result.certain_until = record.end.hi;
+        result.message = broken_off(model, record);
+    }
+    return true;
+}
+
+RBDYN_INLINE std::optional<Course> course_of(const Record& record, const std::string& engine, double tolerance,
+                                             const Manner& manner) {
+    if (!record.halt) return std::nullopt;
+    return Course{engine, tolerance, manner, *record.halt};
+}
+
+RBDYN_INLINE void drop_grazes(Record& record, const std::vector<Event>& grazes) {
+    std::erase_if(record.events, [&](const Event& e) {
+        return std::any_of(grazes.begin(), grazes.end(), [&](const Event& g) {
+            return e.time == g.time && e.kind == g.kind && e.subject == g.subject;
+        });
+    });
+}
+
 RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
-                            const std::string& engine, const std::string& judge,
+                            const Beginning& beginning, const std::string& engine, const std::string& judge,
                             const std::shared_ptr<const ClosedForm>& form) {
     Solution result;
-    const auto take = [&](Timed&& timed) {
-        result.integration_seconds = timed.seconds;
-        result.record = std::move(timed.record);
-    };
+    const auto take = [&](Timed&& timed) { simulating::take(result, std::move(timed)); };
     const auto run_with = [&](const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {}) {
         ++result.runs;
-        return integrate(model, x, options, name, tolerance, keep, manner);
+        return integrate(model, x, options, beginning, name, tolerance, keep, manner);
     };
-    /// Whether a run ended otherwise than by its end or an event; then the result is complete.
-    const auto is_cut_short = [&](Timed& timed) {
-        const Status status = timed.record.status;
-        if (status == Status::reached_end || status == Status::stopped_by_event) return false;
-        take(std::move(timed));
-        const Record& record = result.record;
-        result.certain_until = record.start;
-        if (record.thrown) {
-            result.outcome = Outcome::thrown;
-            result.thrown = record.thrown;
-        } else if (status == Status::not_finite || status == Status::inconsistent) {
-            result.outcome = Outcome::broken;
-            result.certain_until = record.end.hi;
-            result.message = broken_off(model, record);
-        }
-        return true;
-    };
+    const auto is_cut_short = [&](Timed& timed) { return simulating::is_cut_short(model, result, timed); };
 
     if (options.rtol) {
         Timed only = run_with(engine, *options.rtol, options.keep);
+        result.course = course_of(only.record, engine, *options.rtol, {});
         if (is_cut_short(only)) return result;
         take(std::move(only));
         result.certain_until = result.record.end.hi;
@@ -158,8 +180,9 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             finer_manner.stride = other_stride * manner.stride;
             finer_manner.is_refined = manner.is_refined;
         }
-        Timed better = form ? integrate(model, x, options, judge, 0.1 * least_tolerance("taylor"), compared, {}, form)
-                            : run_with(judge, finer, compared, finer_manner);
+        Timed better =
+            form ? integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), compared, {}, form)
+                 : run_with(judge, finer, compared, finer_manner);
         Comparison comparison;
         try {
             if (better.record.thrown) std::rethrow_exception(better.record.thrown);
@@ -186,6 +209,10 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         result.error = comparison.error;
         result.certain_until = comparison.certain_until;
         grazes = std::move(comparison.grazes);
+        result.scales = std::move(comparison.scales);
+        result.course = course_of(run.record, engine, tolerance, manner);
+        result.judge = form ? course_of(better.record, "closed form", 0.1 * least_tolerance("taylor"), {})
+                            : course_of(better.record, judge, finer, finer_manner);
         if (comparison.same_events && comparison.error <= options.error) break;
         // what is left is the rounding of doubles, and what the motion makes of it
         if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
@@ -209,6 +236,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
                 (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
                 "; it is certain up to t = " + text(comparison.certain_until) + " s. " +
                 std::string(advice(Status::accuracy_not_reached));
+            result.judge.reset();
             take(std::move(run));
             return result;
         }
@@ -224,25 +252,71 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     }
     if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);
     if (is_cut_short(run)) return result;
-    std::erase_if(run.record.events, [&](const Event& e) {
-        return std::any_of(grazes.begin(), grazes.end(), [&](const Event& g) {
-            return e.time == g.time && e.kind == g.kind && e.subject == g.subject;
-        });
-    });
+    drop_grazes(run.record, grazes);
     take(std::move(run));
     return result;
 }
 
+RBDYN_INLINE std::optional<Solution> carry_on(const HybridModel& model, const Standing& standing,
+                                              const SimulateOptions& options,
+                                              const std::shared_ptr<const ClosedForm>& form) {
+    Solution result;
+    const auto go_on = [&](const Course& c, const Keep& keep) {
+        ++result.runs;
+        const Beginning from{standing.origin, &c.halt};
+        return integrate(model, c.halt.x, options, from, c.engine, c.tolerance, keep, c.manner,
+                         c.engine == "closed form" ? form : nullptr);
+    };
+    const Course& course = standing.course;
+    const Keep compared = standing.judge != nullptr ? compared_pieces(options) : options.keep;
+    Timed run = go_on(course, compared);
+    result.course = course_of(run.record, course.engine, course.tolerance, course.manner);
+    if (is_cut_short(model, result, run)) return result;
+    result.certain_until = run.record.end.hi;
+    if (standing.judge == nullptr) {
+        take(result, std::move(run));
+        return result;
+    }
+    const Course& judge = *standing.judge;
+    const Timed better = go_on(judge, compared);
+    const Status status = better.record.status;
+    if (better.record.thrown || (status != Status::reached_end && status != Status::stopped_by_event)) {
+        // whoever interrupts it interrupts the run
+        if (status != Status::stopped_by_user || better.record.thrown) return std::nullopt;
+        run.record.status = status;
+        take(result, std::move(run));
+        result.certain_until = result.record.start;
+        return result;
+    }
+    const MotionBefore before{standing.origin, standing.scales};
+    Comparison comparison =
+        AccuracyCheck(model, options.error, compared.times, options.monitor, judge.engine == "closed form" ? 1.25 : 2.0,
+                      &before)(run.record, better.record);
+    result.error = std::max(standing.error, comparison.error);
+    if (!comparison.stopped && !(comparison.same_events && *result.error <= options.error)) return std::nullopt;
+    if (comparison.stopped) {
+        run.record.status = Status::stopped_by_user;
+        result.certain_until = run.record.start;
+        result.error.reset();
+    }
+    result.judge = course_of(better.record, judge.engine, judge.tolerance, judge.manner);
+    result.scales = std::move(comparison.scales);
+    if (options.keep.what != Keep::What::all) run = go_on(course, options.keep);
+    drop_grazes(run.record, comparison.grazes);
+    take(result, std::move(run));
+    return result;
+}
+
 RBDYN_INLINE double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form,
-                                  const SimulateOptions& options, double end) {
+                                  const SimulateOptions& options, double start, double end) {
     // enough to meet most of the extent of a motion, and what it was before it died away
-    const double span = end - options.start, pace = std::min(form.pace(), span);
+    const double span = end - start, pace = std::min(form.pace(), span);
     std::vector<double> x(static_cast<std::size_t>(model.variables()));
     std::vector<Observed> seen;
     ErrorScales scales;
     for (const double since : {0.0, span, 0.618 * span, 0.236 * span, pace, 0.3 * pace}) {
         form.state({since, 0.0}, x);
-        model.observe(mode, options.start + since, x, seen);
+        model.observe(mode, start + since, x, seen);
         scales.widen(seen);
     }
     scales.settle(options.error, span);
@@ -251,7 +325,7 @@ RBDYN_INLINE double rounding_seen(const HybridModel& model, const Mode& mode, co
 }
 
 RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
-                                   const std::shared_ptr<const ClosedForm>& form) {
+                                   const Beginning& beginning, const std::shared_ptr<const ClosedForm>& form) {
     const auto before = std::chrono::steady_clock::now();
     Solution result;
     result.runs = 1;
@@ -260,11 +334,17 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
     const Keep keep =
         keeps_all || !options.rtol ? compared_pieces(options) : Keep{.what = Keep::What::end, .times = {}};
     const auto run = [&](double tolerance, int order) {
-        return integrate(model, x, options, "", tolerance, keep, {.order = order}, form).record;
+        return integrate(model, x, options, beginning, "", tolerance, keep, {.order = order}, form).record;
     };
     Comparison events{.error = 0.0, .certain_until = options.until};
     std::vector<double> first = x;
-    const Mode mode = model.begin(options.start, first);
+    Mode mode;
+    if (beginning.halt != nullptr) {
+        mode = beginning.halt->mode;
+        form->state(exact_difference({options.start, 0.0}, {beginning.origin, 0.0}), first);
+    } else {
+        mode = model.begin(options.start, first);
+    }
     if (mode.equations->guards.empty()) {
         Record& record = result.record;
         record.start = options.start;
@@ -272,6 +352,10 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
         record.variables = model.variables();
         record.modes = {mode};
         record.first_state = std::move(first);
+        Halt halt{.at = record.end, .x = record.first_state, .low = {}, .mode = mode};
+        form->state(exact_difference(record.end, {beginning.origin, 0.0}), halt.x);
+        halt.low.resize(halt.x.size());
+        record.halt = std::make_shared<const Halt>(std::move(halt));
     } else {
         result.record = run(least_tolerance("taylor"), 0);
         if (!options.rtol) {
@@ -284,6 +368,8 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
     }
     Record& record = result.record;
     record.closed = form;
+    record.closed_from = beginning.origin;
+    result.course = course_of(record, "closed form", least_tolerance("taylor"), {});
     result.integration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     result.certain_until = record.end.hi;
     if (record.thrown) {
@@ -298,8 +384,8 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
         return result;
     }
     if (options.rtol) return result;
-    const double seen = rounding_seen(model, record.modes.front(), *form, options, record.end.hi);
-    const auto error_at = [&](double t) { return seen + form->error(t - options.start, options.error); };
+    const double seen = rounding_seen(model, record.modes.front(), *form, options, beginning.origin, record.end.hi);
+    const auto error_at = [&](double t) { return seen + form->error(t - beginning.origin, options.error); };
     result.error = std::max(events.error, error_at(record.end.hi));
     if (*result.error <= options.error) return result;
     // errors of a closed form grow with time

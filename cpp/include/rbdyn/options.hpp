@@ -22,6 +22,16 @@ struct SimulateOptions {
     Monitor monitor = {};  // called now and then with the time reached; false stops the run
 };
 
+/// What a run that goes on with another is asked to be; what is not given is as for that one.
+struct ContinueOptions {
+    double until = 0.0;  // s
+    std::optional<double> error = std::nullopt, rtol = std::nullopt;
+    std::optional<std::string> engine = std::nullopt;
+    std::optional<Keep> keep = std::nullopt;  // else all of it, or its end if that was asked for
+    std::optional<std::int64_t> max_steps = std::nullopt;
+    Monitor monitor = {};
+};
+
 namespace simulating {
 
 /// What came of a run.
@@ -34,6 +44,9 @@ enum class Outcome {
 
 /// Below this double precision cannot promise anything (about 20 units in the last place).
 inline constexpr double least_error = 4e-15;
+
+/// What a run is asked to be that goes on at a time with one that was asked for these.
+SimulateOptions continued(const SimulateOptions& asked, const ContinueOptions& options, double start);
 
 /// Throws InvalidInput for options that break a rule.
 void validate(const SimulateOptions& o);

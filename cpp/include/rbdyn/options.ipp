@@ -9,6 +9,26 @@
 
 namespace rbdyn::inline RBDYN_FORM::simulating {
 
+RBDYN_INLINE SimulateOptions continued(const SimulateOptions& asked, const ContinueOptions& options, double start) {
+    if (options.error && options.rtol)
+        throw InvalidInput("simulate: both error " + text(*options.error) + " and rtol " + text(*options.rtol) +
+                           " are given; error is global and estimated, rtol local and without an estimate: give one");
+    SimulateOptions o = asked;
+    o.until = options.until;
+    o.start = start;
+    if (options.error || options.rtol) o.rtol = options.rtol;
+    if (o.rtol)
+        o.error = SimulateOptions{}.error;
+    else
+        o.error = options.error.value_or(asked.error);
+    o.engine = options.engine.value_or(asked.engine);
+    if (o.keep.what == Keep::What::times) o.keep = {};
+    if (options.keep) o.keep = *options.keep;
+    o.max_steps = options.max_steps.value_or(asked.max_steps);
+    o.monitor = options.monitor;
+    return o;
+}
+
 RBDYN_INLINE void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
     require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");

@@ -59,9 +59,12 @@ RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<d
             static_cast<double>(state.size()), "the model has " + std::to_string(model.variables()));
     const std::string engine = options.engine == "auto" ? "taylor" : options.engine;
     (void)make_engine(engine, 1e-6);
-    Solution solution = solve(model, state, options, engine, "taylor");
+    Solution solution = solve(model, state, options, {.origin = options.start}, engine, "taylor");
     // those of the model, which the run outlives
     for (Mode& mode : solution.record.modes) mode.equations = nullptr;
+    solution.record.halt = nullptr;
+    solution.course.reset();
+    solution.judge.reset();
     if (solution.outcome == Outcome::thrown) std::rethrow_exception(solution.thrown);
     const bool good = solution.outcome == Outcome::good;
     const std::string message = solution.message;

@@ -9,6 +9,7 @@
 #include "rbdyn/body/shapes.hpp"
 #include "rbdyn/cost.hpp"
 #include "rbdyn/effects.hpp"
+#include "rbdyn/file/scene_file.hpp"
 #include "rbdyn/model/euler_top.hpp"
 #include "rbdyn/own_motion.hpp"
 #include "rbdyn/plan/plan.hpp"

@@ -38,10 +38,19 @@ Attempt attempt(const Scene& scene, const SimulateOptions& options);
 /// Throws what simulate() throws of an attempt that is not good.
 void require_good(const Attempt& attempt);
 
+/// The same for what goes on with a run.
+Attempt attempt(const Trajectory& run, const ContinueOptions& options);
+
 /// Runs a scene. Throws InvalidInput for options that break a rule, AccuracyError if the error asked for is out of
 /// reach, IntegrationError if the motion cannot be continued; both carry the partial run. What a function of the user's
 /// throws passes unchanged.
 Trajectory simulate(const Scene& scene, const SimulateOptions& options);
+
+/// Goes on with a run: from its end, or from where it ceased to be certain if the error asked for was not reached. The
+/// motion, its modes and the estimate of its error are those of a run that was never interrupted; events at that time
+/// are of the run before. Its scene and its numbers are those of the run. Throws as above, and InvalidInput where there
+/// is nothing to go on with: at the end of a rail.
+Trajectory simulate(const Trajectory& run, const ContinueOptions& options);
 
 namespace simulating {
 

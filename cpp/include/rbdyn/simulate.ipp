@@ -52,20 +52,30 @@ inline std::atomic<bool> sizes_are_checked = false;
 
 RBDYN_INLINE void check_sizes(bool wanted) { sizes_are_checked = wanted; }
 
-/// What attempt() does.
-RBDYN_INLINE Attempt attempted(const Scene& scene, const SimulateOptions& options) {
+/// What there is of a scene that is planned.
+RBDYN_INLINE Attempt attempted(PlannedScene planned, const SimulateOptions& options, double planning_seconds,
+                               const RunData* before) {
     const auto began = std::chrono::steady_clock::now();
-    validate(options);
-    auto [frozen, plan, is_new] = planned(scene);
+    auto& [frozen, plan, is_new] = planned;
     const std::int64_t calls = plan.python_calls();
-    Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options)
-                                       : solve_apart(std::move(frozen), std::move(plan), options);
+    Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options, before)
+                                       : solve_apart(std::move(frozen), std::move(plan), options, before);
     Statistics& s = result.data.statistics;
     s.planned = is_new;
     s.python_calls = result.data.plan.python_calls() - calls;
-    s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    if (sizes_are_checked) check_size(result, options.start);
+    s.seconds = planning_seconds + std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    if (sizes_are_checked && before == nullptr) check_size(result, options.start);
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
+}
+
+/// Throws InvalidInput where what stopped a run leaves nothing to go on with.
+RBDYN_INLINE void require_way_on(const RunData& run, double start) {
+    if (run.record.status != Status::stopped_by_event || run.record.end.hi != start) return;
+    for (const Event& e : run.record.events)
+        if (e.kind == EventKind::rail_end && e.time == start)
+            throw InvalidInput(
+                "simulate: " + e.name + " is at the end of its rail at t = " + text(start) +
+                " s, where the run stopped; there is nothing to go on with: ends = \"release\" lets it go");
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::simulating
@@ -73,7 +83,20 @@ RBDYN_INLINE Attempt attempted(const Scene& scene, const SimulateOptions& option
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Attempt attempt(const Scene& scene, const SimulateOptions& options) {
-    return simulating::attempted(scene, options);
+    const auto began = std::chrono::steady_clock::now();
+    simulating::validate(options);
+    PlannedScene now = planned(scene);
+    const double planning = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    return simulating::attempted(std::move(now), options, planning, nullptr);
+}
+
+RBDYN_INLINE Attempt attempt(const Trajectory& run, const ContinueOptions& options) {
+    const std::shared_ptr<const RunData> before = run.data();
+    const double start = run.status() == Status::accuracy_not_reached ? run.certain_until() : run.end();
+    const SimulateOptions all = simulating::continued(before->asked, options, start);
+    simulating::validate(all);
+    simulating::require_way_on(*before, start);
+    return simulating::attempted({before->scene, before->plan, false}, all, 0.0, before.get());
 }
 
 RBDYN_INLINE void require_good(const Attempt& attempt) {
@@ -88,6 +111,12 @@ RBDYN_INLINE void require_good(const Attempt& attempt) {
 
 RBDYN_INLINE Trajectory simulate(const Scene& scene, const SimulateOptions& options) {
     Attempt result = attempt(scene, options);
+    require_good(result);
+    return std::move(result.run);
+}
+
+RBDYN_INLINE Trajectory simulate(const Trajectory& run, const ContinueOptions& options) {
+    Attempt result = attempt(run, options);
     require_good(result);
     return std::move(result.run);
 }

@@ -34,11 +34,18 @@ struct Solved {
 
 Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution);
 
-/// Solves a scene of one part. Throws InvalidInput if the engine asked for cannot do it.
-Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options);
+/// Solves a scene of one part. Throws InvalidInput if the engine asked for cannot do it. `before`: the run that it goes
+/// on with at the start that is asked for, if it does with one.
+Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before = nullptr);
+
+/// The motion of a scene of one part from where a run has come to. What a run has for that is taken if it leads to the
+/// error asked for; else the motion is computed anew from where it began, and what was before is left out.
+[[gnu::cold]] Solution solve_on(const SceneModel& model, const Plan& plan, const std::string& engine,
+                                const SimulateOptions& options, const RunData& before);
 
 /// The start alone of a part that was not begun.
-[[gnu::cold]] Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine, double start);
+[[gnu::cold]] Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine,
+                               const SimulateOptions& options, const RunData* before);
 
 /// Whether an event of its own may end the motion of a scene.
 bool may_stop(const Scene& scene);
@@ -48,7 +55,8 @@ bool may_stop(const Scene& scene);
 [[gnu::cold]] std::vector<Event> events_of(const std::vector<Solved>& parts, const SceneParts& apart, double end);
 
 /// Solves a scene of several parts. Throws InvalidInput if the engine asked for cannot do one of them.
-[[gnu::cold]] Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options);
+[[gnu::cold]] Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options,
+                                 const RunData* before = nullptr);
 
 }  // namespace simulating
 

@@ -31,6 +31,7 @@
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
+#include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::simulating {
@@ -79,6 +80,9 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     s.runs = solution.runs;
     if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
     data.error = solution.error;
+    data.course = std::move(solution.course);
+    data.judge = std::move(solution.judge);
+    data.scales = std::move(solution.scales);
     data.certain_until = solution.certain_until;
     data.record = std::move(solution.record);
     for (Event& e : data.record.events)
@@ -89,26 +93,144 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     return result;
 }
 
-RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options) {
-    std::string engine = engine_for(plan, options.engine);
-    const SceneModel& model = *plan.model;
-    const std::vector<double> x = model.start(options.start);
-    Solution solution = engine == "closed form" ? solve_closed(model, x, options, plan.closed)
-                                                : solve(model, x, options, engine, plan.integrator, plan.closed);
-    return solved(std::move(scene), std::move(plan), std::move(engine), std::move(solution));
+/// The Euler angles of bodies that turn freely at a time of a run, which those of one that goes on begin with.
+RBDYN_INLINE std::vector<std::optional<EulerAngles>> angles_at(const RunData& run, double t) {
+    const std::shared_ptr<const RunData> data(std::shared_ptr<const RunData>(), &run);
+    std::vector<std::optional<EulerAngles>> angles(run.scene.bodies().size());
+    for (std::size_t i = 0; i < angles.size(); ++i)
+        if (const int body = static_cast<int>(i);
+            run.model && run.model->place_of_angles(body) >= 0 && run.scene.bodies()[i].rigid() != nullptr)
+            angles[i] = BodyMotion(data, body).euler_angles(t);
+    return angles;
 }
 
-RBDYN_INLINE Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine, double start) {
+/// HybridModel::winding at a time of a run, at its state there.
+RBDYN_INLINE std::vector<double> winding_at(const SceneModel& model, const RunData& run, double t,
+                                            std::span<const double> x) {
+    std::vector<double> winding = model.winding(t, x);
+    if (winding.empty()) return winding;
+    const auto angles = angles_at(run, t);
+    for (int body = 0; body < model.bodies(); ++body) {
+        const int place = model.place_of_angles(body);
+        const auto& known = angles[static_cast<std::size_t>(body)];
+        if (place < 0 || !known) continue;
+        double* own = winding.data() + 3 * place;
+        own[0] = known->theta;
+        own[1] = known->psi;
+        own[2] = known->phi;
+    }
+    return winding;
+}
+
+/// What of a run tells that it is one that goes on, and with which.
+RBDYN_INLINE void set_origin(Solved& result, const SimulateOptions& options, const RunData* before) {
+    result.data.asked = options;
+    result.data.asked.monitor = {};
+    result.data.origin = before != nullptr ? before->origin : options.start;
+    if (before != nullptr) result.data.first_angles = angles_at(*before, options.start);
+}
+
+RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before) {
+    std::string engine = engine_for(plan, options.engine);
+    const SceneModel& model = *plan.model;
+    const auto begun = [&] {
+        const std::vector<double> x = model.start(options.start);
+        const Beginning beginning{options.start};
+        return engine == "closed form" ? solve_closed(model, x, options, beginning, plan.closed)
+                                       : solve(model, x, options, beginning, engine, plan.integrator, plan.closed);
+    };
+    Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : begun();
+    Solved result = solved(std::move(scene), std::move(plan), std::move(engine), std::move(solution));
+    set_origin(result, options, before);
+    return result;
+}
+
+RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const std::string& engine,
+                               const SimulateOptions& options, const RunData& before) {
+    const bool stands = before.course && before.record.end.hi == options.start;
+    if (engine == "closed form" && stands && before.course->engine == engine)
+        return solve_closed(model, before.course->halt.x, options, {before.origin, &before.course->halt}, plan.closed);
+    const bool has_estimate = before.judge && before.error && !before.asked.rtol &&
+                              options.error >= before.asked.error && before.course->engine == engine;
+    if (stands && engine != "closed form" && (options.rtol || has_estimate)) {
+        Course course = *before.course;
+        if (options.rtol) {
+            // what another engine keeps says nothing to this one
+            if (course.engine != engine) course.halt.engine.clear();
+            course.engine = engine;
+            course.tolerance = *options.rtol;
+            course.manner = {};
+        }
+        const Course* judge = options.rtol ? nullptr : &*before.judge;
+        Course better = judge != nullptr ? *judge : course;
+        // turns that are counted go on from those of the run
+        course.halt.winding = better.halt.winding = winding_at(model, before, options.start, course.halt.x);
+        const Standing standing{before.origin, course, judge != nullptr ? &better : nullptr, before.scales,
+                                before.error.value_or(0.0)};
+        if (auto solution = carry_on(model, standing, options, plan.closed)) return *std::move(solution);
+    }
+    // all of it anew; times that are kept are those wanted and the start, so that there is a state
+    SimulateOptions whole = options;
+    whole.start = before.origin;
+    if (whole.keep.what != Keep::What::all) {
+        std::vector<double>& times = whole.keep.times;
+        whole.keep.what = Keep::What::times;
+        times.insert(times.begin(), options.start);
+        if (options.keep.what == Keep::What::end) times.push_back(options.until);
+    }
+    // an event at the end of the run before is met within the error of either
+    const double error = std::max(options.rtol.value_or(options.error), before.asked.rtol.value_or(before.asked.error)),
+                 near = 10.0 * error * (options.start - before.origin) +
+                        8.0 * std::numeric_limits<double>::epsilon() * std::abs(options.start);
+    const Beginning beginning{before.origin, nullptr, options.start + near};
+    const std::vector<double> x = model.start(before.origin);
+    Solution solution = engine == "closed form"
+                            ? solve_closed(model, x, whole, beginning, plan.closed)
+                            : solve(model, x, whole, beginning, engine, plan.integrator, plan.closed);
+    const auto had = [&](const Event& e) {
+        return std::any_of(before.record.events.begin(), before.record.events.end(), [&](const Event& b) {
+            return b.kind == e.kind && b.subject == e.subject && b.contact == e.contact &&
+                   std::abs(b.time - e.time) <= 2.0 * near;
+        });
+    };
+    std::vector<Event> there;
+    for (Event e : solution.record.events) {
+        if (e.time > options.start + near) {
+            there.push_back(e);
+        } else if (e.time >= options.start - near && !had(e)) {
+            e.time = std::max(e.time, options.start);
+            if (e.time == options.start) e.instant = {options.start, 0.0};
+            there.push_back(e);
+        }
+    }
+    solution.record.drop_before(options.start);
+    solution.record.events = std::move(there);
+    solution.certain_until = std::max(solution.certain_until, solution.record.start);
+    return solution;
+}
+
+RBDYN_INLINE Solved not_begun(const Scene& scene, const Plan& plan, const std::string& engine,
+                              const SimulateOptions& options, const RunData* before) {
     Solution solution;
     Record& record = solution.record;
+    const double start = options.start;
     record.start = start;
     record.end = {start, 0.0};
     record.status = Status::stopped_by_user;
     record.variables = plan.model->variables();
     record.modes = {plan.model->undecided()};
-    record.first_state = plan.model->start(start);
+    record.first_state = plan.model->start(before != nullptr ? before->origin : start);
+    if (before != nullptr && before->course && before->record.end.hi == start) {
+        record.first_state = before->course->halt.x;
+        record.modes = {before->course->halt.mode};
+        solution.course = before->course;
+        solution.judge = before->judge;
+        solution.scales = before->scales;
+    }
     solution.certain_until = start;
-    return solved(scene, plan, engine, std::move(solution));
+    Solved result = solved(scene, plan, engine, std::move(solution));
+    set_origin(result, options, before);
+    return result;
 }
 
 RBDYN_INLINE bool may_stop(const Scene& scene) {
@@ -144,7 +266,7 @@ RBDYN_INLINE std::vector<Event> events_of(const std::vector<Solved>& parts, cons
     return all;
 }
 
-RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options) {
+RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before) {
     const SceneParts& apart = *plan.apart;
     const std::size_t count = plan.parts.size();
     std::vector<std::string> engines, named;
@@ -166,8 +288,9 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     const auto solve_part = [&](std::size_t i) {
         own.until = untils[i] = end.hi;
         const Scene& alone = apart.parts[i].scene;
-        parts[i] = goes_on && own.until > own.start ? solve_together(alone, plan.parts[i], own)
-                                                    : not_begun(alone, plan.parts[i], engines[i], own.start);
+        const RunData* part_before = before != nullptr ? &before->parts[i] : nullptr;
+        parts[i] = goes_on && own.until > own.start ? solve_together(alone, plan.parts[i], own, part_before)
+                                                    : not_begun(alone, plan.parts[i], engines[i], own, part_before);
         const Record& record = parts[i].data.record;
         runs += parts[i].data.statistics.runs;
         goes_on = goes_on && record.status != Status::stopped_by_user;
@@ -227,6 +350,9 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     }
     data.scene = std::move(scene);
     data.plan = std::move(plan);
+    data.asked = options;
+    data.asked.monitor = {};
+    data.origin = before != nullptr ? before->origin : options.start;
     return result;
 }
 

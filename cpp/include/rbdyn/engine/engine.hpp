@@ -46,6 +46,14 @@ public:
     /// What x, the state at tau on the current piece in doubles, is short of; zeros where the engine knows no more.
     virtual void rest(double /*tau*/, std::span<const double> /*x*/, std::span<double> low) const;
 
+    /// The state that the next step goes on from, after a step, and what it is short of.
+    virtual void standing(std::span<double> x, std::span<double> low) const;
+
+    /// What it keeps from step to step beside that, for one that goes on from there; empty if it begins anew.
+    virtual std::vector<double> memory() const;
+    /// Takes it over, after start() and carry(). What is of another engine's is left alone.
+    virtual void recall(std::span<const double> /*memory*/);
+
     /// Whether that is more exact than the piece, so that a root of a variable on the piece is worth improving.
     virtual bool refines() const;
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
@@ -21,6 +23,20 @@ RBDYN_INLINE void Engine::state(double tau, std::span<double> x) const { piece_.
 RBDYN_INLINE void Engine::rest(double /*tau*/, std::span<const double> /*x*/, std::span<double> low) const {
     for (double& digit : low) digit = 0.0;
 }
+
+RBDYN_INLINE void Engine::standing(std::span<double> x, std::span<double> low) const {
+    state(piece_.length, x);
+    rest(piece_.length, x, low);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Instant sum = exact_sum(x[i], low[i]);
+        x[i] = sum.hi;
+        low[i] = sum.lo;
+    }
+}
+
+RBDYN_INLINE std::vector<double> Engine::memory() const { return {}; }
+
+RBDYN_INLINE void Engine::recall(std::span<const double> /*memory*/) {}
 
 RBDYN_INLINE bool Engine::refines() const { return false; }
 

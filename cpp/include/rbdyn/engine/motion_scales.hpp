@@ -28,6 +28,11 @@ public:
     /// Takes a state into account.
     void widen(std::span<const double> x);
 
+    /// All of it as numbers, and back: as many as that has for these variables.
+    std::vector<double> numbers() const;
+    void set_numbers(std::span<const double> numbers);
+    static std::size_t count(std::size_t variables) { return 3 * variables + kinds; }
+
     /// Extent of positions, largest magnitude of velocities; 0 before there is motion.
     double scale(const VariableGroup& group) const;
 

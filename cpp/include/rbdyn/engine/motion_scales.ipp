@@ -3,9 +3,11 @@
 
 #include "rbdyn/engine/motion_scales.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "rbdyn/model/equations.hpp"
 
@@ -18,6 +20,19 @@ RBDYN_INLINE void MotionScales::follow(std::span<const VariableGroup> groups) {
     std::array<int, kinds> count{};
     for (const VariableGroup& g : groups)
         if (g.alike != Alike::nothing) has_floor_ = ++count[index(g)] > 1 || has_floor_;
+}
+
+RBDYN_INLINE std::vector<double> MotionScales::numbers() const {
+    std::vector<double> all;
+    for (const Variable& v : variables_) all.insert(all.end(), {v.low, v.high, v.magnitude});
+    all.insert(all.end(), whole_.begin(), whole_.end());
+    return all;
+}
+
+RBDYN_INLINE void MotionScales::set_numbers(std::span<const double> numbers) {
+    for (std::size_t i = 0; i < variables_.size(); ++i)
+        variables_[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+    std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(3 * variables_.size()), kinds, whole_.begin());
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

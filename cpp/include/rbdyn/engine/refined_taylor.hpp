@@ -36,6 +36,8 @@ public:
 
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
+    void recall(std::span<const double> memory) override;
+
 private:
     using Real = long double;
 

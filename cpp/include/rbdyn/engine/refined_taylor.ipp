@@ -57,6 +57,11 @@ RBDYN_INLINE void RefinedTaylorEngine::rest(double tau, std::span<const double> 
     }
 }
 
+RBDYN_INLINE void RefinedTaylorEngine::recall(std::span<const double> memory) {
+    TaylorEngine::recall(memory);
+    set_parameters();
+}
+
 RBDYN_INLINE RefinedTaylorEngine::Rule::Rule() {
     constexpr Real pi = 3.14159265358979323846264338327950288L;
     std::array<Real, points> whole;

@@ -48,6 +48,10 @@ public:
 
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
+    void standing(std::span<double> x, std::span<double> low) const override;
+    std::vector<double> memory() const override;
+    void recall(std::span<const double> memory) override;
+
     const double* guard(int index) override;
     int guard_order() const override;
     void guard_sizes(int index, double* sizes) override;
@@ -104,8 +108,10 @@ private:
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, start_low_, parameters_;
-    bool is_ready_ = false;           // for the first step of a mode
-    std::vector<signed char> rough_;  // by guard; empty: none is
+    std::vector<double> mode_x_, mode_low_;  // the state its mode began with
+    double steps_before_ = 0.0;              // of what it goes on with
+    bool is_ready_ = false;                  // for the first step of a mode
+    std::vector<signed char> rough_;         // by guard; empty: none is
     MotionScales scales_;
     std::unique_ptr<const Projection> projection_;
 };

@@ -56,6 +56,8 @@ RBDYN_INLINE void TaylorEngine::carry(std::span<const double> rest) { low_.assig
 
 RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
     if (!is_ready_) {
+        mode_x_ = x_;
+        mode_low_ = low_;
         projection_ = equations_->projection ? equations_->projection(x_, low_) : nullptr;
         set_parameters();
         is_ready_ = true;
@@ -120,6 +122,40 @@ RBDYN_INLINE void TaylorEngine::rest(double tau, std::span<const double> x, std:
         const Instant sum = exact_sum(c[0], tau * series::value(c + 1, order_ - 1, tau));
         low[i] = (sum.hi - x[i]) + (sum.lo + start_low_[i]);
     }
+}
+
+RBDYN_INLINE void TaylorEngine::standing(std::span<double> x, std::span<double> low) const {
+    std::copy(x_.begin(), x_.end(), x.begin());
+    std::copy(low_.begin(), low_.end(), low.begin());
+}
+
+RBDYN_INLINE std::vector<double> TaylorEngine::memory() const {
+    std::vector<double> all = {unit_, steps_before_ + static_cast<double>(work_.steps)};
+    const auto add = [&](const std::vector<double>& numbers) { all.insert(all.end(), numbers.begin(), numbers.end()); };
+    add(scales_.numbers());
+    if (!is_ready_) return all;
+    add(mode_x_);
+    add(mode_low_);
+    add(parameters_);
+    return all;
+}
+
+RBDYN_INLINE void TaylorEngine::recall(std::span<const double> memory) {
+    const std::size_t n = x_.size(), least = 2 + MotionScales::count(n);
+    const bool is_ready = memory.size() == least + 2 * n + parameters_.size();
+    if (memory.size() != least && !is_ready) return;
+    unit_ = memory[0];
+    steps_before_ = memory[1];
+    scales_.set_numbers(memory.subspan(2, least - 2));
+    if (!is_ready) return;
+    const auto first = memory.begin() + static_cast<std::ptrdiff_t>(least),
+               second = first + static_cast<std::ptrdiff_t>(n);
+    mode_x_.assign(first, second);
+    mode_low_.assign(second, second + static_cast<std::ptrdiff_t>(n));
+    std::copy_n(second + static_cast<std::ptrdiff_t>(n), parameters_.size(), parameters_.begin());
+    projection_ = equations_->projection ? equations_->projection(mode_x_, mode_low_) : nullptr;
+    set_parameters();
+    is_ready_ = true;
 }
 
 RBDYN_INLINE const double* TaylorEngine::guard(int index) {
@@ -228,7 +264,7 @@ RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guar
 RBDYN_INLINE double TaylorEngine::unevenness() const {
     if (log_tolerance_ > rounding_counts) return 1.0;
     constexpr double golden_section = 0.6180339887498949;
-    return 1.0 - 0x1p-4 * std::fmod(golden_section * static_cast<double>(work_.steps), 1.0);
+    return 1.0 - 0x1p-4 * std::fmod(golden_section * (steps_before_ + static_cast<double>(work_.steps)), 1.0);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -16,6 +16,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
+#include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/keep.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
@@ -31,9 +32,24 @@ public:
            double slack = 0.0);
 
     Record run(double start, std::vector<double> x, double until);
+    /// Goes on from where a run of the same model came to, as if it had not ended there.
+    Record go_on(const Halt& halt, double until);
+    /// Events up to then do not end the run.
+    void pass_stops(double until) { stops_from_ = until; }
 
 private:
-    void advance(Record& record, Instant& t, std::vector<double> x, double until);
+    template <class Begin>
+    Record made(const Begin& begin, double until);
+    /// The motion begins: its mode at the start.
+    void begin(Record& record);
+    /// The motion goes on from now_.
+    void resume(Record& record);
+    /// From now_ to the end.
+    void proceed(Record& record, double until);
+    /// What the guards `fired` change. `piece`, `cut`: where, if it is on one. Returns false where the run is over.
+    bool change(Record& record, const std::vector<int>& fired, const Piece* piece, double cut);
+    /// Those of the guards that fired which do not stop the run.
+    std::vector<int> without_stops(const std::vector<int>& fired) const;
 
     /// Whether a place on a piece is its beginning, and the state there the first one, as far as rounding can tell.
     static bool has_not_moved(const Record& record, const Piece& piece, double place, std::span<const double> x);
@@ -42,13 +58,13 @@ private:
     // events of one instant: more than this and no smooth motion exists
     static constexpr int max_crowded = 100;
 
-    void finish(Record& record, Instant t, Status status) const;
+    void finish(Record& record, Instant t, Status status);
 
     /// A guard is not finite any more.
-    void break_off(Record& record, Instant t) const;
+    void break_off(Record& record, Instant t);
 
     /// No motion satisfies the laws.
-    void give_up(Record& record, const Mode& mode, Instant t) const;
+    void give_up(Record& record, const Mode& mode);
 
     void enter(Record& record, const Mode& mode, Instant t, std::span<const double> x, std::vector<bool> handled,
                bool begins = false);
@@ -58,7 +74,7 @@ private:
     /// Past a point where the equations are not finite but the motion is (a spring through its anchor): a parabola so
     /// short that its error is rounding, from the model's own slopes at its start and at its middle, which is past the
     /// point also where rounding has put the start a little before it.
-    bool pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until);
+    bool pass(Record& record, double until);
 
     /// Nothing moves any more: one piece to the end.
     void rest(Record& record, Instant t, std::span<const double> x, double until) const;
@@ -71,7 +87,8 @@ private:
     Keep keep_;
     Monitor monitor_;
     EventSearch search_;
-    std::vector<double> low_;  // what the state at an event is short of
+    Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it
+    double stops_from_;
     mutable std::size_t kept_ = 0;
     mutable std::vector<double> winding_;
 };

@@ -32,44 +32,85 @@ RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64
       max_steps_(max_steps),
       keep_(std::move(keep)),
       monitor_(std::move(monitor)),
-      search_(model, engine, slack) {}
+      search_(model, engine, slack),
+      stops_from_(-std::numeric_limits<double>::infinity()) {}
 
-RBDYN_INLINE Record Driver::run(double start, std::vector<double> x, double until) {
+template <class Begin>
+Record Driver::made(const Begin& begin, double until) {
     Record record;
-    Instant t{start, 0.0};
     try {
-        advance(record, t, std::move(x), until);
+        begin(record);
+        proceed(record, until);
     } catch (...) {
         record.thrown = std::current_exception();
         // also the start that could not be left has its state
         if (record.modes.empty()) record.modes.push_back(model_.undecided());
-        finish(record, t, Status::stopped_by_user);
+        finish(record, now_.at, Status::stopped_by_user);
     }
     return record;
 }
 
-RBDYN_INLINE void Driver::advance(Record& record, Instant& t, std::vector<double> x, double until) {
-    record.start = t.hi;
+RBDYN_INLINE Record Driver::run(double start, std::vector<double> x, double until) {
+    now_ = {.at = {start, 0.0}, .x = std::move(x), .low = {}, .mode = {}, .begins = true};
+    return made([&](Record& record) { begin(record); }, until);
+}
+
+RBDYN_INLINE Record Driver::go_on(const Halt& halt, double until) {
+    now_ = halt;
+    return made([&](Record& record) { resume(record); }, until);
+}
+
+RBDYN_INLINE void Driver::begin(Record& record) {
+    std::vector<double>& x = now_.x;
+    record.start = now_.at.hi;
     record.variables = model_.variables();
-    record.end = t;
+    record.end = now_.at;
     record.first_state = x;
-    Mode mode = model_.begin(t.hi, x);
+    now_.mode = model_.begin(now_.at.hi, x);
     // what is set anew there is what it is
-    std::vector<double> low = model_.start_rest();
+    std::vector<double>& low = now_.low = model_.start_rest();
     for (std::size_t i = 0; i < low.size(); ++i)
         if (x[i] != record.first_state[i]) low[i] = 0.0;
     record.first_state = x;
-    if (keep_.what == Keep::What::times) winding_ = model_.winding(t.hi, x);
-    if (!mode.impossible.empty()) return give_up(record, mode, t);
-    enter(record, mode, t, x, {}, true);
-    if (!low.empty() && !mode.still) engine_.carry(low);
-    bool fresh = true, begins = true;
-    int crowded = 0, passes = 0;
+    if (keep_.what == Keep::What::times) winding_ = model_.winding(now_.at.hi, x);
+    if (!now_.mode.impossible.empty()) return;
+    enter(record, now_.mode, now_.at, x, {}, true);
+    if (!low.empty() && !now_.mode.still) engine_.carry(low);
+    low.resize(x.size());
+}
+
+RBDYN_INLINE void Driver::resume(Record& record) {
+    record.start = now_.at.hi;
+    record.variables = model_.variables();
+    record.end = now_.at;
+    record.first_state = now_.x;
+    if (keep_.what == Keep::What::times) winding_ = now_.winding;
+    const bool fresh = now_.fresh;
+    const std::vector<int> fired = std::exchange(now_.fired, {});
+    enter(record, now_.mode, now_.at, now_.x, now_.handled, now_.begins);
+    search_.recall(now_);
+    search_.set_crowded(now_.crowded);
+    if (!now_.mode.still) {
+        engine_.carry(now_.low);
+        engine_.recall(now_.engine);
+    }
+    now_.fresh = fresh;
+    if (fired.empty()) return;
+    // what stopped the run has stopped it
+    record.modes.clear();
+    change(record, fired, nullptr, 0.0);
+    record.first_state = now_.x;
+}
+
+RBDYN_INLINE void Driver::proceed(Record& record, double until) {
+    std::vector<double>& x = now_.x;
+    Instant& t = now_.at;
+    if (!now_.mode.impossible.empty()) return give_up(record, now_.mode);
     // less than this from the end is the end
     const double least = 2.0 * epsilon * std::abs(until);
     while (until - t > least) {
-        if (mode.still) {
-            if (search_.examine_still(record, mode, t, x)) return finish(record, t, Status::stopped_by_event);
+        if (now_.mode.still) {
+            if (search_.examine_still(record, now_.mode, t, x)) return finish(record, t, Status::stopped_by_event);
             if (search_.broken() != nullptr) return break_off(record, t);
             rest(record, t, x, until);
             t = {until, 0.0};
@@ -80,94 +121,126 @@ RBDYN_INLINE void Driver::advance(Record& record, Instant& t, std::vector<double
             return finish(record, t, Status::stopped_by_user);
         const StepStatus step = engine_.step(until);
         if (step != StepStatus::ok) {
-            if (!fresh) record.last_state(x);
-            if (std::string why = model_.impossible(mode, t.hi, x); !why.empty()) {
-                Mode after = mode;
+            if (!now_.fresh && !record.empty()) record.last_state(x);
+            if (std::string why = model_.impossible(now_.mode, t.hi, x); !why.empty()) {
+                Mode after = now_.mode;
                 after.impossible = std::move(why);
-                return give_up(record, after, t);
+                return give_up(record, after);
             }
-            if (++passes > max_crowded || !pass(record, mode, t, x, until))
-                return finish(record, t, Status::not_finite);
-            fresh = true;
+            if (++now_.passes > max_crowded || !pass(record, until)) return finish(record, t, Status::not_finite);
+            now_.fresh = true;
             continue;
         }
         const Piece& piece = engine_.piece();
         const bool is_last = !(until - piece.at(piece.length) > least);
-        const double cut = search_.examine(record, mode, fresh, is_last);
+        const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
         if (cut < 0.0) {
-            store(record, piece, piece.length, fresh);
+            store(record, piece, piece.length, now_.fresh);
             t = piece.at(piece.length);
-            fresh = begins = false;
+            now_.fresh = now_.begins = false;
             continue;
         }
         // a true end of this piece at the event, exact in the engine's own terms
         const Instant at = cut < piece.length ? piece.at(cut) : piece.at(piece.length);
-        store(record, piece, cut, fresh);
+        store(record, piece, cut, now_.fresh);
+        std::vector<double>& low = now_.low;
         engine_.state(cut, x);
-        low_.resize(x.size());
-        engine_.rest(cut, x, low_);
+        low.resize(x.size());
+        engine_.rest(cut, x, low);
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const Instant sum = exact_sum(x[i], low_[i]);
+            const Instant sum = exact_sum(x[i], low[i]);
             x[i] = sum.hi;
-            low_[i] = sum.lo;
+            low[i] = sum.lo;
         }
+        now_.fresh = true;
         if (search_.broken() != nullptr) return break_off(record, at);
-        const std::vector<double> reached = x;
-        crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : crowded + 1;
-        search_.set_crowded(crowded);
+        now_.crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : now_.crowded + 1;
+        search_.set_crowded(now_.crowded);
         t = at;
         if (search_.stops()) {
+            const auto& guards = now_.mode.equations->guards;
             for (int index : search_.fired())
                 // what the equations say beyond is none of the laws
-                if (mode.equations->guards[static_cast<std::size_t>(index)].kind == EventKind::singular)
+                if (guards[static_cast<std::size_t>(index)].kind == EventKind::singular)
                     return finish(record, t, Status::not_finite);
             for (int index : search_.fired()) {
-                const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
+                const Guard& guard = guards[static_cast<std::size_t>(index)];
                 note(record, {guard.kind, guard.subject, search_.direction(index), guard.name}, t);
             }
-            return finish(record, t, Status::stopped_by_event);
-        }
-        std::vector<Happening> happenings;
-        const Equations* before = mode.equations;
-        Mode after = model_.next(mode, search_.fired(), t.hi, x, happenings);
-        if (std::any_of(happenings.begin(), happenings.end(),
-                        [](const Happening& h) { return h.kind == EventKind::singular; }))
-            return finish(record, t, Status::not_finite);
-        if (!after.impossible.empty()) return give_up(record, after, t);
-        // the guards just handled are at their zero, whatever rounding makes of them: those of the same equations,
-        // those of the same surface in others, and watched functions
-        std::vector<bool> handled(after.equations->guards.size(), false);
-        for (int index : search_.fired()) {
-            const Guard& guard = before->guards[static_cast<std::size_t>(index)];
-            if (guard.watch < 0) {
-                if (after.equations == before && !guard.renews) handled[static_cast<std::size_t>(index)] = true;
-                if (const auto surface = before->surface_of(guard))
-                    for (std::size_t g = 0; g < handled.size(); ++g)
-                        handled[g] = handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
-                continue;
+            if (t.hi > stops_from_) {
+                now_.fired = search_.fired();
+                return finish(record, t, Status::stopped_by_event);
             }
-            search_.forget_side(guard);
-            for (std::size_t g = 0; g < handled.size(); ++g)
-                handled[g] = handled[g] || after.equations->guards[g].watch == guard.watch;
-            for (Happening& h : happenings)
-                if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
         }
-        mode = std::move(after);
-        // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event
-        begins = begins && (search_.fires_at_start() || has_not_moved(record, piece, cut, reached));
-        for (const Happening& h : happenings)
-            if (!begins || h.kind == EventKind::watch) note(record, h, t);
-        if (crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_)
-            return finish(record, t, Status::inconsistent);
-        enter(record, mode, t, x, std::move(handled), begins);
-        // the digits beyond doubles of what the event did not set
-        for (std::size_t i = 0; i < x.size(); ++i)
-            if (x[i] != reached[i]) low_[i] = 0.0;
-        if (!mode.still) engine_.carry(low_);
-        fresh = true;
+        if (!change(record, search_.fired(), &piece, cut)) return;
     }
-    const bool stops = search_.settle(record, mode, t, x);
+    const bool stops = search_.settle(record, now_.mode, t, x);
     return finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
+}
+
+RBDYN_INLINE std::vector<int> Driver::without_stops(const std::vector<int>& fired) const {
+    std::vector<int> rest;
+    for (const int index : fired)
+        if (now_.mode.equations->guards[static_cast<std::size_t>(index)].role != GuardRole::stop) rest.push_back(index);
+    return rest;
+}
+
+RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, const Piece* piece, double cut) {
+    std::vector<double>& x = now_.x;
+    const Instant t = now_.at;
+    const std::vector<double> reached = x;
+    std::vector<Happening> happenings;
+    const Equations* before = now_.mode.equations;
+    // what only stops the run changes nothing
+    const std::vector<int> changing = without_stops(fired);
+    const bool has_stops = changing.size() < fired.size();
+    Mode after = changing.empty() ? now_.mode : model_.next(now_.mode, changing, t.hi, x, happenings);
+    if (std::any_of(happenings.begin(), happenings.end(),
+                    [](const Happening& h) { return h.kind == EventKind::singular; })) {
+        finish(record, t, Status::not_finite);
+        return false;
+    }
+    if (!after.impossible.empty()) {
+        give_up(record, after);
+        return false;
+    }
+    // the guards just handled are at their zero, whatever rounding makes of them: those of the same equations,
+    // those of the same surface in others, and watched functions
+    std::vector<bool> handled(after.equations->guards.size(), false);
+    for (int index : fired) {
+        const Guard& guard = before->guards[static_cast<std::size_t>(index)];
+        if (guard.watch < 0) {
+            if (after.equations == before && !guard.renews) handled[static_cast<std::size_t>(index)] = true;
+            if (const auto surface = before->surface_of(guard))
+                for (std::size_t g = 0; g < handled.size(); ++g)
+                    handled[g] = handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
+            continue;
+        }
+        if (guard.role != GuardRole::stop) search_.forget_side(guard);
+        for (std::size_t g = 0; g < handled.size(); ++g)
+            handled[g] = handled[g] || after.equations->guards[g].watch == guard.watch;
+        for (Happening& h : happenings)
+            if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
+    }
+    now_.mode = std::move(after);
+    // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event
+    now_.begins =
+        now_.begins && piece != nullptr && (search_.fires_at_start() || has_not_moved(record, *piece, cut, reached));
+    // where the run was stopped all of it is noted
+    for (const Happening& h : happenings)
+        if (!has_stops && (!now_.begins || h.kind == EventKind::watch)) note(record, h, t);
+    if (now_.crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_) {
+        finish(record, t, Status::inconsistent);
+        return false;
+    }
+    now_.handled = handled;
+    enter(record, now_.mode, t, x, std::move(handled), now_.begins);
+    // the digits beyond doubles of what the event did not set
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (x[i] != reached[i]) now_.low[i] = 0.0;
+    if (!now_.mode.still) engine_.carry(now_.low);
+    now_.fresh = true;
+    return true;
 }
 
 RBDYN_INLINE bool Driver::has_not_moved(const Record& record, const Piece& piece, double place,
@@ -178,7 +251,7 @@ RBDYN_INLINE bool Driver::has_not_moved(const Record& record, const Piece& piece
     return true;
 }
 
-RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) const {
+RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
     record.end = t;
     // what was found at the end of the last piece is not later than the end by its rounding
     for (auto e = record.events.rbegin(); e != record.events.rend() && e->instant - t > 0.0; ++e) {
@@ -187,9 +260,17 @@ RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) const
     }
     record.status = status;
     record.work = engine_.work();
+    if (record.thrown || now_.mode.equations == nullptr) return;
+    now_.at = t;
+    now_.low.resize(now_.x.size());
+    if (!now_.fresh) engine_.standing(now_.x, now_.low);
+    search_.leave(now_);
+    if (!now_.mode.still) now_.engine = engine_.memory();
+    now_.winding = winding_;
+    record.halt = std::make_shared<const Halt>(now_);
 }
 
-RBDYN_INLINE void Driver::break_off(Record& record, Instant t) const {
+RBDYN_INLINE void Driver::break_off(Record& record, Instant t) {
     const Guard& guard = *search_.broken();
     record.not_finite = guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
                         : !guard.name.empty()          ? guard.name
@@ -199,10 +280,12 @@ RBDYN_INLINE void Driver::break_off(Record& record, Instant t) const {
     finish(record, t, Status::not_finite);
 }
 
-RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode, Instant t) const {
+RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode) {
     record.not_finite = mode.impossible;
     if (record.modes.empty()) record.modes.push_back(model_.undecided());
-    finish(record, t, Status::inconsistent);
+    // there is nothing to go on with
+    now_.mode.equations = nullptr;
+    finish(record, now_.at, Status::inconsistent);
 }
 
 RBDYN_INLINE void Driver::enter(Record& record, const Mode& mode, Instant t, std::span<const double> x,
@@ -231,7 +314,10 @@ RBDYN_INLINE void Driver::store(Record& record, const Piece& piece, double lengt
     record.append(piece, length, mode, fresh);
 }
 
-RBDYN_INLINE bool Driver::pass(Record& record, Mode& mode, Instant& t, std::vector<double>& x, double until) {
+RBDYN_INLINE bool Driver::pass(Record& record, double until) {
+    std::vector<double>& x = now_.x;
+    Mode& mode = now_.mode;
+    Instant& t = now_.at;
     std::vector<double> slope(x.size()), bend(x.size());
     const Slope known = model_.slope(mode, t.hi, x, slope, bend);
     const auto n = static_cast<std::size_t>(known.positions);
@@ -258,6 +344,8 @@ RBDYN_INLINE bool Driver::pass(Record& record, Mode& mode, Instant& t, std::vect
     store(record, piece, 1.0, true);
     piece.state(1.0, x);
     t = piece.at(1.0);
+    now_.low.assign(x.size(), 0.0);
+    now_.handled.clear();
     std::vector<Happening> none;
     mode = model_.next(mode, {}, t.hi, x, none);
     enter(record, mode, t, x, {});

@@ -14,6 +14,7 @@
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
+#include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/keep.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/series/piece.hpp"
@@ -43,6 +44,8 @@ public:
     std::vector<double> first_state;
     std::exception_ptr thrown;                 // by a function of the user's
     std::shared_ptr<const ClosedForm> closed;  // which then says what the state is
+    double closed_from = 0.0;                  // s: when it began
+    std::shared_ptr<const Halt> halt;          // what goes on from its end; none if a function of the user's threw
     // where pieces are missing: at the start of each that is kept, what no state says (HybridModel::winding)
     std::vector<std::vector<double>> windings;
 
@@ -63,6 +66,8 @@ public:
     /// Forgets all pieces.
     void clear();
     void drop_last();
+    /// Forgets what was before a time within it, events at that time included: then it starts there.
+    [[gnu::cold]] void drop_before(double t);
 
     /// The piece that holds time t; where two meet, the later one (after) or the earlier one (before).
     std::size_t find(double t, Side side) const;

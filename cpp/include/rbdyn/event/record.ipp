@@ -69,6 +69,26 @@ RBDYN_INLINE void Record::drop_last() {
     if (windings.size() > entries_.size()) windings.resize(entries_.size());
 }
 
+RBDYN_INLINE void Record::drop_before(double t) {
+    if (t <= start || modes.empty()) return;
+    Record rest = *this;
+    rest.clear();
+    rest.windings.clear();
+    rest.start = std::min(t, end.hi);
+    rest.first_state = state_at(*this, rest.start, Side::after);
+    if (!empty()) {
+        for (std::size_t i = t < end.hi ? find(t, Side::after) : entries_.size() - 1; i < entries_.size(); ++i) {
+            // a piece that was before the others which were kept
+            const Piece whole = piece(i);
+            if (entries_.size() > 1 && whole.at(whole.length).hi < t) continue;
+            rest.append(whole, entries_[i].length, entries_[i].mode, entries_[i].after_event);
+            if (i < windings.size()) rest.windings.push_back(windings[i]);
+        }
+    }
+    std::erase_if(rest.events, [&](const Event& e) { return e.time <= t; });
+    *this = std::move(rest);
+}
+
 RBDYN_INLINE std::size_t Record::find(double t, Side side) const {
     const auto later = [&](double time, const Entry& e) {
         return side == Side::after ? time < e.start.hi : time <= e.start.hi;
@@ -117,7 +137,7 @@ RBDYN_INLINE std::vector<double> state_at(const Record& record, double t, Side s
     const auto index = entry_at(record, t, side);
     std::vector<double> x(static_cast<std::size_t>(record.variables));
     if (record.closed) {
-        record.closed->state(exact_difference({t, 0.0}, {record.start, 0.0}), x);
+        record.closed->state(exact_difference({t, 0.0}, {record.closed_from, 0.0}), x);
         return x;
     }
     if (!index) return record.first_state;

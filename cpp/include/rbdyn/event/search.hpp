@@ -20,6 +20,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/passages.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/rough_passages.hpp"
@@ -40,6 +41,9 @@ public:
 
     /// A mode begins. Guards in `handled`, by index, began it with their zero. `begins`: with it the motion.
     void enter(const Mode& mode, std::vector<bool> handled, bool begins);
+    /// What it knows where the run ends, and taken over after enter() by one that goes on.
+    void leave(Halt& halt) const;
+    void recall(const Halt& halt);
     /// A watched function whose zero changed the state may be on any side from here.
     void forget_side(const Guard& guard);
     /// Events that follow each other at one instant are made by rounding: look less closely.
@@ -81,13 +85,7 @@ private:
         bool waits = false;                    // the mode ends there too, and what follows decides whether it passes
         Direction direction() const { return rising ? Direction::rising : Direction::falling; }
     };
-    /// A watched function, kept through the modes.
-    struct Watched {
-        int side = 0;                               // it is on; 0: not known yet
-        int reached = 0;                            // the side it would go to from the zero where the mode began
-        double known_from = 0.0;                    // where on the piece its side becomes known; 0: it is
-        std::optional<double> zero = std::nullopt;  // its value where it fired last
-    };
+    using Watched = WatchedSide;
 
     static void note(Record& record, const Guard& guard, Direction direction, Instant at);
 
@@ -207,6 +205,9 @@ private:
     /// A guard at a place of the piece; `by_piece`: of one that is recorded, at the state the polynomial gives.
     double value_at(const Mode& mode, const Guard& guard, double place, bool by_piece = false);
 
+    /// Whether it is known of a guard that it begins the piece with its zero, and the value of that if it is to be
+    /// compared.
+    void know_zero(const Guard& guard, std::size_t g, bool fresh, Passages::Arrival& arrival);
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
 
     const HybridModel& model_;
@@ -217,6 +218,8 @@ private:
     std::vector<Watched> watched_;  // by watched function
     std::vector<double> ends_;      // values of watched guards at the end of the last piece
     std::vector<bool> handled_;     // guards whose zero began the mode
+    // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
+    std::vector<bool> passed_at_end_, passed_before_;
     std::vector<int> fired_;
     std::vector<Direction> directions_;
     std::vector<Found> found_;

@@ -42,6 +42,24 @@ RBDYN_INLINE void EventSearch::enter(const Mode& mode, std::vector<bool> handled
     zeros_.reset();
     sides_.assign(mode.equations->guards.size(), 0);
     ends_.assign(mode.equations->guards.size(), 0.0);
+    passed_at_end_.clear();
+    passed_before_.clear();
+}
+
+RBDYN_INLINE void EventSearch::leave(Halt& halt) const {
+    halt.watched = watched_;
+    halt.sides = sides_;
+    halt.ends = ends_;
+    halt.handled = handled_;
+    halt.passed = passed_at_end_;
+}
+
+RBDYN_INLINE void EventSearch::recall(const Halt& halt) {
+    watched_ = halt.watched;
+    const std::size_t guards = sides_.size();
+    if (halt.sides.size() == guards) sides_ = halt.sides;
+    if (halt.ends.size() == guards) ends_ = halt.ends;
+    if (halt.passed.size() == guards) passed_before_ = halt.passed;
 }
 
 RBDYN_INLINE void EventSearch::forget_side(const Guard& guard) {
@@ -61,6 +79,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     broken_ = nullptr;
     touch_ = std::numeric_limits<double>::infinity();
     for (Watched& w : watched_) w.known_from = 0.0;
+    passed_at_end_.clear();
     if (guards.empty()) return -1.0;
     const Piece& piece = engine_.piece();
     found_.clear();
@@ -68,6 +87,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     double power = 1.0;
     for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
     for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
+    passed_before_.clear();
     const auto note_doubt = [&](double end) {
         if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);
     };
@@ -108,6 +128,10 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         }
         if (f.breaks) continue;
         side_of(guard) = f.rising ? 1 : -1;
+        if (is_last && !f.is_pole && f.place + std::max(f.near, 16.0 * finest()) >= 1.0) {
+            passed_at_end_.resize(guards.size());
+            passed_at_end_[f.guard] = true;
+        }
         if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
         const double place = f.place * piece.length;
         note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
@@ -149,12 +173,16 @@ RBDYN_INLINE bool EventSearch::settle(Record& record, const Mode& mode, Instant 
     bool stops = false;
     for (const Guard& guard : mode.equations->guards) {
         if (guard.watch < 0 || watched(guard).reached == 0) continue;
-        const int reached = std::exchange(watched(guard).reached, 0);
+        const int reached = watched(guard).reached;
         const Found f{0.0, 0.0, 0.0, 0, reached > 0};
         if (!matches(guard, f)) continue;
         if (const int after = side_after(mode, guard, t, x); after != 0 && after != reached) continue;
         if (guard.output >= 0 && is_level_at(mode, t.hi, x, guard.output)) continue;
         note(record, guard, f.direction(), t);
+        watched(guard).reached = 0;
+        watched(guard).side = reached;
+        passed_at_end_.resize(mode.equations->guards.size());
+        passed_at_end_[static_cast<std::size_t>(&guard - mode.equations->guards.data())] = true;
         stops = stops || guard.role == GuardRole::stop;
     }
     return stops;
@@ -307,12 +335,10 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     if (fresh && !is_watch) side = 1;
     const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
     if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) return;
-    if (!fresh && is_watch && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
-    Passages::Arrival arrival{.side = side, .is_series = !engine_.fits_guards()};
-    if (fresh && handled(g)) {
-        arrival.at_zero = !is_watch;
-        if (is_watch && guard.watch >= 0) arrival.zero = watched(guard).zero;
-    }
+    Passages::Arrival arrival{.is_series = !engine_.fits_guards()};
+    know_zero(guard, g, fresh, arrival);
+    if (!fresh && is_watch && !arrival.at_zero && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
+    arrival.side = side;
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
         arrival.at_zero = begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon);
@@ -439,6 +465,13 @@ RBDYN_INLINE void EventSearch::locate(const Guard& guard, std::size_t g, bool fr
     if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, 0.0, g, false});
 }
 
+RBDYN_INLINE void EventSearch::know_zero(const Guard& guard, std::size_t g, bool fresh, Passages::Arrival& arrival) {
+    if (g < passed_before_.size() && passed_before_[g]) arrival.at_zero = true;
+    if (!fresh || !handled(g)) return;
+    if (!guard.is_watched()) arrival.at_zero = true;
+    if (guard.watch >= 0) arrival.zero = watched(guard).zero;
+}
+
 RBDYN_INLINE double EventSearch::finest() const {
     const Piece& piece = engine_.piece();
     return 4.0 * epsilon * std::abs(piece.at(piece.length).hi) / piece.duration();
@@ -459,10 +492,7 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
     };
     const auto fitted = [&](const series::Coefficients& q, double lo, double hi, double miss) {
         Passages::Arrival arrival{.side = side(), .reach = 0x1p-2, .is_series = false};
-        if (fresh && lo == 0.0 && handled(g)) {
-            arrival.at_zero = !guard.is_watched();
-            if (guard.watch >= 0) arrival.zero = watched(guard).zero;
-        }
+        if (lo == 0.0) know_zero(guard, g, fresh, arrival);
         if (is_last && hi == 1.0)
             arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
         double rounding = 0.0;

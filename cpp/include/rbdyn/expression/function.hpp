@@ -117,6 +117,9 @@ public:
     /// A function from its data. Throws InvalidInput if they are none.
     static Function from_data(int inputs, const std::vector<Node>& nodes, const std::vector<std::int32_t>& outputs,
                               const std::vector<std::string>& names, const std::vector<Parameter>& parameters);
+    /// The same with its parameters first and names in the order in which operations use them: what is compared, and
+    /// written to files.
+    [[gnu::cold]] Function canonical() const;
     /// The operations, one a line.
     std::string text() const;
 
@@ -127,6 +130,8 @@ private:
     static std::size_t at(std::int32_t n) { return static_cast<std::size_t>(n); }
 
     void prepare();
+    /// Whether all operations are the same, in the same order.
+    bool is_same(const Function& other) const;
 
     double cell(std::int32_t index) const;
     const std::string& name(std::int32_t index) const { return recorder_->names()[at(index)]; }

@@ -3,6 +3,7 @@
 
 #include "rbdyn/expression/function.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -98,9 +99,37 @@ RBDYN_INLINE Function Function::distinctions() const {
     return result;
 }
 
+RBDYN_INLINE Function Function::canonical() const {
+    if (!recorder_ || (parameters().empty() && names().empty())) return *this;
+    std::vector<Node> nodes;
+    std::vector<std::string> used_names;
+    std::vector<Parameter> used;
+    for (std::int32_t n = 0; n < size(); ++n) {
+        Node& copy = nodes.emplace_back(node(n));
+        if (copy.operation == Operation::cell) {
+            const Parameter& p = parameters()[at(copy.a)];
+            const auto found = std::find_if(used.begin(), used.end(), [&](const Parameter& q) { return q.is(p); });
+            copy.a = static_cast<std::int32_t>(found - used.begin());
+            if (found == used.end()) used.push_back(p);
+        }
+        if (copy.operation == Operation::sign || copy.operation == Operation::select ||
+            copy.operation == Operation::whole) {
+            const auto found = std::find(used_names.begin(), used_names.end(), name(copy.d));
+            const auto index = static_cast<std::int32_t>(found - used_names.begin());
+            if (found == used_names.end()) used_names.push_back(name(copy.d));
+            copy.d = index;
+        }
+    }
+    return from_data(inputs_, nodes, outputs_, used_names, used);
+}
+
 RBDYN_INLINE bool Function::operator==(const Function& other) const {
     if (recorder_ == other.recorder_) return true;
     if (!recorder_ || !other.recorder_) return false;
+    return is_same(other) || (!parameters().empty() && canonical().is_same(other.canonical()));
+}
+
+RBDYN_INLINE bool Function::is_same(const Function& other) const {
     if (inputs_ != other.inputs_ || outputs_ != other.outputs_ || size() != other.size() || names() != other.names() ||
         parameters().size() != other.parameters().size())
         return false;

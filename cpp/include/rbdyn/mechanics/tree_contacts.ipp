@@ -238,7 +238,7 @@ RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, c
         for (const int k : candidates) every.push_back(conditions_->normal_row(k));
         const bool depends =
             mechanics::independent_rows(*tree_, *conditions_, every, all, rows_.size()).size() < every.size();
-        if (depends && share(before, mode, t, all, candidates, b, noise)) {
+        if (depends && share_load(before, mode, t, all, candidates, b, noise)) {
             choose(mode, t, x, {}, true);
             return;
         }

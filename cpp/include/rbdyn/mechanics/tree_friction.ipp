@@ -200,9 +200,9 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                 // also what an engine's accuracy cannot tell from the least speed stops along its last direction
                 const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning,
                            is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
-                memory.least =
-                    is_least ? std::max(memory.least, slip.norm()) : std::min(memory.least, 0x1p-43 * speed_of(k, all));
-                memory.axis = touching.normal.cross(slip).normalized();
+                if (is_least) memory.least = std::max(memory.least, slip.norm());
+                // where nothing is left of it the last direction is all there is
+                if (slip.norm() > 1e-3 * memory.least) memory.axis = touching.normal.cross(slip).normalized();
                 memory.put(mode.memory, k);
                 mode.slip[at(k)] = mode.slip[at(k)] == mechanics::contact_state::starts
                                        ? mechanics::contact_state::straight
@@ -414,7 +414,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         if (begins)
             is_at_edge =
                 std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2]);
-        mode.slip[at(k)] = is_at_edge ? starts : straight;
+        mode.slip[at(k)] = is_at_edge ? mechanics::contact_state::starts : straight;
     }
     const std::size_t first = rows.size();
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -446,10 +446,10 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
     return hold_by_friction(before, mode, t, touched, found.force, all);
 }
 
-RBDYN_INLINE bool TreeModel::share(const Mode& before, Mode& mode, double t,
-                                   const std::vector<mechanics::Moving<double>>& all,
-                                   const std::vector<int>& candidates, const std::vector<double>& b,
-                                   const std::vector<double>& noise) const {
+RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t,
+                                        const std::vector<mechanics::Moving<double>>& all,
+                                        const std::vector<int>& candidates, const std::vector<double>& b,
+                                        const std::vector<double>& noise) const {
     Touched touched = this->touched(before, all, candidates, {}, false);
     const auto found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
     Mode shared = mode;

@@ -134,9 +134,9 @@ private:
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
               const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
     /// Closes smooth contacts whose forces depend on each other, all of them pushing. Returns whether they can.
-    bool share(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
-               const std::vector<int>& candidates, const std::vector<double>& b,
-               const std::vector<double>& noise) const;
+    bool share_load(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
+                    const std::vector<int>& candidates, const std::vector<double>& b,
+                    const std::vector<double>& noise) const;
     /// Whether the force of a contact that slides, one of many, leaves the motion what it is, `chosen` rows acting too.
     bool makes_no_difference(const Touched& touched, std::size_t one, const std::vector<int>& chosen) const;
     /// Why a contact does not slide on, in words.

@@ -116,6 +116,8 @@ public:
     const Curve& curve() const { return curve_; }
     /// Friction, if any of its coefficients is not zero.
     std::optional<Coulomb> friction() const { return friction_ && friction_->present() ? friction_ : std::nullopt; }
+    /// As it was given, with coefficients that may be zero now.
+    const std::optional<Coulomb>& given_friction() const { return friction_; }
     const TimeFunction& drive() const { return options_.drive; }
     const RigidMotion& motion() const { return options_.motion; }
     RailSide side() const { return options_.side; }

@@ -28,15 +28,24 @@ struct Comparison {
     bool by_rounding = false;        // nothing but rounding decides which events there are
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
     bool stopped = false;            // by whoever was asked whether to proceed
+    ErrorScales scales = {};         // of the motion
+};
+
+/// What there was of a motion before what is compared.
+struct MotionBefore {
+    double origin = 0.0;  // s: where it began
+    ErrorScales scales;
 };
 
 class AccuracyCheck {
 public:
     /// `times`: where to compare; empty: at the middle and the end of every piece, and at more places of few.
     /// `proceed`: asked now and then whether to go on; if not, the result says that nothing is certain.
-    /// `widening`: how much more than what is found is told.
+    /// `widening`: how much more than what is found is told. `before`: of the motion, if what is compared is not all
+    /// of it; it outlives this.
     AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times = {},
-                  std::function<bool(double)> proceed = {}, double widening = 2.0);
+                  std::function<bool(double)> proceed = {}, double widening = 2.0,
+                  const MotionBefore* before = nullptr);
 
     Comparison operator()(const Record& run, const Record& better);
 
@@ -54,8 +63,8 @@ private:
     void note(double time, double weight);
 
     /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
-    /// are.
-    std::vector<Event> in_order(const Record& r) const;
+    /// are. `start`: of the motion.
+    std::vector<Event> in_order(const Record& r, double start) const;
 
     static bool differ(const std::vector<Event>& a, std::size_t i, const std::vector<Event>& b, std::size_t j);
 
@@ -72,6 +81,7 @@ private:
 
     const HybridModel& model_;
     double wanted_, widening_;
+    const MotionBefore* before_;
     std::vector<double> times_, x_, y_;
     std::function<bool(double)> proceed_;
     bool stopped_ = false;

@@ -27,8 +27,14 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE AccuracyCheck::AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times,
-                                          std::function<bool(double)> proceed, double widening)
-    : model_(model), wanted_(wanted), widening_(widening), times_(std::move(times)), proceed_(std::move(proceed)) {}
+                                          std::function<bool(double)> proceed, double widening,
+                                          const MotionBefore* before)
+    : model_(model),
+      wanted_(wanted),
+      widening_(widening),
+      before_(before),
+      times_(std::move(times)),
+      proceed_(std::move(proceed)) {}
 
 RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Record& better) {
     Comparison result;
@@ -36,12 +42,13 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     differences_.clear();
     samples_ = 0;
     scales_.clear();
-    const double start = run.start;
+    if (before_ != nullptr) scales_ = before_->scales;
+    const double start = before_ != nullptr ? before_->origin : run.start;
     const double span = std::max(run.end.hi - start, std::numeric_limits<double>::min());
 
     // times of events
     double uncertain = std::numeric_limits<double>::infinity();
-    const std::vector<Event> ours = in_order(run), theirs = in_order(better);
+    const std::vector<Event> ours = in_order(run, start), theirs = in_order(better, start);
     std::size_t i = 0, j = 0;
     for (; i < ours.size() && j < theirs.size(); ++i, ++j) {
         // a graze that one of them sees as a hold of no length changes nothing
@@ -87,6 +94,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
     result.certain_until = std::min(result.certain_until, uncertain);
     result.stopped = stopped_;
+    result.scales = scales_;
     return result;
 }
 
@@ -141,11 +149,11 @@ RBDYN_INLINE void AccuracyCheck::note(double time, double weight) {
         differences_.push_back({time, weight * (seen_[k].value - fine_[k].value).norm(), static_cast<int>(k)});
 }
 
-RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r) const {
+RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r, double start) const {
     std::vector<Event> events = r.events;
     for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
         for (last = first + 1; last < events.size(); ++last)
-            if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - r.start)) break;
+            if (events[last].time - events[last - 1].time > wanted_ * (events[last].time - start)) break;
         sort_few(std::span(events).subspan(first, last - first), comes_before);
     }
     return events;

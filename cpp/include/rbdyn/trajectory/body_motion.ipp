@@ -236,9 +236,11 @@ RBDYN_INLINE EulerAngles BodyMotion::euler_angles(double t, Side side) const {
             const double* before = record.windings[*index].data() + 3 * place;
             return model.wound(body_, piece, {before[0], before[1], before[2]}, Record::tau(piece, t));
         }
+    const auto index = static_cast<std::size_t>(body_);
+    const std::optional<EulerAngles>& given =
+        index < data_->first_angles.size() ? data_->first_angles[index] : body().attitude.given_angles();
     return data_->angles->at(
-        body_, t, now.attitude, record.start, body().attitude.given_angles(),
-        [&](double time) { return turning(time, Side::after); },
+        body_, t, now.attitude, record.start, given, [&](double time) { return turning(time, Side::after); },
         record.closed ? record.closed->recurrence(body_) : std::nullopt);
 }
 

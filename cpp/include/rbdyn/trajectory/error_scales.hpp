@@ -20,6 +20,10 @@ class ErrorScales {
 public:
     void clear() { scales_.clear(); }
 
+    /// All of it as numbers, and back.
+    std::vector<double> numbers() const;
+    static ErrorScales of(std::span<const double> numbers);
+
     /// Takes what is seen at a time into account.
     void widen(std::span<const Observed> seen);
 
@@ -40,7 +44,7 @@ private:
         bool is_position = false, is_any = false;
         Alike alike = Alike::nothing;
     };
-    static constexpr std::size_t kinds = 5;
+    static constexpr std::size_t kinds = 5, numbers_each = 11;
 
     std::vector<Scale> scales_;
 };

@@ -15,6 +15,31 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+RBDYN_INLINE std::vector<double> ErrorScales::numbers() const {
+    std::vector<double> all;
+    for (const Scale& s : scales_)
+        all.insert(all.end(), {s.low[0], s.low[1], s.low[2], s.high[0], s.high[1], s.high[2], s.size, s.whole, s.drive,
+                               s.is_position ? 1.0 : 0.0, static_cast<double>(s.alike)});
+    return all;
+}
+
+RBDYN_INLINE ErrorScales ErrorScales::of(std::span<const double> numbers) {
+    ErrorScales result;
+    for (std::size_t i = 0; i + numbers_each <= numbers.size(); i += numbers_each) {
+        const auto n = numbers.subspan(i, numbers_each);
+        Scale& s = result.scales_.emplace_back();
+        s.low = {n[0], n[1], n[2]};
+        s.high = {n[3], n[4], n[5]};
+        s.size = n[6];
+        s.whole = n[7];
+        s.drive = n[8];
+        s.is_position = n[9] != 0.0;
+        const double alike = n[10] >= 0.0 && n[10] < static_cast<double>(kinds) ? n[10] : -1.0;
+        s.alike = static_cast<Alike>(static_cast<int>(alike));
+    }
+    return result;
+}
+
 RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
     scales_.resize(seen.size());
     for (std::size_t k = 0; k < seen.size(); ++k) {

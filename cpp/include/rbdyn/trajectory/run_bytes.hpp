@@ -1,13 +1,15 @@
 // A run as bytes beside its scene: what was computed; the plan and the equations are made anew from the scene.
 //
 // Numbers are written as this machine holds them. Equations of modes are found again by the choices they were recorded
-// for, so bytes are read by the version of the library that wrote them.
+// for, so bytes are read by the version of the library that wrote them. A checksum over them and over the text of the
+// scene tells what was changed or cut short; what is read is checked all the same, so that no bytes do harm.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,7 +18,9 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/event/course.hpp"
 #include "rbdyn/event/event.hpp"
+#include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/scene_model.hpp"
@@ -29,7 +33,10 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace run_bytes {
 
-inline constexpr std::string_view head = "rbdyn run 2", state_head = "rbdyn state run 2";
+inline constexpr std::string_view head = "rbdyn run 3", state_head = "rbdyn state run 3";
+
+/// CRC-32 (ISO 3309), as zlib has it.
+[[gnu::cold]] std::uint32_t checksum(std::string_view bytes);
 
 /// Bytes that are written one after the other.
 class Writer {
@@ -43,6 +50,7 @@ public:
         bytes.append(first, sizeof(T));
     }
     void put(std::string_view text);
+    void put(const std::vector<bool>& values);
     template <class T>
     void put(const std::vector<T>& values) {
         put(values.size());
@@ -50,42 +58,83 @@ public:
     }
 };
 
-/// And read in the same order. Throws InvalidInput where there are too few.
+/// And read in the same order. Throws InvalidInput where there are too few, or what they say cannot be.
 class Reader {
 public:
     explicit Reader(std::string_view bytes) : bytes_(bytes) {}
 
     template <class T>
     requires std::is_trivially_copyable_v<T> T take() {
-        T value;
-        std::memcpy(&value, some(sizeof(T)).data(), sizeof(T));
-        return value;
+        if constexpr (std::is_same_v<T, bool>) {
+            const auto byte = take<unsigned char>();
+            require(byte <= 1, "a flag is neither true nor false");
+            return byte == 1;
+        } else {
+            T value;
+            std::memcpy(&value, some(sizeof(T)).data(), sizeof(T));
+            return value;
+        }
     }
     template <class T>
     void take(T& value) {
         value = take<T>();
     }
+    /// A word of an enumeration from 0 to `last`.
+    template <class T>
+    T word(T last) {
+        using Number = std::underlying_type_t<T>;
+        const auto number = take<Number>();
+        require(number >= 0 && number <= static_cast<Number>(last), "a word is none of its list");
+        return static_cast<T>(number);
+    }
+    /// A whole number within limits.
+    template <class T>
+    T whole(T lowest, T highest) {
+        const T number = take<T>();
+        require(number >= lowest && number <= highest, "a number is out of range");
+        return number;
+    }
+    /// A count of things that take so many bytes each.
+    std::size_t count(std::size_t each) {
+        const auto number = take<std::size_t>();
+        require(number <= bytes_.size() / each, "they end too soon");
+        return number;
+    }
     std::string text() { return std::string(some(take<std::size_t>())); }
     template <class T>
     std::vector<T> list() {
-        const auto count = take<std::size_t>();
-        if (count > bytes_.size()) refuse();
-        std::vector<T> values(count);
+        std::vector<T> values(count(sizeof(T)));
         for (T& value : values) value = take<T>();
         return values;
     }
-    [[noreturn]] static void refuse();
+    std::vector<bool> flags() {
+        std::vector<bool> values(count(1));
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = take<bool>();
+        return values;
+    }
+    std::string_view rest() const { return bytes_; }
+    static void require(bool condition, std::string_view otherwise) {
+        if (!condition) refuse(otherwise);
+    }
+    [[noreturn, gnu::cold]] static void refuse(std::string_view why);
 
 private:
     std::string_view some(std::size_t count);
     std::string_view bytes_;
 };
 
+/// What a run is of: the limits of what its bytes may say.
+struct Limits {
+    const SceneModel* model = nullptr;  // none: one of the user's own
+    std::shared_ptr<const ClosedForm> closed = nullptr;
+    int bodies = 0, contacts = 0;
+};
+
 void put(Writer& w, const Statistics& s);
 Statistics take_statistics(Reader& r);
 
 void put(Writer& w, const Event& e);
-Event take_event(Reader& r);
+Event take_event(Reader& r, const Limits& limits);
 
 /// A choice that equations were recorded for.
 struct Choice {
@@ -96,6 +145,12 @@ struct Choice {
 void put(Writer& w, const Mode& mode);
 /// A mode that a motion is in at a time, at a state. No model: one that was put without its equations.
 Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x);
+
+/// Where it has come to; with `model` that of a scene.
+void put(Writer& w, const Halt& halt);
+Halt take_halt(Reader& r, const SceneModel& model);
+void put(Writer& w, const std::optional<simulating::Course>& course);
+std::optional<simulating::Course> take_course(Reader& r, const SceneModel& model);
 
 /// What is kept of an entry, one by one: what lies between its fields in memory is nobody's.
 template <class Entry, class Visit>
@@ -108,7 +163,7 @@ void each_field(Entry& e, const Visit& visit) {
     visit(e.after_event);
 }
 void put(Writer& w, const Record& record);
-Record take_record(Reader& r, const SceneModel* model, const std::shared_ptr<const ClosedForm>& closed);
+Record take_record(Reader& r, const Limits& limits);
 
 void put(Writer& w, const RunData& data);
 RunData take_run(Reader& r, Scene scene, Plan plan);

@@ -8,14 +8,18 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/event/course.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/scene_model.hpp"
+#include "rbdyn/options.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
+#include "rbdyn/trajectory/error_scales.hpp"
 #include "rbdyn/trajectory/euler_track.hpp"
 #include "rbdyn/trajectory/events.hpp"
 #include "rbdyn/trajectory/statistics.hpp"
@@ -34,6 +38,12 @@ struct RunData {
     std::optional<double> error;  // estimated global error, relative to the motion's scales
     double certain_until = 0.0;
     Statistics statistics;
+    SimulateOptions asked;  // for it, but whom it told how far it was
+    double origin = 0.0;    // s: where the motion began that it goes on with; its own start if it goes on with none
+    // what goes on from its end (integrate.hpp): the run, the better one it was held against, the scales of the motion
+    std::optional<simulating::Course> course, judge;
+    ErrorScales scales;
+    std::vector<std::optional<EulerAngles>> first_angles;  // by body, of a run that goes on with another
     std::shared_ptr<EulerTrack> angles = std::make_shared<EulerTrack>();
 };
 

@@ -315,8 +315,7 @@ RBDYN_INLINE const std::vector<double>& Trajectory::start_lengths() const {
         lengths.resize(data_->scene.connections().size());
         const auto of = [&](const RunData& run) {
             const SceneModel& model = *run.model;
-            return model.system_report(model.undecided(), run.record.start, model.start(run.record.start),
-                                       Asked::motion);
+            return model.system_report(model.undecided(), run.origin, model.start(run.origin), Asked::motion);
         };
         std::vector<SystemReport> parts;
         if (data_->parts.empty()) parts.push_back(of(*data_));

@@ -1,0 +1,152 @@
+// Scenes as data: texts of files, and the handles that a scene has.
+#include "files.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <random>
+#include <rbdyn/file/scene_file.hpp>
+#include <utility>
+#include <variant>
+
+namespace binding {
+
+namespace {
+
+/// Handles as data: what they are of is where they stand.
+template <class H>
+py::list data_of(const std::vector<H>& handles) {
+    py::list result;
+    for (const H& h : handles) result.append(py::make_tuple(h.id, h.name));
+    return result;
+}
+template <class H>
+std::vector<H> handles_from(const py::handle& data, Handle::Of of, std::size_t count) {
+    std::vector<H> result;
+    for (const py::handle item : data) {
+        const auto pair = item.cast<std::pair<std::uint64_t, std::string>>();
+        result.push_back(H{{of, static_cast<int>(result.size()), pair.first, pair.second}});
+    }
+    if (result.size() != count)
+        throw InvalidInput("Scene: its data have " + std::to_string(result.size()) + " handles of what there are " +
+                           std::to_string(count) + "; they are of another scene");
+    return result;
+}
+
+}  // namespace
+
+Handle new_handle(Handle::Of of, int index, std::string name) {
+    // from a start of its own in every process, so that handles of unpickled scenes meet no others
+    static std::atomic<std::uint64_t> last{[] {
+        std::random_device device;
+        return (static_cast<std::uint64_t>(device()) << 32) ^ device();
+    }()};
+    return {of, index, ++last, std::move(name)};
+}
+
+bool has_coupling_named(const BoundScene& scene, const std::string& name) {
+    const auto& couplings = scene.handles.couplings;
+    return std::any_of(couplings.begin(), couplings.end(), [&](const auto& c) { return c.name == name; });
+}
+
+CouplingHandle add_coupling(BoundScene& self, int index) {
+    const auto& bodies = self.handles.bodies;
+    const auto& coupling = self.scene.connections()[static_cast<std::size_t>(index)].coupling;
+    int number = index;
+    std::string name;
+    do name = std::string(kind_of(coupling)) + " " + std::to_string(++number);
+    while (has_coupling_named(self, name) ||
+           std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) { return body.name == name; }));
+    return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, index, name)});
+}
+
+LoadHandle add_load(BoundScene& self, int index) {
+    const char* kinds[] = {"force ",  "potential ",      "Lorentz force ", "drag ",
+                           "torque ", "torsion spring ", "joint torque ",  "joint force "};
+    const auto& load = self.scene.loads()[static_cast<std::size_t>(index)].load;
+    return self.handles.loads.emplace_back(
+        LoadHandle{new_handle(Handle::Of::load, index, kinds[load.index()] + std::to_string(index + 1))});
+}
+
+BoundScene bound(rbdyn::Scene scene) {
+    BoundScene s{std::move(scene), {}};
+    const auto add = [](auto& handles, Handle::Of of, const auto& things) {
+        using H = typename std::decay_t<decltype(handles)>::value_type;
+        for (const auto& thing : things)
+            handles.push_back(H{new_handle(of, static_cast<int>(handles.size()), thing.name)});
+    };
+    add(s.handles.bodies, Handle::Of::body, s.scene.bodies());
+    add(s.handles.watches, Handle::Of::watch, s.scene.watches());
+    add(s.handles.constraints, Handle::Of::constraint, s.scene.constraints());
+    add(s.handles.contacts, Handle::Of::contact, s.scene.contacts());
+    for (int i = 0; i < static_cast<int>(s.scene.connections().size()); ++i) add_coupling(s, i);
+    for (int i = 0; i < static_cast<int>(s.scene.loads().size()); ++i) add_load(s, i);
+    return s;
+}
+
+py::typing::Dict<py::str, Handle> handles_by_name(const BoundScene& s) {
+    py::typing::Dict<py::str, Handle> result;
+    const auto add = [&](const auto& handles) {
+        for (const auto& h : handles)
+            if (!result.contains(h.name)) result[py::str(h.name)] = py::cast(h);
+    };
+    add(s.handles.bodies);
+    add(s.handles.watches);
+    add(s.handles.constraints);
+    add(s.handles.contacts);
+    add(s.handles.couplings);
+    add(s.handles.loads);
+    return result;
+}
+
+std::vector<py::object> parameters_of(const BoundScene& s) {
+    std::vector<py::object> result;
+    for (const rbdyn::Parameter& p : rbdyn::text_and_parameters(s.scene).second) result.push_back(parameter_object(p));
+    return result;
+}
+
+py::tuple handles_state(const Handles& handles) {
+    return py::make_tuple(data_of(handles.bodies), data_of(handles.loads), data_of(handles.couplings),
+                          data_of(handles.watches), data_of(handles.constraints), data_of(handles.contacts));
+}
+
+Handles handles_from_state(const py::tuple& state, const rbdyn::Scene& scene) {
+    if (state.size() != 6) throw InvalidInput("Scene: its data have no handles of six kinds");
+    return {handles_from<BodyHandle>(state[0], Handle::Of::body, scene.bodies().size()),
+            handles_from<LoadHandle>(state[1], Handle::Of::load, scene.loads().size()),
+            handles_from<CouplingHandle>(state[2], Handle::Of::coupling, scene.connections().size()),
+            handles_from<WatchHandle>(state[3], Handle::Of::watch, scene.watches().size()),
+            handles_from<ConstraintHandle>(state[4], Handle::Of::constraint, scene.constraints().size()),
+            handles_from<ContactHandle>(state[5], Handle::Of::contact, scene.contacts().size())};
+}
+
+py::tuple scene_state(const BoundScene& s) {
+    try {
+        const auto [text, parameters] = rbdyn::text_and_parameters(s.scene);
+        // as objects: what is pickled with them keeps them
+        py::list objects;
+        for (const rbdyn::Parameter& p : parameters) objects.append(parameter_object(p));
+        return py::make_tuple(text, objects, handles_state(s.handles));
+    } catch (const InvalidInput& e) {
+        // as everything that cannot be pickled
+        throw py::type_error(e.what());
+    }
+}
+
+BoundScene scene_from_state(const py::tuple& state) {
+    if (state.size() != 3) throw InvalidInput("Scene: its data are not those of a scene");
+    rbdyn::Scene scene =
+        rbdyn::scene_from(state[0].cast<std::string>(), "scene", state[1].cast<std::vector<rbdyn::Parameter>>());
+    Handles handles = handles_from_state(state[2].cast<py::tuple>(), scene);
+    return {std::move(scene), std::move(handles)};
+}
+
+void bind_files(py::module_& m) {
+    m.def(
+        "_scene_text", [](const BoundScene& s) { return rbdyn::text_of(s.scene); }, py::arg("scene"));
+    m.def(
+        "_scene_from",
+        [](const std::string& text, const std::string& document) { return bound(rbdyn::scene_from(text, document)); },
+        py::arg("text"), py::arg("document"));
+}
+
+}  // namespace binding

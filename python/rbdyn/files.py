@@ -1,0 +1,198 @@
+"""Scenes and runs as files."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rbdyn import _core
+from rbdyn.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from rbdyn._core import Scene, Trajectory
+
+SCENES = (".json",)
+RUNS = (".npz", ".h5", ".hdf5")
+RUN_FORMAT, RUN_VERSION = "rbdyn run", 1
+
+
+def save(thing: Scene | Trajectory, path: str | os.PathLike[str]) -> None:
+    """Writes a scene to a .json file, or a run to .npz or .h5, which needs h5py.
+
+    What was there is replaced once all is written. Raises InvalidInput for a function that is called back, another
+    suffix, and where the system refuses.
+    """
+    place = Path(path)
+    if isinstance(thing, _core.Scene):
+        _require_suffix(place, SCENES, "a scene")
+        _write(place, _core._scene_text(thing).encode())
+    elif isinstance(thing, _core.Trajectory):
+        _require_suffix(place, RUNS, "a run")
+        content = io.BytesIO()
+        (_save_npz if place.suffix.lower() == ".npz" else _save_h5)(content, _contents(thing))
+        _write(place, content.getvalue())
+    else:
+        raise InvalidInput(f"save: {thing!r} is neither a scene nor a run")
+
+
+def load(path: str | os.PathLike[str]) -> Any:
+    """Reads what save() wrote: a scene, equal to what it was, or a run that answers as it did.
+
+    The handles of a run's scene are good for the run that is read; a scene that is read has new ones, by name in its
+    `handles`. Raises InvalidInput for what is none, with the place in the file.
+    """
+    place = Path(path)
+    _require_suffix(place, SCENES + RUNS, "a scene or a run")
+    try:
+        content = place.read_bytes()
+    except OSError as problem:
+        raise InvalidInput(f"load: {str(place)!r} cannot be read: {problem.strerror}") from None
+    if place.suffix.lower() in SCENES:
+        try:
+            text = content.decode()
+        except UnicodeDecodeError as problem:
+            raise InvalidInput(f"{place}: it is no text: {problem}") from None
+        return _core._scene_from(text, str(place))
+    read = _load_npz if place.suffix.lower() == ".npz" else _load_h5
+    try:
+        return _run_from(read(io.BytesIO(content)))
+    except InvalidInput as problem:
+        raise InvalidInput(f"{place}: {problem}") from None
+    except ImportError:
+        raise
+    except Exception as problem:  # whatever libraries say of a file that was changed or cut short
+        raise InvalidInput(f"{place}: it is no run that save() wrote: {type(problem).__name__}: {problem}") from None
+
+
+def _contents(run: Trajectory) -> dict[str, Any]:
+    """What a file has of a run: texts, and arrays. `scene`, `handles` and `state` are what it is read from."""
+    try:
+        scene, state = run.__getstate__()
+        text, _, handles = scene.__getstate__()
+    except TypeError as problem:
+        raise InvalidInput(f"save: {problem}") from None
+    about = {
+        "format": RUN_FORMAT,
+        "version": RUN_VERSION,
+        "rbdyn": _core.__version__,
+        "status": run.status,
+        "start": run.start,
+        "end": run.end,
+        "certain_until": run.certain_until,
+        "engine": run.engine,
+        "error": run.error,
+    }
+    statistics = {
+        name: getattr(run.statistics, name)
+        for name in dir(run.statistics)
+        if not name.startswith("_") and isinstance(getattr(run.statistics, name), (int, float))
+    }
+    known = json.dumps(handles)
+    return {
+        "about": json.dumps(about | {"checksum": _checksum(text, known, state)}),
+        "scene": text,
+        "plan": str(run.plan),
+        "statistics": json.dumps(statistics),
+        "handles": known,
+        "state": np.frombuffer(state, dtype=np.uint8),
+        "t": run.t,
+        "event_time": np.array([e.time for e in run.events]),
+        "event_kind": np.array([e.kind for e in run.events], dtype=str),
+        "event_name": np.array([e.name for e in run.events], dtype=str),
+        "event_direction": np.array([e.direction for e in run.events], dtype=str),
+    }
+
+
+def _run_from(contents: dict[str, Any]) -> Trajectory:
+    about = json.loads(contents["about"])
+    if not isinstance(about, dict) or about.get("format") != RUN_FORMAT:
+        raise InvalidInput(f'it is no run: its "format" would be "{RUN_FORMAT}"')
+    if about.get("version") != RUN_VERSION or about.get("rbdyn") != _core.__version__:
+        raise InvalidInput(
+            f"it was written by rbdyn {about.get('rbdyn')!s:.20}, version {about.get('version')!s:.20} of the format; "
+            f"this is {_core.__version__}, which reads its own runs, of version {RUN_VERSION}; scenes are for all"
+        )
+    if about.get("checksum") != _checksum(contents["scene"], contents["handles"], contents["state"]):
+        raise InvalidInput("it was changed or cut short: its checksum is not that of what is in it")
+    handles = tuple([tuple(handle) for handle in kind] for kind in json.loads(contents["handles"]))
+    scene = _core.Scene.__new__(_core.Scene)
+    scene.__setstate__((contents["scene"], [], handles))
+    run = _core.Trajectory.__new__(_core.Trajectory)
+    run.__setstate__((scene, contents["state"]))
+    return run
+
+
+def _checksum(scene: str, handles: str, state: bytes) -> int:
+    return zlib.crc32(state, zlib.crc32(handles.encode(), zlib.crc32(scene.encode())))
+
+
+def _save_npz(file: io.BytesIO, contents: dict[str, Any]) -> None:
+    np.savez_compressed(file, allow_pickle=False, **contents)
+
+
+def _load_npz(file: io.BytesIO) -> dict[str, Any]:
+    with np.load(file, allow_pickle=False) as archive:
+        texts = {name: str(archive[name]) for name in ("about", "scene", "handles")}
+        return {**texts, "state": _bytes(archive["state"])}
+
+
+def _save_h5(file: io.BytesIO, contents: dict[str, Any]) -> None:
+    h5py = _h5py()
+    with h5py.File(file, "w", libver="latest") as h5:
+        for name, value in contents.items():
+            if isinstance(value, str):
+                h5.create_dataset(name, data=value, dtype=h5py.string_dtype())
+            elif value.dtype.kind == "U":
+                h5.create_dataset(name, data=value.astype(object), dtype=h5py.string_dtype())
+            elif value.size:
+                h5.create_dataset(name, data=value, compression="gzip", fletcher32=True)
+            else:
+                h5.create_dataset(name, data=value)
+        for name, value in json.loads(contents["about"]).items():
+            h5.attrs[name] = np.nan if value is None else value
+
+
+def _load_h5(file: io.BytesIO) -> dict[str, Any]:
+    with _h5py().File(file, "r") as h5:
+        texts = {name: h5[name].asstr()[()] for name in ("about", "scene", "handles")}
+        return {**texts, "state": _bytes(h5["state"][()])}
+
+
+def _h5py() -> Any:
+    try:
+        import h5py  # type: ignore[import-not-found,import-untyped,unused-ignore]
+    except ImportError:
+        raise ImportError("files that end with .h5 need h5py: pip install h5py; .npz needs nothing more") from None
+    return h5py
+
+
+def _bytes(state: npt.NDArray[Any]) -> bytes:
+    if state.dtype != np.uint8:
+        raise InvalidInput(f"its state is of {state.dtype}; it is bytes")
+    return state.tobytes()
+
+
+def _write(place: Path, content: bytes) -> None:
+    """A file, whole or not at all: what was there stays until all of it is written."""
+    part = place.with_name(place.name + ".part")
+    try:
+        part.write_bytes(content)
+        part.replace(place)
+    except OSError as problem:
+        part.unlink(missing_ok=True)
+        raise InvalidInput(f"save: {str(place)!r} cannot be written: {problem.strerror}") from None
+
+
+def _require_suffix(place: Path, known: tuple[str, ...], what: str) -> None:
+    if place.suffix.lower() not in known:
+        raise InvalidInput(
+            f"{str(place)!r} ends with {place.suffix!r}; {what} is a file that ends with {', '.join(known)}"
+        )
