@@ -1,12 +1,15 @@
-"""Random bodies that fall, strike and rock: nothing goes through anything, and no impact gains energy."""
+"""Random bodies that fall, strike, rock, slide and roll: nothing goes through anything, and no energy is gained."""
 
 import numpy as np
 import pytest
 import rbdyn as rb
 
 
-def scene_of(seed):
-    """Particles, rectangles in a plane and boxes in space over a floor, some between walls; and its contacts."""
+def scene_of(seed, coefficients=None):
+    """Particles, rectangles in a plane and boxes in space over a floor, some between walls; and its contacts.
+
+    With friction if there are coefficients to draw from.
+    """
     random = np.random.default_rng(seed)
     scene = rb.Scene(gravity=[0, -9.81, 0])
     floor = rb.Plane([0, 1, 0])
@@ -16,7 +19,12 @@ def scene_of(seed):
     contacts = []
 
     def touch(part, surface):
-        contacts.append(scene.contact(part, surface, restitution=float(random.choice([0, 0, 0.3, 0.7, 1.0]))))
+        restitution = float(random.choice([0, 0, 0.3, 0.7, 1.0]))
+        friction = None
+        if coefficients is not None:
+            static = float(random.choice(coefficients))
+            friction = rb.Coulomb(static, static * float(random.choice([0.5, 1.0])))
+        contacts.append(scene.contact(part, surface, restitution=restitution, friction=friction))
 
     for k in range(random.integers(1, 3)):
         x, y = k * 1.5 - 1, random.uniform(0.8, 2)
@@ -61,3 +69,30 @@ def test_nothing_goes_through_and_no_energy_is_gained(first):
         assert min(run[c].gap(t).min() for c in contacts) > -1e-12, seed
         forces = np.array([run[c].force(t) for c in contacts])
         assert np.isfinite(forces).all(), seed
+
+
+@pytest.mark.parametrize("first", [0, 15, 30])
+def test_friction_stays_in_its_cones(first):
+    t = np.linspace(0, 2, 41)
+    explained = 0
+    for seed in range(first, first + 15):
+        scene, contacts = scene_of(seed, [0.1, 0.3, 0.7])
+        try:
+            run = rb.simulate(scene, until=2.0, rtol=1e-12)
+        except rb.IntegrationError as failure:
+            # no motion, and it says why
+            assert failure.run.status == "inconsistent" and "contact" in str(failure), (seed, str(failure))
+            run = failure.run
+            explained += 1
+        times = t[t <= run.end]
+        energy = run.energy(times)
+        assert np.diff(energy).max(initial=0.0) < 1e-11 * abs(energy).max(), seed
+        for c in contacts:
+            assert run[c].gap(times).min() > -1e-12, seed
+            force = run[c].force(times)
+            normal = force[:, [1]] * [0, 1, 0] if abs(force[:, 0]).max() <= abs(force[:, 1]).max() else None
+            assert np.isfinite(force).all(), seed
+            if normal is not None:
+                across = np.linalg.norm(force - normal, axis=1)
+                assert (across <= 0.7 * force[:, 1] + 1e-9 * abs(force).max()).all(), seed
+    assert explained <= 2
