@@ -87,6 +87,8 @@ private:
     Keep keep_;
     Monitor monitor_;
     EventSearch search_;
+    std::int64_t changes_ = 0;  // of modes, so far
+    Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it
     double stops_from_;
     mutable std::size_t kept_ = 0;

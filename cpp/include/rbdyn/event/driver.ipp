@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
@@ -229,6 +230,16 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     // where the run was stopped all of it is noted
     for (const Happening& h : happenings)
         if (!has_stops && (!now_.begins || h.kind == EventKind::watch)) note(record, h, t);
+    // what goes on switching without getting on has no smooth motion
+    if (++changes_ % 1000 == 0) {
+        if (changes_ > 1000 && t - chattered_ < 1e-9 * (t.hi - record.start)) {
+            record.not_finite =
+                "it goes on switching without getting on, a thousand times within " + text(t - chattered_) + " s";
+            finish(record, t, Status::inconsistent);
+            return false;
+        }
+        chattered_ = t;
+    }
     if (now_.crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_) {
         finish(record, t, Status::inconsistent);
         return false;

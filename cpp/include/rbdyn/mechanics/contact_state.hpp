@@ -16,8 +16,8 @@ namespace mechanics {
 /// Open (flies); closed and smooth: it pushes, or rests, its force one of many that the motion does not
 /// determine. Closed and rough: it slides, in
 /// a direction that stays what it is across the normal, in one that turns, or, where the speed is so small that its
-/// direction is rounding, in the last direction there was, or, where it starts from the edge of what holds it, in that
-/// of the force that breaks it away; or it is held, along those of the world's axes that are rows of their own.
+/// direction is rounding, in the last direction there was, or, where it starts from rest, in that of its first
+/// acceleration; or it is held, along those of the world's axes that are rows of their own.
 namespace contact_state {
 
 inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, held = 8;

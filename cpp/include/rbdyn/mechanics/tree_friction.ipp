@@ -272,8 +272,12 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
     using mechanics::contact_state::is_held;
-    std::vector<int> at_rest = fired.stopping;
-    at_rest.insert(at_rest.end(), fired.stuck.begin(), fired.stuck.end());
+    std::vector<int> at_rest = fired.stuck;
+    // what has left its last direction by more than rounding has not stopped
+    for (const int k : fired.stopping)
+        if (conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm() <=
+            16.0 * mechanics::ContactMemory::of(before.memory, k).least)
+            at_rest.push_back(k);
     // what was held is at rest, unless an impact has moved it
     for (int k = 0; k < contacts(); ++k)
         if (is_held(before.slip[at(k)]) && before.jumps == mode.jumps) at_rest.push_back(k);
@@ -404,17 +408,13 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
                           force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
             one.along = (rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]) ? rate : Vector3(-force)).normalized();
         }
-        bool is_at_edge = false;
         double fastest = speed_of(k, all), size = 0.0;
         for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j)
             size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
         memory.axis = one.at.normal.cross(one.along);
         memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
         memory.put(mode.memory, k);
-        if (begins)
-            is_at_edge =
-                std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2]);
-        mode.slip[at(k)] = is_at_edge ? mechanics::contact_state::starts : straight;
+        mode.slip[at(k)] = begins ? mechanics::contact_state::starts : straight;
     }
     const std::size_t first = rows.size();
     for (std::size_t i = 0; i < candidates.size(); ++i) {
