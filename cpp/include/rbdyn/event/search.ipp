@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -110,7 +111,10 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         side_of(guard) = f.rising ? 1 : -1;
         if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
         const double place = f.place * piece.length;
-        note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
+        if (guard.least == 0.0)
+            note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
+        else if (const auto least = least_near(guard, f.guard, place); least && (cut < 0.0 || *least <= cut))
+            note(record, guard, Direction::either, piece.at(*least));
     }
     // what a guard that fired is where it did, so that it is known again
     for (const int g : fired_)
@@ -259,6 +263,28 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
         if (!(std::abs(place - cut) < 1e-3 * piece.length) || place == cut || place == 0.0) break;
     }
     return cut;
+}
+
+RBDYN_INLINE std::optional<double> EventSearch::least_near(const Guard& guard, std::size_t g, double place) const {
+    const double* c = engine_.guard(static_cast<int>(g));
+    const double length = engine_.piece().length;
+    double x = place;
+    for (int iteration = 0; iteration < 8; ++iteration) {
+        double slope = 0.0, bend = 0.0;
+        for (int k = degree_; k >= 1; --k) {
+            if (k >= 2) bend = bend * x + k * (k - 1) * c[k];
+            slope = slope * x + k * c[k];
+        }
+        const double step = -slope / bend;
+        // it may lie a little beyond the end of the piece
+        if (!(bend > 0.0) || !(std::abs(x + step - place) < 0.125 * length)) return std::nullopt;
+        x += step;
+        if (std::abs(step) <= 4.0 * epsilon * length) break;
+    }
+    double value = 0.0;
+    for (int k = degree_; k >= 0; --k) value = value * x + c[k];
+    if (!(value <= 0.999 * guard.least)) return std::nullopt;
+    return x;
 }
 
 RBDYN_INLINE const Evaluator<double>& EventSearch::evaluated(const Mode& mode, double place, bool by_piece) {

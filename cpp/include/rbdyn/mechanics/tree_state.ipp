@@ -79,7 +79,7 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
                                        tree.point<double>(*end, moving).arm);
     }
     for (int i = 0; i < exerted.loads(); ++i) powers.push_back(*next++);
-    const std::span<const double> along(next, at(tree.velocities()));
+    along.assign(next, next + tree.velocities());
     next += tree.velocities();
     std::vector<double> multipliers(at(conditions.rows()), 0.0);
     for (const int r : rows) multipliers[at(r)] = *next++;

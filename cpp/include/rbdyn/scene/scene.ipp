@@ -131,11 +131,10 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint,
     name = named(std::move(name), "body");
     require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
     require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
-    const Vector3 e = direction(joint.axis);
-    const Matrix3 about = body.inertia(joint.point);
-    const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
-    require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
-            "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
+    if (joint.motion) {
+        require(start.angle == 0.0, name, "angle", start.angle, "a driven joint starts where its motion does");
+        require(start.rate == 0.0, name, "rate", start.rate, "a driven joint has the rate of its motion");
+    }
     return add({.body = body,
                 .joint = joint,
                 .parameter = start.angle,
@@ -151,6 +150,11 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint
     require(std::isfinite(start.displacement), name, "displacement", start.displacement,
             "a displacement is finite; give it in m");
     require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
+    if (joint.motion) {
+        require(start.displacement == 0.0, name, "displacement", start.displacement,
+                "a driven joint starts where its motion does");
+        require(start.rate == 0.0, name, "rate", start.rate, "a driven joint has the rate of its motion");
+    }
     return add({.body = body,
                 .joint = joint,
                 .parameter = start.displacement,
@@ -246,6 +250,8 @@ RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<V
     if (const Drag* drag = std::get_if<Drag>(&load)) drag->validate();
     if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
     if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) spring->validate();
+    if (const JointTorque* torque = std::get_if<JointTorque>(&load)) torque->validate("JointTorque", "N m");
+    if (const JointForce* force = std::get_if<JointForce>(&load)) force->validate("JointForce", "N");
     loads_.push_back({std::move(load), body.index, at});
     plan_.forget();
     return {static_cast<int>(loads_.size()) - 1};
