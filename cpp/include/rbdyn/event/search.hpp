@@ -115,9 +115,11 @@ private:
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better. A guard
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
-    /// Where on the piece a guard that sinks below zero at a place has its `least`, in units of the piece; none: it does
-    /// not sink so far.
-    std::optional<double> least_near(const Guard& guard, std::size_t g, double place) const;
+    /// Notes the guards that sink to their `least` on the piece up to a cut (-1: its end), and rise again.
+    void note_least(Record& record, const Mode& mode, double cut);
+    /// Where near a place of the piece, in its units, a value is least, if that is 1 at most; c: its series, if known.
+    template <class F>
+    std::optional<double> least_near(const F& exact, const double* c, double place) const;
 
     /// The state that the polynomial of the engine's piece gives; until it is asked for the next time.
     std::span<const double> state_of_piece(double tau);

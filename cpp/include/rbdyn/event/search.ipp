@@ -68,12 +68,14 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     degree_ = std::min(engine_.guard_order(), series::max_degree);
     double power = 1.0;
     for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
-    for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
+    for (std::size_t g = 0; g < guards.size(); ++g)
+        if (guards[g].least == 0.0) seek(mode, guards, g, fresh, is_last);
     const auto note_doubt = [&](double end) {
         if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);
     };
     if (found_.empty()) {
         note_doubt(piece.length);
+        note_least(record, mode, -1.0);
         return -1.0;
     }
     sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
@@ -99,6 +101,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (Watched& w : watched_)
         if (w.known_from > 0.0 && cut >= 0.0 && w.known_from * piece.length >= cut) w.side = 0;
     note_doubt(cut >= 0.0 ? cut : piece.length);
+    note_least(record, mode, cut);
     for (const Found& f : found_) {
         // what comes after the end of the mode is found again in the next one, by its side
         const Guard& guard = guards[f.guard];
@@ -111,10 +114,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         side_of(guard) = f.rising ? 1 : -1;
         if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
         const double place = f.place * piece.length;
-        if (guard.least == 0.0)
-            note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
-        else if (const auto least = least_near(guard, f.guard, place); least && (cut < 0.0 || *least <= cut))
-            note(record, guard, Direction::either, piece.at(*least));
+        note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
     // what a guard that fired is where it did, so that it is known again
     for (const int g : fired_)
@@ -265,26 +265,69 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
     return cut;
 }
 
-RBDYN_INLINE std::optional<double> EventSearch::least_near(const Guard& guard, std::size_t g, double place) const {
-    const double* c = engine_.guard(static_cast<int>(g));
-    const double length = engine_.piece().length;
+RBDYN_INLINE void EventSearch::note_least(Record& record, const Mode& mode, double cut) {
+    const std::vector<Guard>& guards = mode.equations->guards;
+    const Piece& piece = engine_.piece();
+    const double length = piece.length, end = cut >= 0.0 ? cut : length;
+    for (std::size_t g = 0; g < guards.size(); ++g) {
+        if (guards[g].least == 0.0) continue;
+        const int index = static_cast<int>(g);
+        const auto exact = [&](double x) { return value_at(mode, guards[g], x, true) - guards[g].least; };
+        const double* c = engine_.is_rough(index) ? nullptr : engine_.guard(index);
+        const auto value = [&](double x) {
+            return c == nullptr ? exact(x) : series::value(c, degree_, x) - guards[g].least;
+        };
+        constexpr int samples = 16;
+        std::array<double, samples + 1> values;
+        double most = 0.0;
+        for (int k = 0; k <= samples; ++k)
+            most = std::max(most, values[static_cast<std::size_t>(k)] = value(length * k / samples));
+        for (int k = 0; k <= samples; ++k) {
+            const double here = values[static_cast<std::size_t>(k)];
+            const bool is_low = (k == 0 || here <= values[static_cast<std::size_t>(k - 1)]) &&
+                                (k == samples || here < values[static_cast<std::size_t>(k + 1)]);
+            if (!is_low || !(here <= 0.1 * most)) continue;
+            const auto least = least_near(exact, c, length * k / samples);
+            const double near = 1e-6 * length;
+            if (!least || *least < -near || *least > end + near) continue;
+            // at the end of one piece it is at the start of the next one, too
+            const Instant at = piece.at(*least);
+            const bool is_known =
+                std::any_of(record.events.rbegin(), record.events.rend(), [&](const Event& e) {
+                    return e.kind == guards[g].kind && e.name == guards[g].name &&
+                           std::abs(e.instant - at) <= 2.0 * near * piece.unit;
+                });
+            if (!is_known) note(record, guards[g], Direction::either, at);
+        }
+    }
+}
+
+template <class F>
+std::optional<double> EventSearch::least_near(const F& exact, const double* c, double place) const {
+    const double length = engine_.piece().length, few = 0.125 * length;
     double x = place;
-    for (int iteration = 0; iteration < 8; ++iteration) {
+    // zero of its slope
+    for (int iteration = 0; iteration < 8 && c != nullptr; ++iteration) {
         double slope = 0.0, bend = 0.0;
         for (int k = degree_; k >= 1; --k) {
             if (k >= 2) bend = bend * x + k * (k - 1) * c[k];
             slope = slope * x + k * c[k];
         }
         const double step = -slope / bend;
-        // it may lie a little beyond the end of the piece
-        if (!(bend > 0.0) || !(std::abs(x + step - place) < 0.125 * length)) return std::nullopt;
+        if (!(bend > 0.0) || !(std::abs(x + step - place) < few)) break;
         x += step;
         if (std::abs(step) <= 4.0 * epsilon * length) break;
     }
-    double value = 0.0;
-    for (int k = degree_; k >= 0; --k) value = value * x + c[k];
-    if (!(value <= 0.999 * guard.least)) return std::nullopt;
-    return x;
+    if (exact(x) <= 1.0) return x;
+    // its series does not reach so far: parabolas through values
+    for (const double width : {1.0 / 32.0, 1e-3, 3e-5, 3e-5}) {
+        const double h = width * length, low = exact(x - h), middle = exact(x), high = exact(x + h);
+        const double step = 0.5 * h * (low - high) / (low - 2.0 * middle + high);
+        if (!(std::abs(step) < 4.0 * h) || !(std::abs(x + step - place) < few)) return std::nullopt;
+        x += step;
+    }
+    if (exact(x) <= 1.0) return x;
+    return std::nullopt;
 }
 
 RBDYN_INLINE const Evaluator<double>& EventSearch::evaluated(const Mode& mode, double place, bool by_piece) {

@@ -75,6 +75,21 @@ private:
     int samples_;
 };
 
+/// Whether a function of time may become infinite or no number.
+inline bool may_break(const Function& f) {
+    for (std::int32_t n = 0; n < f.size(); ++n) switch (f.node(n).operation) {
+            case Operation::divide:
+            case Operation::square_root:
+            case Operation::logarithm:
+            case Operation::power:
+            case Operation::norm:
+            case Operation::angle:
+            case Operation::call: return true;
+            default: break;
+        }
+    return false;
+}
+
 inline const mechanics::DrivenLaw* driven(const mechanics::Node& n) {
     const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>();
     return law != nullptr && !law->way.is_constant() ? law : nullptr;
@@ -294,8 +309,10 @@ RBDYN_INLINE void TreeWriter::guard_drives(EquationsWriter& write) {
         const DrivenLaw* law = tree_loops::driven(n);
         if (law == nullptr) continue;
         const S way = law->way(r_.time()), rate = law->rate(r_.time());
-        write.guard({.kind = EventKind::singular, .name = "the motion of the joint of " + n.name},
-                    way * way + rate * rate + 1.0);
+        // never zero, but perhaps no number
+        if (tree_loops::may_break(law->way.function()))
+            write.guard({.kind = EventKind::singular, .name = "the motion of the joint of " + n.name},
+                        way * way + rate * rate + 1.0);
         outputs.push_back(way);
         outputs.push_back(rate);
     }

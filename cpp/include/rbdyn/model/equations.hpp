@@ -66,7 +66,7 @@ struct Guard {
     int sliding = -1;                                  // the sliding surface that is left where it fires, to side step
     std::shared_ptr<const Locator> locator = nullptr;  // finds it, if there is no output
     bool renews = false;                               // where it fires its parameters change, and its value with them
-    double least = 0.0;                                // below 0: noted where it has sunk to that, and rises again
+    double least = 0.0;  // below 0: noted where it sinks to that, all but, and rises again; no step is shorter for it
 
     bool is_watched() const { return watch >= 0 || role == GuardRole::record; }
 };
