@@ -115,8 +115,8 @@ private:
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better. A guard
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
-    /// Notes the guards that sink to their `least` on the piece up to a cut (-1: its end), and rise again.
-    void note_least(Record& record, const Mode& mode, double cut);
+    /// Finds where a guard sinks to its `least` on the piece, and rises again.
+    void seek_least(const Record& record, const Mode& mode, std::size_t g);
     /// Where near a place of the piece, in its units, a value is least, if that is 1 at most; c: its series, if known.
     template <class F>
     std::optional<double> least_near(const F& exact, const double* c, double place) const;

@@ -65,17 +65,17 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     if (guards.empty()) return -1.0;
     const Piece& piece = engine_.piece();
     found_.clear();
+    current_ = &guards;
     degree_ = std::min(engine_.guard_order(), series::max_degree);
     double power = 1.0;
     for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
     for (std::size_t g = 0; g < guards.size(); ++g)
-        if (guards[g].least == 0.0) seek(mode, guards, g, fresh, is_last);
+        guards[g].least < 0.0 ? seek_least(record, mode, g) : seek(mode, guards, g, fresh, is_last);
     const auto note_doubt = [&](double end) {
         if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);
     };
     if (found_.empty()) {
         note_doubt(piece.length);
-        note_least(record, mode, -1.0);
         return -1.0;
     }
     sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
@@ -101,7 +101,6 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     for (Watched& w : watched_)
         if (w.known_from > 0.0 && cut >= 0.0 && w.known_from * piece.length >= cut) w.side = 0;
     note_doubt(cut >= 0.0 ? cut : piece.length);
-    note_least(record, mode, cut);
     for (const Found& f : found_) {
         // what comes after the end of the mode is found again in the next one, by its side
         const Guard& guard = guards[f.guard];
@@ -265,40 +264,31 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
     return cut;
 }
 
-RBDYN_INLINE void EventSearch::note_least(Record& record, const Mode& mode, double cut) {
-    const std::vector<Guard>& guards = mode.equations->guards;
+RBDYN_INLINE void EventSearch::seek_least(const Record& record, const Mode& mode, std::size_t g) {
+    const Guard& guard = mode.equations->guards[g];
     const Piece& piece = engine_.piece();
-    const double length = piece.length, end = cut >= 0.0 ? cut : length;
-    for (std::size_t g = 0; g < guards.size(); ++g) {
-        if (guards[g].least == 0.0) continue;
-        const int index = static_cast<int>(g);
-        const auto exact = [&](double x) { return value_at(mode, guards[g], x, true) - guards[g].least; };
-        const double* c = engine_.is_rough(index) ? nullptr : engine_.guard(index);
-        const auto value = [&](double x) {
-            return c == nullptr ? exact(x) : series::value(c, degree_, x) - guards[g].least;
-        };
-        constexpr int samples = 16;
-        std::array<double, samples + 1> values;
-        double most = 0.0;
-        for (int k = 0; k <= samples; ++k)
-            most = std::max(most, values[static_cast<std::size_t>(k)] = value(length * k / samples));
-        for (int k = 0; k <= samples; ++k) {
-            const double here = values[static_cast<std::size_t>(k)];
-            const bool is_low = (k == 0 || here <= values[static_cast<std::size_t>(k - 1)]) &&
-                                (k == samples || here < values[static_cast<std::size_t>(k + 1)]);
-            if (!is_low || !(here <= 0.1 * most)) continue;
-            const auto least = least_near(exact, c, length * k / samples);
-            const double near = 1e-6 * length;
-            if (!least || *least < -near || *least > end + near) continue;
-            // at the end of one piece it is at the start of the next one, too
-            const Instant at = piece.at(*least);
-            const bool is_known =
-                std::any_of(record.events.rbegin(), record.events.rend(), [&](const Event& e) {
-                    return e.kind == guards[g].kind && e.name == guards[g].name &&
-                           std::abs(e.instant - at) <= 2.0 * near * piece.unit;
-                });
-            if (!is_known) note(record, guards[g], Direction::either, at);
-        }
+    const double length = piece.length, near = 1e-6 * length;
+    const auto exact = [&](double x) { return value_at(mode, guard, x, true) - guard.least; };
+    const double* c = engine_.is_rough(static_cast<int>(g)) ? nullptr : engine_.guard(static_cast<int>(g));
+    const auto value = [&](double x) {
+        return c == nullptr ? exact(x) : series::value(c, degree_, x) - guard.least;
+    };
+    constexpr std::size_t samples = 16;
+    std::array<double, samples + 1> values;
+    const auto place = [&](std::size_t k) { return length * static_cast<double>(k) / samples; };
+    double most = 0.0;
+    for (std::size_t k = 0; k <= samples; ++k) most = std::max(most, values[k] = value(place(k)));
+    for (std::size_t k = 0; k <= samples; ++k) {
+        const bool is_low = (k == 0 || values[k] <= values[k - 1]) && (k == samples || values[k] < values[k + 1]);
+        if (!is_low || !(values[k] <= 0.1 * most)) continue;
+        const auto least = least_near(exact, c, place(k));
+        if (!least || *least < -near || *least > length + near) continue;
+        // at the end of one piece it is at the start of the next one, too
+        const Instant at = piece.at(*least);
+        const bool is_known = std::any_of(record.events.begin(), record.events.end(), [&](const Event& e) {
+            return e.kind == guard.kind && e.name == guard.name && std::abs(e.instant - at) <= 2.0 * near * piece.unit;
+        });
+        if (!is_known) found_.push_back({*least / length, 0.0, 0.0, g, false});
     }
 }
 

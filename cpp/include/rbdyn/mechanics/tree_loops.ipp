@@ -75,7 +75,7 @@ private:
     int samples_;
 };
 
-/// Whether a function of time may become infinite or no number.
+/// Whether a function of time may become infinite or no number, jump or have a corner.
 inline bool may_break(const Function& f) {
     for (std::int32_t n = 0; n < f.size(); ++n) switch (f.node(n).operation) {
             case Operation::divide:
@@ -84,6 +84,9 @@ inline bool may_break(const Function& f) {
             case Operation::power:
             case Operation::norm:
             case Operation::angle:
+            case Operation::sign:
+            case Operation::select:
+            case Operation::whole:
             case Operation::call: return true;
             default: break;
         }
@@ -309,7 +312,7 @@ RBDYN_INLINE void TreeWriter::guard_drives(EquationsWriter& write) {
         const DrivenLaw* law = tree_loops::driven(n);
         if (law == nullptr) continue;
         const S way = law->way(r_.time()), rate = law->rate(r_.time());
-        // never zero, but perhaps no number
+        // never zero, but perhaps no number; and what it distinguishes is guarded with it
         if (tree_loops::may_break(law->way.function()))
             write.guard({.kind = EventKind::singular, .name = "the motion of the joint of " + n.name},
                         way * way + rate * rate + 1.0);
