@@ -221,7 +221,8 @@ rbdyn::ContactSurface surface_of(const BoundScene& self, const AnySurface& surfa
     const BodyHandle* body = std::get_if<BodyHandle>(&surface);
     if (const BodyPoint* point = std::get_if<BodyPoint>(&surface)) body = &point->body;
     if (body != nullptr)
-        throw InvalidInput("Scene.contact: b is " + body->name + " or a point of it, which has no surface; b is a Plane, a "
+        throw InvalidInput("Scene.contact: b is " + body->name +
+                           " or a point of it, which has no surface; b is a Plane, a "
                            "Sphere, or handle.plane(...) or handle.sphere(...) of a body");
     const BodyShape& shape = std::get<BodyShape>(surface);
     const int index = self.handles.body(shape.body, "Scene.contact").index;
@@ -625,11 +626,10 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
     pickled(touching, Handle::Of::contact);
     py::class_<BodyShape> shape(m, "BodyShape", "A part of a body that touches, or a surface of it.");
     as_data(shape, parts_of_shape, shape_from);
-    shape.def_readonly("body", &BodyShape::body, "The handle of its body.")
-        .def("__repr__", [](const BodyShape& s) {
-            const char* kinds[] = {"sphere", "disc", "ellipsoid", "plane"};
-            return "<BodyShape: " + std::string(kinds[s.shape.index()]) + " of " + s.body.name + ">";
-        });
+    shape.def_readonly("body", &BodyShape::body, "The handle of its body.").def("__repr__", [](const BodyShape& s) {
+        const char* kinds[] = {"sphere", "disc", "ellipsoid", "plane"};
+        return "<BodyShape: " + std::string(kinds[s.shape.index()]) + " of " + s.body.name + ">";
+    });
     const std::vector<double> middle = {0.0, 0.0, 0.0};
     body.def(
             "sphere",

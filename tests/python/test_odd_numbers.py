@@ -97,7 +97,10 @@ TAKES = {
         {"position": [1.0, 0, 0], "velocity": [1.0, 0, 0], "angular_velocity": [1.0, 0, 0], "attitude": [1.0, 0, 0, 0]},
     ),
     "body in the world": (lambda **k: of_body(rb.Free(), **k), {"angular_velocity_world": [1.0, 0, 0]}),
-    "EulerAngles": (lambda **k: of_body(rb.Free(), attitude=rb.EulerAngles(**k)), {"theta": 1.0, "psi": 1.0, "phi": 1.0}),
+    "EulerAngles": (
+        lambda **k: of_body(rb.Free(), attitude=rb.EulerAngles(**k)),
+        {"theta": 1.0, "psi": 1.0, "phi": 1.0},
+    ),
     "Spherical": (lambda **k: of_body(rb.Spherical(**k)), {"at": [1.0, 0, 0], "point": [0.5, 0, 0]}),
     "Revolute": (lambda **k: of_body(rb.Revolute(**k)), HINGE),
     "Prismatic": (lambda **k: of_body(rb.Prismatic(**k)), HINGE),
@@ -107,7 +110,10 @@ TAKES = {
         {"first": Z, "second": [1.0, 0, 0], "at": [0.5, 0, 0], "point": [0.5, 0, 0]},
     ),
     "Planar": (lambda **k: of_body(rb.Planar(**k)), {"x": [1.0, 0, 0], "y": [0, 1.0, 0], "at": [0.5, 0, 0]}),
-    "Fixed": (lambda **k: of_body(rb.Fixed(**k)), {"at": [0.5, 0, 0], "point": [0.5, 0, 0], "attitude": [1.0, 0, 0, 0]}),
+    "Fixed": (
+        lambda **k: of_body(rb.Fixed(**k)),
+        {"at": [0.5, 0, 0], "point": [0.5, 0, 0], "attitude": [1.0, 0, 0, 0]},
+    ),
     "on a Revolute": (lambda **k: of_body(rb.Revolute(Z), **k), {"angle": 1.0, "rate": 1.0}),
     "on a Prismatic": (lambda **k: of_body(rb.Prismatic(Z), **k), {"displacement": 1.0, "rate": 1.0}),
     "on a Cylindrical": (
@@ -178,7 +184,10 @@ TAKES = {
         lambda **k: touched(lambda b: b.ellipsoid(**k), lambda _: rb.Plane(Z)),
         {"semi_axes": [1.0, 1.0, 1.0], "center": [0, 0, 0.5], "attitude": [1.0, 0, 0, 0]},
     ),
-    "point that touches": (lambda value: touched(lambda b: b.point(value), lambda _: rb.Plane(Z)), {"value": [0, 0, 0.5]}),
+    "point that touches": (
+        lambda value: touched(lambda b: b.point(value), lambda _: rb.Plane(Z)),
+        {"value": [0, 0, 0.5]},
+    ),
     "Plane that is touched": (
         lambda **k: touched(lambda b: b, lambda _: rb.Plane(**k)),
         {"normal": Z, "point": [0, 0, 0.5]},

@@ -62,8 +62,8 @@ RBDYN_INLINE std::optional<Opening> opening(const Tree& tree, const Conditions& 
         const auto moving = with(x, v);
         double most = 0.0;
         for (std::size_t i = 0; i < moving.size(); ++i)
-            most = std::max(most, (moving[i].velocity - here[i].velocity).norm() +
-                                      (moving[i].omega - here[i].omega).norm() * size);
+            most = std::max(
+                most, (moving[i].velocity - here[i].velocity).norm() + (moving[i].omega - here[i].omega).norm() * size);
         return most;
     };
     const double all_of_it = speed_along(direction);

@@ -159,11 +159,12 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     loosest_ = std::max(tree_loops::loosest * size, 4.0 * widest);
     if (rows_.size() < every.size())
         if (const auto o = mechanics::opening(*tree_, *conditions_, rows_, 0.0, x, size, loosest_))
-            throw InvalidInput(conditions_->all()[at(o->constraint)].name +
-                               ": where the scene starts the constraints lose rank, and what is left of them opens it by " +
-                               text(o->gap) + " m where the bodies move by " + text(o->moved) +
-                               " m; start beside such a place (bars in one line, a rod across a rail), or hold what "
-                               "cannot move with a Weld or a Fixed joint");
+            throw InvalidInput(
+                conditions_->all()[at(o->constraint)].name +
+                ": where the scene starts the constraints lose rank, and what is left of them opens it by " +
+                text(o->gap) + " m where the bodies move by " + text(o->moved) +
+                " m; start beside such a place (bars in one line, a rod across a rail), or hold what "
+                "cannot move with a Weld or a Fixed joint");
     const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
     mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &first_pivots_);
 }
@@ -199,9 +200,8 @@ RBDYN_INLINE std::string TreeModel::opened(double t, std::span<const double> x) 
     for (std::size_t k = 0; k < gaps.size(); ++k)
         if (!(gaps[k] <= gaps[at(widest)])) widest = static_cast<int>(k);
     const double rate = mechanics::opening_rates(*tree_, *conditions_, all)[at(widest)];
-    return conditions_->all()[at(widest)].name + " opens, its gap is " + text(gaps[at(widest)]) +
-           " m and grows by " + text(rate) +
-           " m/s: no motion satisfies it together with the other constraints and with driven joints";
+    return conditions_->all()[at(widest)].name + " opens, its gap is " + text(gaps[at(widest)]) + " m and grows by " +
+           text(rate) + " m/s: no motion satisfies it together with the other constraints and with driven joints";
 }
 
 RBDYN_INLINE std::string TreeModel::jump_of_drives(const Mode& before, const Mode& after, double t,
@@ -295,9 +295,9 @@ RBDYN_INLINE void TreeWriter::guard_pivots(EquationsWriter& write, const std::ve
     constexpr double small = 1e-10;
     for (std::size_t j = 0; j < std::min(first.size(), pivots_.size()); ++j) {
         if (pivots_[j].is_constant()) continue;
-        const auto owner =
-            std::find_if(conditions_.all().begin(), conditions_.all().end(),
-                         [&](const Condition& c) { return rows_[j] >= c.first && rows_[j] < c.first + c.rows(); });
+        const auto owner = std::find_if(conditions_.all().begin(), conditions_.all().end(), [&](const Condition& c) {
+            return rows_[j] >= c.first && rows_[j] < c.first + c.rows();
+        });
         if (owner == conditions_.all().end()) continue;
         Guard guard{.kind = EventKind::singular, .role = GuardRole::record, .name = owner->name};
         guard.least = -1.0;

@@ -200,9 +200,9 @@ private:
     std::shared_ptr<const mechanics::Tree> tree_;
     std::shared_ptr<const mechanics::Conditions> conditions_;
     std::shared_ptr<const mechanics::Exerted> exerted_;
-    std::vector<int> rows_;            // of the constraints, those that are used
+    std::vector<int> rows_;             // of the constraints, those that are used
     std::vector<double> first_pivots_;  // of these, where the scene starts
-    double loosest_ = 0.0;             // the gap that constraints with other rows may have [m]
+    double loosest_ = 0.0;              // the gap that constraints with other rows may have [m]
     StateMap map_;
     std::string why_all_;
 };
