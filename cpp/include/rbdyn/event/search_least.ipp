@@ -51,15 +51,21 @@ RBDYN_INLINE void EventSearch::seek_least(const Record& record, const Mode& mode
     const double length = piece.length, near = 1e-6 * length;
     const auto exact = [&](double x) { return value_at(mode, guard, x, true) - guard.least; };
     const double* c = engine_.is_rough(static_cast<int>(g)) ? nullptr : engine_.guard(static_cast<int>(g));
+    if (c != nullptr) {
+        // what cannot sink by so much on the piece
+        double sinks = 0.0;
+        for (int k = 1; k <= degree_; ++k) sinks += std::abs(c[k]) * powers_[static_cast<std::size_t>(k)];
+        if (sinks < 0.875 * (c[0] - guard.least)) return;
+    }
     const auto value = [&](double x) { return c == nullptr ? exact(x) : series::value(c, degree_, x) - guard.least; };
-    constexpr std::size_t samples = 16;
+    constexpr std::size_t samples = 8;
     std::array<double, samples + 1> values;
     const auto place = [&](std::size_t k) { return length * static_cast<double>(k) / samples; };
     double most = 0.0;
     for (std::size_t k = 0; k <= samples; ++k) most = std::max(most, values[k] = value(place(k)));
     for (std::size_t k = 0; k <= samples; ++k) {
         const bool is_low = (k == 0 || values[k] <= values[k - 1]) && (k == samples || values[k] < values[k + 1]);
-        if (!is_low || !(values[k] <= 0.1 * most)) continue;
+        if (!is_low || !(values[k] <= 0.125 * most)) continue;
         const auto least = least_near(exact, c, place(k));
         if (!least || *least < -near || *least > length + near) continue;
         // at the end of one piece it is at the start of the next one, too

@@ -187,7 +187,7 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
     const bool drives = std::any_of(tree_->nodes().begin(), tree_->nodes().end(),
                                     [](const mechanics::Node& n) { return tree_loops::driven(n) != nullptr; });
     // where nothing but drives moves a piece may be as long as the motion
-    const int samples = !drives ? 2 : variables() > 0 ? 16 : 1024;
+    const int samples = !drives ? 1 : variables() > 0 ? 16 : 1024;
     Guard guard{.kind = EventKind::singular, .name = "gaps of constraints"};
     guard.locator = std::make_shared<const tree_loops::Loosening>(tree_, conditions_, loose, loosest_, samples);
     write.outside(std::move(guard), drives);
