@@ -57,7 +57,7 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
     const std::unique_ptr<Engine> engine =
         form ? std::make_unique<ClosedFormEngine>(form, Instant{o.start, 0.0}, tolerance, manner.order)
              : make_engine(name, tolerance, manner);
-    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start));
+    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - o.start), o.rtol.has_value());
     Timed result{driver.run(o.start, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     return result;

@@ -140,6 +140,30 @@ TEST(Singular, digits_that_are_lost_beyond_flat_are_told) {
     }
 }
 
+TEST(Singular, steps_that_creep_up_to_it_end_there_by_name) {
+    // the smaller the steps the nearer to flat one begins: there the branch is anyone's guess
+    const Parallelogram p(Vector3::Zero(), 1.0, 1.0);
+    try {
+        simulate(p.scene, {.until = 5.0, .rtol = 1e-12, .engine = "dop853"});
+        ADD_FAILURE() << "went on";
+    } catch (const IntegrationError& error) {
+        EXPECT_NE(std::string(error.what()).find("constraints lose rank there"), std::string::npos) << error.what();
+        EXPECT_NEAR(error.run.end(), pi - 1.0, 1e-3);
+        EXPECT_NEAR(error.run[p.right].angle(2.0), 3.0, 1e-12);
+    }
+}
+
+TEST(Singular, is_told_with_steps_of_any_length_and_every_engine) {
+    const Parallelogram p(Vector3::Zero(), 1.0, 1.0);
+    for (const char* engine : {"taylor", "dop853"})
+        for (const double rtol : {1e-3, 1e-6, 1e-9}) {
+            const Trajectory run = simulate(p.scene, {.until = 5.0, .rtol = rtol, .engine = engine});
+            ASSERT_EQ(run.events().size(), 1u) << engine << rtol;
+            EXPECT_EQ(run.events()[0].kind, EventKind::singular);
+            EXPECT_NEAR(run.events()[0].time, pi - 1.0, 100.0 * rtol);
+        }
+}
+
 TEST(Singular, what_turns_far_from_flat_tells_nothing) {
     const Parallelogram p(down, -1.5, 0.5);
     const Trajectory run = simulate(p.scene, {.until = 3.0});

@@ -35,8 +35,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class EventSearch {
 public:
-    /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there.
-    EventSearch(const HybridModel& model, Engine& engine, double slack);
+    /// `slack`, `is_alone`: as of a driver (driver.hpp).
+    EventSearch(const HybridModel& model, Engine& engine, double slack, bool is_alone = false);
 
     /// A mode begins. Guards in `handled`, by index, began it with their zero. `begins`: with it the motion.
     void enter(const Mode& mode, std::vector<bool> handled, bool begins);
@@ -217,6 +217,7 @@ private:
     const HybridModel& model_;
     Engine& engine_;
     double slack_;
+    bool is_alone_;
     const std::vector<Guard>* current_ = nullptr;
     std::vector<int> sides_;
     std::vector<Watched> watched_;  // by watched function

@@ -32,8 +32,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE EventSearch::EventSearch(const HybridModel& model, Engine& engine, double slack)
-    : model_(model), engine_(engine), slack_(slack) {}
+RBDYN_INLINE EventSearch::EventSearch(const HybridModel& model, Engine& engine, double slack, bool is_alone)
+    : model_(model), engine_(engine), slack_(slack), is_alone_(is_alone) {}
 
 RBDYN_INLINE void EventSearch::enter(const Mode& mode, std::vector<bool> handled, bool begins) {
     handled_ = std::move(handled);

@@ -51,16 +51,27 @@ RBDYN_INLINE void EventSearch::seek_least(const Record& record, const Mode& mode
     const double length = piece.length, near = 1e-6 * length;
     const auto exact = [&](double x) { return value_at(mode, guard, x, true) - guard.least; };
     const double* c = engine_.is_rough(static_cast<int>(g)) ? nullptr : engine_.guard(static_cast<int>(g));
+    // a step that begins so near to it knows nothing of what comes; held against another run it shows
+    constexpr double too_near = 100.0;
+    if (is_alone_ && !((c != nullptr ? c[0] - guard.least : exact(0.0)) > too_near)) {
+        found_.push_back({0.0, 0.0, 0.0, g, false});
+        found_.back().breaks = true;
+        return;
+    }
     if (c != nullptr) {
         // what cannot sink by so much on the piece
+        const auto size = [&](int k) { return std::abs(c[k]) * powers_[static_cast<std::size_t>(k)]; };
         double sinks = 0.0;
-        for (int k = 1; k <= degree_; ++k) sinks += std::abs(c[k]) * powers_[static_cast<std::size_t>(k)];
-        if (sinks < 0.875 * (c[0] - guard.least)) return;
+        for (int k = 1; k <= degree_; ++k) sinks += size(k);
+        if (sinks < 0.99 * (c[0] - guard.least)) return;
+        // a step that is long for the accuracy asked of it may be too long for the series
+        if (!(size(degree_) + size(degree_ - 1) <= 1e-3 * sinks)) c = nullptr;
     }
     const auto value = [&](double x) { return c == nullptr ? exact(x) : series::value(c, degree_, x) - guard.least; };
-    constexpr std::size_t samples = 8;
-    std::array<double, samples + 1> values;
-    const auto place = [&](std::size_t k) { return length * static_cast<double>(k) / samples; };
+    constexpr std::size_t few = 8, many = 32;
+    const std::size_t samples = c != nullptr ? few : many;
+    std::array<double, many + 1> values;
+    const auto place = [&](std::size_t k) { return length * static_cast<double>(k) / static_cast<double>(samples); };
     double most = 0.0;
     for (std::size_t k = 0; k <= samples; ++k) most = std::max(most, values[k] = value(place(k)));
     for (std::size_t k = 0; k <= samples; ++k) {
