@@ -86,7 +86,8 @@ ConstraintHandle constrain(BoundScene& self, const AnyConstraint& constraint, co
 }
 
 using AnyPart = std::variant<BodyHandle, BodyPoint, BodyShape>;
-using AnySurface = std::variant<rbdyn::Plane, rbdyn::Sphere, BodyShape>;
+// a handle alone is none: it is told what is
+using AnySurface = std::variant<rbdyn::Plane, rbdyn::Sphere, BodyShape, BodyHandle, BodyPoint>;
 
 rbdyn::ContactPart part_of(const BoundScene& self, const AnyPart& part) {
     const char* verb = "Scene.contact";
@@ -110,12 +111,44 @@ rbdyn::ContactPart part_of(const BoundScene& self, const AnyPart& part) {
 rbdyn::ContactSurface surface_of(const BoundScene& self, const AnySurface& surface) {
     if (const auto* plane = std::get_if<rbdyn::Plane>(&surface)) return *plane;
     if (const auto* sphere = std::get_if<rbdyn::Sphere>(&surface)) return *sphere;
+    const BodyHandle* body = std::get_if<BodyHandle>(&surface);
+    if (const BodyPoint* point = std::get_if<BodyPoint>(&surface)) body = &point->body;
+    if (body != nullptr)
+        throw InvalidInput("Scene.contact: b is " + body->name +
+                           " or a point of it, which has no surface; b is a Plane, a "
+                           "Sphere, or handle.plane(...) or handle.sphere(...) of a body");
     const BodyShape& shape = std::get<BodyShape>(surface);
     const int index = self.handles.body(shape.body, "Scene.contact").index;
     if (auto plane = std::get_if<rbdyn::BodyPlane>(&shape.shape)) return rbdyn::BodyPlane{index, plane->plane};
     if (auto ball = std::get_if<rbdyn::BodySphere>(&shape.shape))
         return rbdyn::BodySphere{index, ball->radius, ball->center};
     throw InvalidInput("Scene.contact: b is a disc or an ellipsoid; it is a plane or a sphere, and those are a");
+}
+
+/// A shape of a body as data, and from it: the handle, which shape it is, its sizes, place and axes.
+py::tuple parts_of_shape(const BodyShape& shape) {
+    const auto kind = py::int_(shape.shape.index());
+    if (const auto* s = std::get_if<rbdyn::BodySphere>(&shape.shape))
+        return py::make_tuple(shape.body, kind, s->radius, tuple_of(s->center));
+    if (const auto* d = std::get_if<rbdyn::BodyDisc>(&shape.shape))
+        return py::make_tuple(shape.body, kind, d->radius, tuple_of(d->normal), tuple_of(d->center));
+    if (const auto* p = std::get_if<rbdyn::BodyPlane>(&shape.shape))
+        return py::make_tuple(shape.body, kind, tuple_of(p->plane.normal), tuple_of(p->plane.point));
+    const auto& e = std::get<rbdyn::BodyEllipsoid>(shape.shape);
+    const auto& q = e.attitude.exact();
+    return py::make_tuple(shape.body, kind, tuple_of(e.semi_axes), tuple_of(e.center),
+                          py::make_tuple(q.w.hi, q.w.lo, q.x.hi, q.x.lo, q.y.hi, q.y.lo, q.z.hi, q.z.lo));
+}
+BodyShape shape_from(const py::tuple& d) {
+    const auto body = d[0].cast<BodyHandle>();
+    const auto kind = d[1].cast<std::size_t>();
+    if (kind == 0) return {body, rbdyn::BodySphere{-1, d[2].cast<double>(), vector_from(d[3])}};
+    if (kind == 1) return {body, rbdyn::BodyDisc{-1, d[2].cast<double>(), vector_from(d[3]), vector_from(d[4])}};
+    if (kind == 3) return {body, rbdyn::BodyPlane{-1, {vector_from(d[2]), vector_from(d[3])}}};
+    const auto q = d[4].cast<std::array<double, 8>>();
+    const rbdyn::QuaternionOf<DoubleDouble> attitude{DoubleDouble(q[0], q[1]), DoubleDouble(q[2], q[3]),
+                                                     DoubleDouble(q[4], q[5]), DoubleDouble(q[6], q[7])};
+    return {body, rbdyn::BodyEllipsoid{-1, vector_from(d[2]), vector_from(d[3]), attitude}};
 }
 
 ContactHandle contact(BoundScene& self, const AnyPart& a, const AnySurface& b,
@@ -234,15 +267,11 @@ Good for its scene, for copies of that scene and for their runs; equal only to i
                                                "The handle of a contact; run[handle] is a ContactMotion.");
     pickled(touching, Handle::Of::contact);
     py::class_<BodyShape> shape(m, "BodyShape", "A part of a body that touches, or a surface of it.");
-    shape.def_readonly("body", &BodyShape::body, "The handle of its body.")
-        .def("__eq__",
-             [](const BodyShape& a, const py::object& b) {
-                 return py::isinstance<BodyShape>(b) && a == b.cast<const BodyShape&>();
-             })
-        .def("__repr__", [](const BodyShape& s) {
-            const char* kinds[] = {"sphere", "disc", "ellipsoid", "plane"};
-            return "<BodyShape: " + std::string(kinds[s.shape.index()]) + " of " + s.body.name + ">";
-        });
+    as_data(shape, parts_of_shape, shape_from);
+    shape.def_readonly("body", &BodyShape::body, "The handle of its body.").def("__repr__", [](const BodyShape& s) {
+        const char* kinds[] = {"sphere", "disc", "ellipsoid", "plane"};
+        return "<BodyShape: " + std::string(kinds[s.shape.index()]) + " of " + s.body.name + ">";
+    });
     const std::vector<double> middle = {0.0, 0.0, 0.0};
     body.def(
             "sphere",

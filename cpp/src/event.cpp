@@ -6,3 +6,4 @@
 #include "rbdyn/event/passages.ipp"
 #include "rbdyn/event/record.ipp"
 #include "rbdyn/event/search.ipp"
+#include "rbdyn/event/search_least.ipp"

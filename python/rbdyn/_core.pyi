@@ -2122,10 +2122,15 @@ class BodyShape:
     """
     A part of a body that touches, or a surface of it.
     """
-    __hash__: typing.ClassVar[None]  # type: ignore[assignment]
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __hash__(self) -> int:
+        ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
     @property
     def body(self) -> BodyHandle:
@@ -2201,7 +2206,7 @@ class Scene:
         A start that does not satisfy it is moved to the nearest that does if it is within 1e-6 of the scene's size, else a run is
         refused; assemble() finds one from rough guesses.
         """
-    def contact(self, a: BodyHandle | BodyPoint | BodyShape, b: Plane | Sphere | BodyShape, *, friction: Coulomb | None = None, restitution: typing.SupportsFloat | typing.SupportsIndex = 0.0, name: str | None = None) -> ContactHandle:
+    def contact(self, a: BodyHandle | BodyPoint | BodyShape, b: Plane | Sphere | BodyShape | BodyHandle | BodyPoint, *, friction: Coulomb | None = None, restitution: typing.SupportsFloat | typing.SupportsIndex = 0.0, name: str | None = None) -> ContactHandle:
         """
         Lets a touch b: it does not go beyond it. Returns a handle.
 

@@ -55,7 +55,7 @@ def test_handles_stay_good_in_a_scene_with_less(swing):
     ("what", "message"),
     [
         ("drive", "without: this scene has no drive; it has gravity, drag"),
-        ("contact", "without: this scene has no contact, and in this version none can; it has gravity, drag"),
+        ("contact", "without: this scene has no contact; it has gravity, drag"),
         ("wind", f'without: "wind" is no effect; the effects are {EFFECTS}; this scene has gravity, drag'),
         (3.0, "Scene.without: 3.0 is neither the name of an effect nor the handle of a load or coupling"),
     ],

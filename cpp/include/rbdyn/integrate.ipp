@@ -59,7 +59,8 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
     const std::unique_ptr<Engine> engine =
         form ? std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order)
              : make_engine(name, tolerance, manner);
-    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin));
+    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin),
+                  o.rtol.has_value());
     driver.pass_stops(beginning.stops_from);
     Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
                                            : driver.run(beginning.origin, x, o.until)};

@@ -97,6 +97,9 @@ RBDYN_INLINE std::optional<Vector3> RigidBody::rod_axis() const {
 }
 
 RBDYN_INLINE RigidBody RigidBody::shifted(const Vector3& r) const {
+    for (int i = 0; i < 3; ++i)
+        require(std::isfinite(r[i]), name, "component " + std::to_string(i) + " of a shift", r[i],
+                "a shift is finite; give it in m");
     return RigidBody(MassProperties{central_.mass, central_.com + widened(r), central_.inertia});
 }
 

@@ -234,7 +234,7 @@ RBDYN_INLINE double TaylorEngine::step_length(double span) {
     rough_.clear();
     for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
         const Guard& guard = equations_->guards[g];
-        if (guard.output < 0 || equations_->is_variable(guard)) continue;
+        if (guard.output < 0 || guard.least < 0.0 || equations_->is_variable(guard)) continue;
         const double* c = series_->output(guard.output);
         if (is_polynomial(c, guard)) continue;
         size.fill(0.0);

@@ -27,9 +27,10 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class Driver {
 public:
-    /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there.
+    /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there. `is_alone`:
+    /// no other run is held against it, so it ends where steps come too near to a loss of rank.
     Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {},
-           double slack = 0.0);
+           double slack = 0.0, bool is_alone = false);
 
     Record run(double start, std::vector<double> x, double until);
     /// Goes on from where a run of the same model came to, as if it had not ended there.

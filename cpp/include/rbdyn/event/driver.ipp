@@ -27,13 +27,13 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep,
-                            Monitor monitor, double slack)
+                            Monitor monitor, double slack, bool is_alone)
     : model_(model),
       engine_(engine),
       max_steps_(max_steps),
       keep_(std::move(keep)),
       monitor_(std::move(monitor)),
-      search_(model, engine, slack),
+      search_(model, engine, slack, is_alone),
       stops_from_(-std::numeric_limits<double>::infinity()) {}
 
 template <class Begin>
@@ -283,9 +283,13 @@ RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
 
 RBDYN_INLINE void Driver::break_off(Record& record, Instant t) {
     const Guard& guard = *search_.broken();
-    record.not_finite = guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
-                        : !guard.name.empty()          ? guard.name
-                                                       : "what tells of " + std::string(name_of(guard.kind));
+    record.not_finite =
+        guard.least < 0.0 ? "constraints lose rank there, and a step ends so near to it that the motion beyond is not "
+                            "known: " +
+                                guard.name
+        : guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
+        : !guard.name.empty()            ? guard.name
+                                         : "what tells of " + std::string(name_of(guard.kind));
     if (guard.kind != EventKind::watch && guard.subject >= 0)
         record.not_finite += " (body " + std::to_string(guard.subject + 1) + ")";
     finish(record, t, Status::not_finite);

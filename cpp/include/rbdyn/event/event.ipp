@@ -52,7 +52,8 @@ RBDYN_INLINE std::string_view advice(Status status) {
         "Raise max_steps, shorten the time span, or ask for less accuracy if the motion is fast by nature.",
         "A force, curve, drive or watched function is not finite at the end of this run; look at the scene there.",
         "The motion is certain up to certain_until; ask for less accuracy, or stop there.",
-        "No smooth motion satisfies the laws at the end of this run; look at the friction and forces there."};
+        "No smooth motion satisfies the laws at the end of this run; look at the friction, "
+        "constraints, driven joints and forces there."};
     return sentences[static_cast<std::size_t>(status)];
 }
 

@@ -36,8 +36,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class EventSearch {
 public:
-    /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there.
-    EventSearch(const HybridModel& model, Engine& engine, double slack);
+    /// `slack`, `is_alone`: as of a driver (driver.hpp).
+    EventSearch(const HybridModel& model, Engine& engine, double slack, bool is_alone = false);
 
     /// A mode begins. Guards in `handled`, by index, began it with their zero. `begins`: with it the motion.
     void enter(const Mode& mode, std::vector<bool> handled, bool begins);
@@ -113,6 +113,11 @@ private:
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better. A guard
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
+    /// Finds where a guard sinks to its `least` on the piece, and rises again.
+    void seek_least(const Record& record, const Mode& mode, std::size_t g);
+    /// Where near a place of the piece, in its units, a value is least, if that is 1 at most; c: its series, if known.
+    template <class F>
+    std::optional<double> least_near(const F& exact, const double* c, double place) const;
 
     /// The state that the polynomial of the engine's piece gives; until it is asked for the next time.
     std::span<const double> state_of_piece(double tau);
@@ -213,6 +218,7 @@ private:
     const HybridModel& model_;
     Engine& engine_;
     double slack_;
+    bool is_alone_;
     const std::vector<Guard>* current_ = nullptr;
     std::vector<int> sides_;
     std::vector<Watched> watched_;  // by watched function

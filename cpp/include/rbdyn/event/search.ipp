@@ -32,8 +32,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE EventSearch::EventSearch(const HybridModel& model, Engine& engine, double slack)
-    : model_(model), engine_(engine), slack_(slack) {}
+RBDYN_INLINE EventSearch::EventSearch(const HybridModel& model, Engine& engine, double slack, bool is_alone)
+    : model_(model), engine_(engine), slack_(slack), is_alone_(is_alone) {}
 
 RBDYN_INLINE void EventSearch::enter(const Mode& mode, std::vector<bool> handled, bool begins) {
     handled_ = std::move(handled);
@@ -83,10 +83,12 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     if (guards.empty()) return -1.0;
     const Piece& piece = engine_.piece();
     found_.clear();
+    current_ = &guards;
     degree_ = std::min(engine_.guard_order(), series::max_degree);
     double power = 1.0;
     for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
-    for (std::size_t g = 0; g < guards.size(); ++g) seek(mode, guards, g, fresh, is_last);
+    for (std::size_t g = 0; g < guards.size(); ++g)
+        guards[g].least < 0.0 ? seek_least(record, mode, g) : seek(mode, guards, g, fresh, is_last);
     passed_before_.clear();
     const auto note_doubt = [&](double end) {
         if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);

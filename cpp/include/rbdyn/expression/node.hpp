@@ -137,7 +137,8 @@ struct Node {
     double rest = 0.0;     // of a constant of 32 digits: what its value is short of them
     bool is_wide = false;  // whether it is one
 
-    bool operator==(const Node&) const = default;
+    /// Numbers are the same that are equal, and those that are not numbers.
+    bool operator==(const Node& other) const;
     /// Of a constant.
     Expression constant() const { return is_wide ? Expression(DoubleDouble(value, rest)) : Expression(value); }
 

@@ -70,6 +70,8 @@ public:
     int inputs() const { return inputs_; }
     int outputs() const { return outputs_; }  // without those of the switches
     int parameters() const { return parameters_; }
+    /// Takes as many, those that only other programs of its recording use among them.
+    void take_parameters(int count) { parameters_ = count; }
     int slots() const { return slots_; }
     int scalars() const { return static_cast<int>(constants_.size()); }
     int states() const { return states_; }  // integers an evaluation keeps (valuations of norms)

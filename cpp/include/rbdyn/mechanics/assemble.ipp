@@ -196,9 +196,20 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     require(off <= 1e-9 * std::max(fastest, 1e-300) || off == 0.0, "assemble", "rate of a gap", off,
             "rates that are kept or driven can be kept by the constraints; keep fewer bodies as they are, or give "
             "those of `keep` and of driven joints rates that fit");
+    // rates that are left of larger ones by rounding are none
+    for (int i = 0; i < tree.size(); ++i) {
+        const mechanics::Node& n = tree.node(i);
+        for (int k = 0; k < n.joint.velocities(); ++k) {
+            const auto& twist = all[static_cast<std::size_t>(i)].joint[static_cast<std::size_t>(k)];
+            DoubleDouble& v = x[static_cast<std::size_t>(tree.positions() + n.v + k)];
+            const double speed = (twist.move.norm() + twist.turn.norm() * std::max(1.0, size)) * std::abs(v.hi);
+            if (speed <= 1e-13 * fastest) v = 0.0;
+        }
+    }
+    const auto last = wide();
     double moved = 0.0;
     for (int i = 0; i < tree.size(); ++i)
-        mechanics::assembling::put(tree, i, then, x, bodies_[static_cast<std::size_t>(i)]);
+        mechanics::assembling::put(tree, i, last, x, bodies_[static_cast<std::size_t>(i)]);
     for (int k = 0; k < tree.positions(); ++k)
         moved = std::max(
             moved, std::abs(static_cast<double>(x[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)])));

@@ -145,10 +145,11 @@ private:
 }  // namespace closing
 
 /// Which of some rows are used: as many as are independent where the tree is, by pivots of J M^-1 J^T. `first`: of that
-/// many of them, which come first, as many as there can be.
+/// many of them, which come first, as many as there can be. `rounding`: the part of a row that counts as none.
 [[gnu::cold]] std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
                                                 const std::vector<int>& candidates,
-                                                const std::vector<Moving<double>>& all, std::size_t first = 0);
+                                                const std::vector<Moving<double>>& all, std::size_t first = 0,
+                                                double rounding = 1e-11);
 
 /// How rows that are not used depend on those that are: for each a combination of all rows that is zero, its own part
 /// 1. Rows that do nothing are none of them.

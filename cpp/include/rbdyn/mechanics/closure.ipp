@@ -17,7 +17,8 @@ namespace rbdyn::inline RBDYN_FORM::mechanics {
 
 RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Conditions& conditions,
                                                const std::vector<int>& candidates,
-                                               const std::vector<Moving<double>>& all, std::size_t first) {
+                                               const std::vector<Moving<double>>& all, std::size_t first,
+                                               double rounding) {
     auto a = closing::Responses(tree, conditions, candidates, all).matrix();
     const std::size_t n = a.size();
     std::vector<double> own(n);
@@ -28,7 +29,6 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
     std::vector<int> chosen;
     std::vector<bool> is_used(n, false);
     // Cholesky's decomposition, the row next that keeps most of itself; what is left of dependent ones is rounding
-    constexpr double rounding = 1e-11;
     while (true) {
         std::size_t best = n;
         double most = rounding;

@@ -27,6 +27,11 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+class EquationsWriter;  // model/equations_writer.hpp
+namespace mechanics {
+class TreeWriter;  // mechanics/tree_writer.hpp
+}
+
 /// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
 bool needs_tree(const Scene& scene);
 
@@ -185,6 +190,23 @@ private:
     /// What follows guards of contacts.
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::vector<Happening>& happenings) const;
+    // --- loops and driven joints (tree_loops.ipp) ---
+
+    /// Chooses the rows that are used. Refuses what the others would lose when the scene moves.
+    void choose_rows();
+    /// How far the bodies and the ends of constraints are from each other [m].
+    double size_of(const std::vector<mechanics::Moving<double>>& all) const;
+    /// Guards what the used rows alone do not hold, and their independence.
+    void guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const;
+    /// Why no motion goes on where a constraint opens.
+    std::string opened(double t, std::span<const double> x) const;
+    /// Why no motion goes on where the coordinate of a driven joint, or its rate, jumps from one mode to the next;
+    /// empty if none does.
+    std::string jump_of_drives(const Mode& before, const Mode& after, double t, std::span<const double> x) const;
+    void require_finite_drives(double t) const;
+    /// The constraints of which some rows depend on others, but for a small part; empty if none do.
+    std::string locked(double t, std::span<const double> x) const;
+
     /// Moves a state onto the rows of a mode.
     void hold(const Mode& mode, double t, std::span<double> x) const;
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
@@ -200,7 +222,9 @@ private:
     std::shared_ptr<const mechanics::Tree> tree_;
     std::shared_ptr<const mechanics::Conditions> conditions_;
     std::shared_ptr<const mechanics::Exerted> exerted_;
-    std::vector<int> rows_;  // of the constraints, those that are used
+    std::vector<int> rows_;             // of the constraints, those that are used
+    std::vector<double> first_pivots_;  // of these, where the scene starts
+    double loosest_ = 0.0;              // the gap that constraints with other rows may have [m]
     StateMap map_;
     std::string why_all_;
 };

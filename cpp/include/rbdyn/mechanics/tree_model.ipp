@@ -59,62 +59,28 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                                ": beside bodies that are joined to bodies a Rail is smooth, holds on both sides and is "
                                "fixed in its parent in this version");
     }
+    require_finite_drives(0.0);
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
     conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
     const std::vector<double> x = mechanics::closing::nearest(start);
     const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, now);
-    for (const mechanics::Node& n : tree_->nodes())
-        for (int k = 0; k < n.joint.velocities(); ++k) {
-            double least = 0.0;
-            for (const mechanics::Node& other : tree_->nodes())
-                least = std::max(least, static_cast<double>(other.mass));
-            require(accelerate.mass(n.v + k) > 1e-28 * least, n.name,
-                    "inertia along velocity " + std::to_string(k) + " of its joint", accelerate.mass(n.v + k),
+    double heaviest = 0.0;
+    for (const mechanics::Node& n : tree_->nodes()) heaviest = std::max(heaviest, static_cast<double>(n.mass));
+    // what carries others feels what these lack: they are looked at first
+    for (int i = bodies() - 1; i >= 0; --i) {
+        const mechanics::Node& n = tree_->node(i);
+        for (int k = 0; k < n.joint.velocities(); ++k)
+            require(accelerate.mass(n.v + k) > 1e-28 * heaviest, n.name,
+                    "inertia along velocity " + std::to_string(k + 1) + " of " + std::to_string(n.joint.velocities()) +
+                        " of its joint",
+                    accelerate.mass(n.v + k),
                     "what a joint leaves free has inertia: of the body, or of those joined to it; hold it otherwise, "
                     "or give it a thickness");
-        }
-    if (!conditions_->empty()) {
-        std::vector<int> every(at(conditions_->constraint_rows()));
-        for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
-        rows_ = mechanics::independent_rows(*tree_, *conditions_, every, now);
-        const std::vector<DoubleDouble> closed = exact_start(0.0);
-        rows_ = mechanics::independent_rows(
-            *tree_, *conditions_, every,
-            mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(closed)));
     }
+    if (!conditions_->empty()) choose_rows();
     map_ = StateMap(TreeModel::start(0.0), std::vector<bool>(at(tree_->variables()), false));
-}
-
-RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
-    std::vector<DoubleDouble> x = tree_->start(t);
-    if (conditions_->all().empty()) return x;
-    // of the size of the scene: how far its bodies are from each other
-    const auto all = mechanics::closing::moving<double>(*tree_, t, mechanics::closing::nearest(x));
-    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (int i = 0; i < bodies(); ++i) {
-        const mechanics::Moving<double>& m = all[at(i)];
-        for (const Vector3& p : {m.place, Vector3(m.place + m.to_world(exactly<double>(tree_->node(i).center)))}) {
-            low = lesser(low, p);
-            high = greater(high, p);
-        }
-    }
-    for (const mechanics::Condition& c : conditions_->all())
-        for (const mechanics::Anchor* a : {&c.a, &c.b}) {
-            const Vector3 p = tree_->point<double>(*a, all).place;
-            low = lesser(low, p);
-            high = greater(high, p);
-        }
-    const double size = (high - low).norm();
-    for (int k = 0; k < static_cast<int>(conditions_->all().size()); ++k) {
-        const double gap = conditions_->gap(*tree_, k, all);
-        require(gap <= 1e-6 * size, conditions_->all()[at(k)].name, "gap", gap,
-                "the start satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
-                    " m; scene.assemble() finds a start that does from a rough one");
-    }
-    mechanics::close(*tree_, *conditions_, rows_, t, x);
-    return x;
 }
 
 RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
@@ -351,6 +317,7 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
 }
 
 RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
+    require_finite_drives(t);
     Mode mode = undecided();
     if (contacts() == 0) {
         choose(mode, t, x, {});
@@ -411,6 +378,11 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
             touches = true;
             continue;
         }
+        if (guard.kind == EventKind::singular) {
+            Mode after = mode;
+            after.impossible = opened(t, x);
+            return after;
+        }
         if (guard.kind == EventKind::watch)
             throw InvalidInput("watch " + guard.name +
                                ": actions that change the state are not there for bodies joined to bodies in this "
@@ -425,10 +397,12 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
     Mode after = mode;
     if (touches) {
         touch(mode, after, fired, t, x, happenings);
+        if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
     choose(after, t, x, flipped);
-    if (pulls(after, t, x)) {
+    after.impossible = jump_of_drives(mode, after, t, x);
+    if (after.impossible.empty() && pulls(after, t, x)) {
         touch(mode, after, {}, t, x, happenings);
         return after;
     }
@@ -464,6 +438,17 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
             out.push_back({b.reaction.moment, false, 0.0, b.effort.moment.norm(), Alike::torque});
     }
+    // a force is a difference of what acts on what it joins
+    const auto effort = [&](const mechanics::Anchor& a, const mechanics::Anchor& b) {
+        Wrench<double> most;
+        for (const int i : {a.body, b.body}) {
+            if (i < 0) continue;
+            const Wrench<double>& own = state.bodies[at(i)].effort;
+            if (own.force.norm() > most.force.norm()) most.force = own.force;
+            if (own.moment.norm() > most.moment.norm()) most.moment = own.moment;
+        }
+        return most;
+    };
     for (int k = 0; k < contacts(); ++k) {
         ContactReport c = state.contacts[at(k)];
         // a direction that turns is that of the slip, whose velocities are judged themselves
@@ -472,27 +457,21 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             c.force = c.normal * c.normal.dot(c.force);
         // what is not unique is one of many
         if (shares_load(mode)) c.force = Vector3::Zero();
-        // a difference of what acts on what it joins
-        double effort = c.force.norm();
-        for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})
-            if (i >= 0) effort = std::max(effort, state.bodies[at(i)].effort.force.norm());
-        out.push_back({c.force, false, 0.0, effort, Alike::force});
+        const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];
+        out.push_back({c.force, false, 0.0, std::max(c.force.norm(), effort(law.a, law.b).force.norm()), Alike::force});
     }
-    for (const ConstraintReport& c : state.constraints) {
-        out.push_back({c.force, false, 0.0, c.force.norm(), Alike::force});
-        out.push_back({c.torque, false, 0.0, c.torque.norm(), Alike::torque});
+    for (std::size_t k = 0; k < state.constraints.size(); ++k) {
+        const ConstraintReport& c = state.constraints[k];
+        const mechanics::Condition& law = conditions_->all()[k];
+        const Wrench<double> most = effort(law.a, law.b);
+        out.push_back({c.force, false, 0.0, std::max(c.force.norm(), most.force.norm()), Alike::force});
+        out.push_back({c.torque, false, 0.0, std::max(c.torque.norm(), most.moment.norm()), Alike::torque});
     }
 }
 
 RBDYN_INLINE double TreeModel::guard_value(const Guard& guard, const Mode& mode, double t,
                                            std::span<const double> x) const {
     return scene_.watches()[at(guard.watch)].function(observing(mode, t, x));
-}
-
-RBDYN_INLINE std::string TreeModel::not_finite(const Mode&, double, std::span<const double> x) const {
-    for (const double value : x)
-        if (!std::isfinite(value)) return "the state itself";
-    return {};
 }
 
 RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, const RecordedFor& state) const {
@@ -509,11 +488,14 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = stands_still ? Expression(0.0) : values[at(i)];
             tree.touch(write);
+            tree.guard_drives(write);
+            guard_loops(write, tree);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
             return tree_->groups();
         });
     if (!result) return result;
+    result->equations.drives = tree.drives();
     bool turns = false;
     for (int i = 0; i < bodies(); ++i) turns = turns || has_angles(i);
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));

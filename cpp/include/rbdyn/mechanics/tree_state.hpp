@@ -45,6 +45,7 @@ struct TreeState {
     std::vector<Body> bodies;
     std::vector<Vector3> couplings;
     std::vector<double> powers;
+    std::vector<double> along;  // by velocity: what springs and loads of joints exert along it [N, N m]
     std::vector<ConstraintReport> constraints;
     std::vector<ContactReport> contacts;
 

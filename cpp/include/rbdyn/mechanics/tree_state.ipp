@@ -33,6 +33,13 @@ inline void add_sizes(Wrench<double>& sum, const Wrench<double>& w, const Vector
         sizes(w.moment) + Vector3(a[1] * f[2] + a[2] * f[1], a[2] * f[0] + a[0] * f[2], a[0] * f[1] + a[1] * f[0]);
 }
 
+/// The size of the moment of a force at r: what cancels in it is rounding of this.
+inline Vector3 moment_size(const Vector3& force, const Vector3& r) {
+    Wrench<double> w;
+    add_sizes(w, {force, Vector3(Vector3::Zero())}, r);
+    return w.moment;
+}
+
 }  // namespace tree_states
 
 RBDYN_INLINE TreeState::TreeState(const Tree& given, std::vector<Moving<double>> motion)
@@ -79,7 +86,7 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
                                        tree.point<double>(*end, moving).arm);
     }
     for (int i = 0; i < exerted.loads(); ++i) powers.push_back(*next++);
-    const std::span<const double> along(next, at(tree.velocities()));
+    along.assign(next, next + tree.velocities());
     next += tree.velocities();
     std::vector<double> multipliers(at(conditions.rows()), 0.0);
     for (const int r : rows) multipliers[at(r)] = *next++;
@@ -120,6 +127,10 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             }
             report.force = on_a.force;
             // about the constraint's own point
+            for (const Anchor* end : {&c.a, &c.b})
+                if (end->body >= 0)
+                    bodies[at(end->body)].effort.moment +=
+                        tree_states::moment_size(on_a.force, tree.point<double>(*end, moving).arm);
             report.torque = about<double>(on_a, Vector3(-tree.point<double>(c.a, moving).arm)).moment;
             report.gap = conditions.gap(tree, static_cast<int>(constraints.size()), moving);
             constraints.push_back(report);
@@ -154,6 +165,7 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         add<double>(b.reaction, b.acts, -1.0);
         add<double>(b.reaction, held[at(i)], -1.0);
         for (const Wrench<double>* part : {&inertia, &b.acts}) tree_states::add_sizes(b.effort, *part);
+        b.effort.moment += tree_states::moment_size(inertia.force, b.arm);
     }
     for (int i = tree.size() - 1; i >= 0; --i)
         if (const int parent = tree.node(i).parent; parent >= 0) {

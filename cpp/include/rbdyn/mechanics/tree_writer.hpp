@@ -38,6 +38,15 @@ public:
     void take(std::span<const S> values) { values_.assign(values.begin(), values.end()); }
     /// The guards of contacts: what comes to touch, what would have to pull, and what friction does next.
     void touch(EquationsWriter& write) const;
+    /// The independence of the used rows of constraints: of each, what of it is independent of those before it, over
+    /// what that was as the scene started.
+    void guard_pivots(EquationsWriter& write, const std::vector<double>& first) const;
+    /// What driven joints do, and that it is finite.
+    void guard_drives(EquationsWriter& write);
+    /// The first of their outputs; -1: there are none.
+    int drives() const { return drives_; }
+    /// The constraints that have rows which are not used and are not zero for good.
+    std::vector<int> loose() const;
     /// The guards of watched functions.
     void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
 
@@ -78,7 +87,8 @@ private:
     const std::vector<signed char>& states_;
     std::vector<Touching<S>> touching_;
     std::vector<Friction> friction_;  // of each contact
-    std::vector<S> q_, v_, values_;
+    std::vector<S> q_, v_, values_, pivots_;
+    int drives_ = -1;
     std::vector<Moving<S>> moving_;
 };
 

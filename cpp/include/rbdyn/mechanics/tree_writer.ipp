@@ -137,17 +137,18 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         for (std::size_t i = 0; i < b.size(); ++i)
             for (std::size_t j = 0; j < (sliding.empty() ? i + 1 : b.size()); ++j)
                 a[i][j] = tree.between(responses[i], pushes[j]);
-        std::vector<S> found;
+        std::vector<S> found, pivots;
         if (sliding.empty()) {
-            found = solve_definite<S>(std::move(a), std::move(b));
+            found = solve_definite<S>(std::move(a), std::move(b), &pivots);
         } else {
-            std::vector<S> pivots, driven;
+            std::vector<S> driven;
             found = solve_in_order<S>(std::move(a), std::move(b), pivots, driven);
             for (std::size_t j = first; j < order.size(); ++j) {
                 numerators[at(contact[j - first])] = driven[j];
                 denominators[at(contact[j - first])] = pivots[j];
             }
         }
+        pivots_ = std::move(pivots);
         for (std::size_t j = 0; j < found.size(); ++j) {
             multipliers[order[j]] = found[j];
             for (const auto& [n, one] : pushes[j]) u[at(n)] += one * found[j];

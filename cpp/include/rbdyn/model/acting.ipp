@@ -21,7 +21,6 @@ RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int c
     if (mode.equations == nullptr || mode.equations->acting == nullptr) return std::nullopt;
     const Program& program = *mode.equations->acting;
     std::vector<double> parameters = mode.parameters;
-    parameters.resize(static_cast<std::size_t>(program.parameters()), 0.0);
     Evaluator<double> values(program);
     values.set_parameters(parameters);
     values(t, x);

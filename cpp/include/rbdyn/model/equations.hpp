@@ -66,6 +66,7 @@ struct Guard {
     int sliding = -1;                                  // the sliding surface that is left where it fires, to side step
     std::shared_ptr<const Locator> locator = nullptr;  // finds it, if there is no output
     bool renews = false;                               // where it fires its parameters change, and its value with them
+    double least = 0.0;  // below 0: noted where it sinks to that, all but, and rises again; no step is shorter for it
 
     bool is_watched() const { return watch >= 0 || role == GuardRole::record; }
 };
@@ -108,7 +109,8 @@ struct Equations {
     std::vector<Branch> branches;  // the choices between formulas that were made for them
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
-    int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface
+    int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface; of
+                      // a tree of two outputs a driven joint, its coordinate and the rate of that
     int pulls =
         -1;  // where any bead sticks: the first of an output a body, the tangential reaction rest needs, |r'| Phi_t
     // where a side, a sign or a weight belongs to the mode: the rates and what acts in it, for reports (acting.hpp)

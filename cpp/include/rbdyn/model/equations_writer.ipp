@@ -116,7 +116,11 @@ RBDYN_INLINE std::unique_ptr<Structure> EquationsWriter::finish(std::vector<Vari
     if (!acting_.empty()) {
         std::vector<Expression> all = rates_;
         all.insert(all.end(), acting_.begin(), acting_.end());
-        e.acting = std::make_shared<const Program>(r_, all, static_cast<int>(rates_.size()));
+        const auto acting = std::make_shared<Program>(r_, all, static_cast<int>(rates_.size()));
+        // numbers of the user's that only what acts depends on: both take the same parameters
+        e.program.take_parameters(r_.parameters());
+        acting->take_parameters(r_.parameters());
+        e.acting = acting;
     }
     e.guards = std::move(guards_);
     e.branches = r_.branches();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -101,12 +102,18 @@ RBDYN_INLINE const std::vector<PointsWriter::S>& PointsWriter::lay_down() {
 RBDYN_INLINE std::vector<PointsWriter::S> PointsWriter::switched() {
     lay_down();
     std::vector<S> values(at(map_.size()));
+    bool is_broken = false;
     for (int i = 0; i < map_.variables(); ++i) {
+        const S& rate = rates_[at(i)];
         if (map_.is_simulated(i))
-            values[at(map_.place(i))] = rates_[at(i)];
-        else if (!rates_[at(i)].is_zero())
+            values[at(map_.place(i))] = rate;
+        else if (rate.is_constant() && !std::isfinite(rate.value()) && map_.size() > 0)
+            is_broken = true;
+        else if (!rate.is_zero())
             throw Error("a variable that was left out of the state does not stay as it starts");
     }
+    // a force that is not a number moves what it does not belong to: there is no motion
+    if (is_broken) std::fill(values.begin(), values.end(), S(std::numeric_limits<double>::quiet_NaN()));
     const auto put = [&](const Vector3Of<S>& v) { values.insert(values.end(), {v[0], v[1], v[2]}); };
     for (const RecordedPoints::Body& b : present_) {
         put(b.force.force);

@@ -62,6 +62,11 @@ RBDYN_INLINE RigidLaw::RigidLaw(const Scene& scene, int index) {
         exact.frame = hinge_frame(widened(axis), to_center);
         const Vector3Of<DoubleDouble>& e3 = exact.frame.col(2);
         exact.moments = {1.0, 1.0, dot<DoubleDouble>(e3, product(about_o, e3))};
+        const double axial = exact.moments[2].hi, all = (about_o(0, 0) + about_o(1, 1) + about_o(2, 2)).hi;
+        if (kind == Kind::revolute)
+            require(axial > 1e-15 * all, b.name, "moment of inertia about its axis", axial,
+                    "a body turns about a hinge by its moment about it and that of what it carries; this one has none: "
+                    "give it some, or move the axis");
     }
     exact.frame_attitude = quaternion(exact.frame);
     exact.center = in_frame(to_center);

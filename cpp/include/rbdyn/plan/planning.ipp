@@ -83,8 +83,11 @@ RBDYN_INLINE std::vector<std::string> guards_of(const SceneModel& scene_model) {
     if (scene_model.special() == nullptr) {
         std::vector<double> x = scene_model.start(0.0);
         for (const Guard& guard : scene_model.begin(0.0, x).equations->guards) {
-            const std::string line =
-                guard.is_watched() ? "\"" + guard.name + "\" (watch)" : guard.name + " through zero (switch)";
+            const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
+            const std::string line = is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
+                                     : is_loop                    ? guard.name + ", where no motion goes on"
+                                     : guard.is_watched()         ? "\"" + guard.name + "\" (watch)"
+                                                                  : guard.name + " through zero (switch)";
             if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
         }
         return lines;

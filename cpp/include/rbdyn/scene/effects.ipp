@@ -138,11 +138,8 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
             if (!among(acting::names))
                 throw InvalidInput("without: \"" + name + "\" is no effect; the effects are " +
                                    acting::listed(acting::names) + "; this scene has " + acting::listed(present));
-            const bool is_to_come = name == "contact" || name == "impact";
             if (!among(present))
-                throw InvalidInput("without: this scene has no " + name +
-                                   (is_to_come ? ", and in this version none can" : "") + "; it has " +
-                                   acting::listed(present));
+                throw InvalidInput("without: this scene has no " + name + "; it has " + acting::listed(present));
             if (name == "contact" || name == "impact")
                 throw InvalidInput("without: " + name +
                                    " cannot be taken away in this version; make the scene without its contacts");

@@ -41,6 +41,8 @@ public:
     /// Whether there is any.
     bool present() const { return !is_constant() || !constant_.is_zero(); }
     void give(GivenNumbers& numbers) const;
+    /// Throws unless a number is finite. `kind`: what it is; `unit`: what it is given in.
+    void validate(const std::string& kind, const std::string& unit) const;
 
     template <class S>
     S operator()(const S& t, const S& q, const S& rate) const {

@@ -28,9 +28,15 @@ RBDYN_INLINE void JointLoad::give(GivenNumbers& numbers) const {
     function_.give(numbers);
 }
 
+RBDYN_INLINE void JointLoad::validate(const std::string& kind, const std::string& unit) const {
+    require(std::isfinite(constant_.now()), kind, "its number", constant_.now(),
+            "it is finite; give it in " + unit + ", or as a function");
+}
+
 RBDYN_INLINE JointLoad JointLoad::frozen_load() const {
     JointLoad result = *this;
     result.constant_ = constant_.frozen();
+    result.validate("JointTorque, JointForce", "N m, N");
     if (function_) result.function_ = function_.frozen();
     return result;
 }

@@ -131,12 +131,16 @@ RBDYN_INLINE void Revolute::validate() const {
     joints::require_direction("Revolute", axis);
     joints::require_finite("Revolute", "at", at);
     joints::require_finite("Revolute", "point", point);
+    if (motion && motion->is_constant())
+        require(std::isfinite(motion->constant()), "Revolute", "motion", motion->constant(), "it is finite, in rad");
 }
 
 RBDYN_INLINE void Prismatic::validate() const {
     joints::require_direction("Prismatic", axis);
     joints::require_finite("Prismatic", "at", at);
     joints::require_finite("Prismatic", "point", point);
+    if (motion && motion->is_constant())
+        require(std::isfinite(motion->constant()), "Prismatic", "motion", motion->constant(), "it is finite, in m");
 }
 
 RBDYN_INLINE void Universal::validate() const {

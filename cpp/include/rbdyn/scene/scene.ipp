@@ -89,13 +89,7 @@ RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Revolute& joint,
                                    std::string name) {
     joint.validate();
     name = named(std::move(name), "body");
-    const Started started = starts::on(joint, start, name);
-    const Vector3 e = direction(joint.axis);
-    const Matrix3 about = body.inertia(joint.point);
-    const double axial = e.dot(about * e), largest = about(0, 0) + about(1, 1) + about(2, 2);
-    require(axial > least_moment * largest, name, "moment of inertia about its axis", axial,
-            "a body turns about a hinge by its moment about it; this one has none: give it some, or move the axis");
-    return add(started, body, joint, start.parent, name);
+    return add(starts::on(joint, start, name), body, joint, start.parent, name);
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const RigidBody& body, const Prismatic& joint, const PrismaticStart& start,
@@ -197,6 +191,8 @@ RBDYN_INLINE LoadHandle Scene::apply(Load load, BodyHandle body, std::optional<V
     if (const Drag* drag = std::get_if<Drag>(&load)) drag->validate();
     if (const Lorentz* lorentz = std::get_if<Lorentz>(&load)) lorentz->validate();
     if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load)) spring->validate();
+    if (const JointTorque* torque = std::get_if<JointTorque>(&load)) torque->validate("JointTorque", "N m");
+    if (const JointForce* force = std::get_if<JointForce>(&load)) force->validate("JointForce", "N");
     loads_.push_back({std::move(load), body.index, at});
     plan_.forget();
     return {static_cast<int>(loads_.size()) - 1};

@@ -63,16 +63,25 @@ RBDYN_INLINE Started on(const Spherical&, const SphericalStart& start, const std
             .angular_velocity_world = start.angular_velocity_world};
 }
 
-RBDYN_INLINE Started on(const Revolute&, const RevoluteStart& start, const std::string& name) {
+RBDYN_INLINE Started on(const Revolute& joint, const RevoluteStart& start, const std::string& name) {
     require(std::isfinite(start.angle), name, "angle", start.angle, "an angle is finite; give it in rad");
     require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in rad/s");
+    if (joint.motion) {
+        require(start.angle == 0.0, name, "angle", start.angle, "a driven joint starts where its motion does");
+        require(start.rate == 0.0, name, "rate", start.rate, "a driven joint has the rate of its motion");
+    }
     return {.parameter = start.angle, .speed = start.rate};
 }
 
-RBDYN_INLINE Started on(const Prismatic&, const PrismaticStart& start, const std::string& name) {
+RBDYN_INLINE Started on(const Prismatic& joint, const PrismaticStart& start, const std::string& name) {
     require(std::isfinite(start.displacement), name, "displacement", start.displacement,
             "a displacement is finite; give it in m");
     require(std::isfinite(start.rate), name, "rate", start.rate, "a rate is finite; give it in m/s");
+    if (joint.motion) {
+        require(start.displacement == 0.0, name, "displacement", start.displacement,
+                "a driven joint starts where its motion does");
+        require(start.rate == 0.0, name, "rate", start.rate, "a driven joint has the rate of its motion");
+    }
     return {.parameter = start.displacement, .speed = start.rate};
 }
 

@@ -1,0 +1,40 @@
+// Whether rows of constraints that are not used are redundant for good.
+//
+// Rows that depend on the others where a scene starts may do so only there: bars in one line, a rod across a rail. They
+// are redundant for good if their gaps stay as they are along every motion that the used rows allow. Those allow a
+// smooth surface of configurations, for they are independent; what vanishes at a place of it that is in no way special,
+// at some distance, vanishes all over it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+/// How far each constraint is open: m, and rad with the length 1 m.
+std::vector<double> open_by(const Tree& tree, const Conditions& conditions, const std::vector<Moving<double>>& all);
+/// How fast each constraint opens: m/s, and rad/s with the length 1 m.
+std::vector<double> opening_rates(const Tree& tree, const Conditions& conditions,
+                                  const std::vector<Moving<double>>& all);
+
+/// How fast anything moves at most [m/s], what turns with the size of the scene [m] for an arm.
+double fastest(const std::vector<Moving<double>>& all, double size);
+
+/// A constraint with rows that are not used though motion opens them.
+struct Opening {
+    int constraint;
+    double gap, moved;  // how far it opens, and how far the bodies have moved for that [m]
+};
+
+/// The constraint that opens first, if any does by more than `tolerance`; `rows`: those used, at x, closed. `size`: of
+/// the scene [m].
+[[gnu::cold]] std::optional<Opening> opening(const Tree& tree, const Conditions& conditions,
+                                             const std::vector<int>& rows, double t, const std::vector<DoubleDouble>& x,
+                                             double size, double tolerance);
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics

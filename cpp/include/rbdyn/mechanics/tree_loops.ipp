@@ -1,0 +1,343 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: loops and driven joints.
+//
+// Rows that are used hold; the others must hold with them, for good (redundant.hpp). What a run cannot know beforehand
+// ends it by name: a constraint that opens, for driven joints ask for what it does not allow, and a driven joint that
+// jumps or has a corner, for that takes an impulse that nothing gives. Where used rows lose their independence for a
+// moment the motion goes on, on its branch, and the event `singular` tells of it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/redundant.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/mechanics/tree_writer.hpp"
+#include "rbdyn/model/equations_writer.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace tree_loops {
+
+/// Of the scene's size: how far a start may be off, and how far constraints may open whose rows are not all used.
+inline constexpr double nearest_start = 1e-6, loosest = 1e-9;
+
+/// Finds where the first of some constraints opens.
+class Loosening : public Locator {
+public:
+    Loosening(std::shared_ptr<const mechanics::Tree> tree, std::shared_ptr<const mechanics::Conditions> conditions,
+              std::vector<int> which, double loosest_gap, int samples)
+        : tree_(std::move(tree)),
+          conditions_(std::move(conditions)),
+          which_(std::move(which)),
+          loosest_(loosest_gap),
+          samples_(samples) {}
+
+    std::optional<double> first(const Piece& piece, bool /*fresh*/) const override {
+        double shut = 0.0;
+        for (int k = 1; k <= samples_; ++k) {
+            double open = piece.length * k / samples_;
+            if (!is_open(piece, open)) {
+                shut = open;
+                continue;
+            }
+            for (int i = 0; i < 60; ++i) {
+                const double middle = 0.5 * (shut + open);
+                (is_open(piece, middle) ? open : shut) = middle;
+            }
+            return open;
+        }
+        return std::nullopt;
+    }
+
+private:
+    bool is_open(const Piece& piece, double tau) const {
+        std::vector<double> x(static_cast<std::size_t>(piece.variables));
+        piece.state(tau, x);
+        const auto all = mechanics::closing::moving<double>(*tree_, piece.at(tau).hi, x);
+        return std::any_of(which_.begin(), which_.end(),
+                           [&](int k) { return !(conditions_->gap(*tree_, k, all) <= loosest_); });
+    }
+
+    std::shared_ptr<const mechanics::Tree> tree_;
+    std::shared_ptr<const mechanics::Conditions> conditions_;
+    std::vector<int> which_;
+    double loosest_;
+    int samples_;
+};
+
+/// Whether a function of time may become infinite or no number, jump or have a corner.
+inline bool may_break(const Function& f) {
+    for (std::int32_t n = 0; n < f.size(); ++n) switch (f.node(n).operation) {
+            case Operation::divide:
+            case Operation::square_root:
+            case Operation::logarithm:
+            case Operation::power:
+            case Operation::norm:
+            case Operation::angle:
+            case Operation::sign:
+            case Operation::select:
+            case Operation::whole:
+            case Operation::call: return true;
+            default: break;
+        }
+    return false;
+}
+
+inline const mechanics::DrivenLaw* driven(const mechanics::Node& n) {
+    const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>();
+    return law != nullptr && !law->way.is_constant() ? law : nullptr;
+}
+
+}  // namespace tree_loops
+
+RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<double>>& all) const {
+    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    const auto take = [&](const Vector3& p) {
+        low = lesser(low, p);
+        high = greater(high, p);
+    };
+    for (int i = 0; i < bodies(); ++i) {
+        const mechanics::Moving<double>& m = all[at(i)];
+        take(m.place);
+        take(m.place + m.to_world(exactly<double>(tree_->node(i).center)));
+    }
+    for (const mechanics::Condition& c : conditions_->all())
+        for (const mechanics::Anchor* a : {&c.a, &c.b}) take(tree_->point<double>(*a, all).place);
+    return (high - low).norm();
+}
+
+RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
+    std::vector<DoubleDouble> x = tree_->start(t);
+    if (conditions_->all().empty()) return x;
+    const auto all = mechanics::closing::moving<double>(*tree_, t, mechanics::closing::nearest(x));
+    const double size = size_of(all);
+    const std::vector<double> gaps = mechanics::open_by(*tree_, *conditions_, all);
+    for (std::size_t k = 0; k < gaps.size(); ++k)
+        require(gaps[k] <= tree_loops::nearest_start * size, conditions_->all()[k].name, "gap", gaps[k],
+                "the start satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
+                    " m; scene.assemble() finds a start that does from a rough one");
+    const std::vector<DoubleDouble> given = x;
+    mechanics::close(*tree_, *conditions_, rows_, t, x);
+    // the velocities that were given, where it now is
+    std::vector<double> before = mechanics::closing::nearest(x);
+    for (int k = tree_->positions(); k < variables(); ++k) before[at(k)] = static_cast<double>(given[at(k)]);
+    const auto moving = mechanics::closing::moving<double>(*tree_, t, before);
+    const double speed = mechanics::fastest(moving, size);
+    const std::vector<double> rates = mechanics::opening_rates(*tree_, *conditions_, moving);
+    for (std::size_t k = 0; k < rates.size(); ++k)
+        require(rates[k] <= tree_loops::nearest_start * speed, conditions_->all()[k].name, "rate of its gap", rates[k],
+                "the velocities that a scene starts with satisfy a constraint to 1e-6 of the fastest, " + text(speed) +
+                    " m/s, those of driven joints with them; scene.assemble() finds some that do from rough ones");
+    return x;
+}
+
+RBDYN_INLINE void TreeModel::choose_rows() {
+    std::vector<int> every(at(conditions_->constraint_rows()));
+    for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
+    const auto choose_at = [&](const std::vector<DoubleDouble>& x) {
+        const auto all = mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(x));
+        rows_ = mechanics::independent_rows(*tree_, *conditions_, every, all);
+    };
+    choose_at(tree_->start(0.0));
+    choose_at(exact_start(0.0));
+    if (conditions_->all().empty()) return;
+    const std::vector<DoubleDouble> x = exact_start(0.0);
+    const auto all = mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(x));
+    const double size = size_of(all);
+    double widest = 0.0;
+    for (const double gap : mechanics::open_by(*tree_, *conditions_, all)) widest = std::max(widest, gap);
+    loosest_ = std::max(tree_loops::loosest * size, 4.0 * widest);
+    if (rows_.size() < every.size())
+        if (const auto o = mechanics::opening(*tree_, *conditions_, rows_, 0.0, x, size, loosest_))
+            throw InvalidInput(
+                conditions_->all()[at(o->constraint)].name +
+                ": where the scene starts the constraints lose rank, and what is left of them opens it by " +
+                text(o->gap) + " m where the bodies move by " + text(o->moved) +
+                " m; start beside such a place (bars in one line, a rod across a rail), or hold what "
+                "cannot move with a Weld or a Fixed joint");
+    const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
+    mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &first_pivots_);
+}
+
+RBDYN_INLINE void TreeModel::require_finite_drives(double t) const {
+    for (const mechanics::Node& n : tree_->nodes())
+        if (const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>())
+            for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
+                if (!std::isfinite(value))
+                    throw InvalidInput(n.name + ": the motion of its joint, or a rate of it, is " + text(value) +
+                                       " at t = " + text(t) +
+                                       " s; a motion is a finite function of time with finite derivatives, from where "
+                                       "the scene starts");
+}
+
+RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const {
+    if (!first_pivots_.empty()) tree.guard_pivots(write, first_pivots_);
+    const std::vector<int> loose = tree.loose();
+    if (loose.empty()) return;
+    const bool drives = std::any_of(tree_->nodes().begin(), tree_->nodes().end(),
+                                    [](const mechanics::Node& n) { return tree_loops::driven(n) != nullptr; });
+    // where nothing but drives moves a piece may be as long as the motion
+    const int samples = !drives ? 1 : variables() > 0 ? 16 : 1024;
+    Guard guard{.kind = EventKind::singular, .name = "gaps of constraints"};
+    guard.locator = std::make_shared<const tree_loops::Loosening>(tree_, conditions_, loose, loosest_, samples);
+    write.outside(std::move(guard), drives);
+}
+
+RBDYN_INLINE std::string TreeModel::opened(double t, std::span<const double> x) const {
+    const auto all = moving(t, x);
+    int widest = 0;
+    const std::vector<double> gaps = mechanics::open_by(*tree_, *conditions_, all);
+    for (std::size_t k = 0; k < gaps.size(); ++k)
+        if (!(gaps[k] <= gaps[at(widest)])) widest = static_cast<int>(k);
+    const double rate = mechanics::opening_rates(*tree_, *conditions_, all)[at(widest)];
+    return conditions_->all()[at(widest)].name + " opens, its gap is " + text(gaps[at(widest)]) + " m and grows by " +
+           text(rate) + " m/s: no motion satisfies it together with the other constraints and with driven joints";
+}
+
+RBDYN_INLINE std::string TreeModel::jump_of_drives(const Mode& before, const Mode& after, double t,
+                                                   std::span<const double> x) const {
+    if (before.equations->drives < 0 || after.equations->drives < 0) return {};
+    RoundingSizes was(before.equations->program), is(after.equations->program);
+    was.set_parameters(before.parameters);
+    is.set_parameters(after.parameters);
+    was(t, x);
+    is(t, x);
+    int place = 0;
+    for (const mechanics::Node& n : tree_->nodes()) {
+        const mechanics::DrivenLaw* law = tree_loops::driven(n);
+        if (law == nullptr) continue;
+        for (const bool rates : {false, true}) {
+            const int a = before.equations->drives + place, b = after.equations->drives + place;
+            ++place;
+            const double from = was.output(a), to = is.output(b),
+                         rounding = 16.0 * epsilon * (was.size(a) + is.size(b));
+            // what differs by the rounding of numbers written with few digits is the same
+            if (std::abs(to - from) <= std::max(rounding, 1e-9 * std::max(std::abs(from), std::abs(to)))) continue;
+            const std::string unit = std::string(law->turns ? " rad" : " m") + (rates ? "/s" : "");
+            return std::string("the ") + (rates ? "rate" : "coordinate") + " of the driven joint of " + n.name +
+                   " jumps from " + text(from) + " to " + text(to) + unit + ", which takes an impulse" +
+                   (rates ? "" : " that is not finite") + "; a motion has a rate that is continuous";
+        }
+    }
+    return {};
+}
+
+RBDYN_INLINE std::string TreeModel::locked(double t, std::span<const double> x) const {
+    if (rows_.empty()) return {};
+    const auto all = moving(t, x);
+    constexpr double small = 1e-5;  // of the square of a row
+    const std::vector<int> clear = mechanics::independent_rows(*tree_, *conditions_, rows_, all, 0, small);
+    if (clear.size() == rows_.size()) return {};
+    std::string names;
+    const auto loose = mechanics::dependences(*tree_, *conditions_, clear, all);
+    for (const mechanics::Condition& c : conditions_->all()) {
+        const auto is_in = [&](const std::vector<double>& one) {
+            // of those that are used now and were not redundant before
+            const bool is_new = std::any_of(rows_.begin(), rows_.end(), [&](int r) {
+                return !std::binary_search(clear.begin(), clear.end(), r) && one[at(r)] == 1.0;
+            });
+            return is_new && std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
+                                         [](double part) { return std::abs(part) > 1e-3; });
+        };
+        if (std::any_of(loose.begin(), loose.end(), is_in)) names += (names.empty() ? "" : ", ") + c.name;
+    }
+    return names.empty() ? conditions_->all().front().name : names;
+}
+
+RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::span<const double> x) const {
+    for (const double value : x)
+        if (!std::isfinite(value)) return "the state itself";
+    for (const mechanics::Node& n : tree_->nodes())
+        if (const mechanics::DrivenLaw* law = tree_loops::driven(n))
+            for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
+                if (!std::isfinite(value))
+                    return "the motion of the joint of " + n.name + ", or a rate of it, which is " + text(value);
+    if (mode.equations != nullptr) {
+        const mechanics::TreeState state = look(mode, t, x);
+        for (std::size_t k = 0; k < state.couplings.size(); ++k)
+            if (!is_finite(state.couplings[k])) return "the force of coupling " + std::to_string(k + 1);
+        for (const Scene::AppliedLoad& l : scene_.loads()) {
+            const mechanics::Node& n = tree_->node(l.body);
+            const JointLoad* load = std::get_if<JointTorque>(&l.load);
+            if (load == nullptr) load = std::get_if<JointForce>(&l.load);
+            if (load != nullptr && n.joint.velocities() > 0) {
+                const double value = state.along[at(n.v)];
+                if (!std::isfinite(value))
+                    return "the joint load \"" + load->name() + "\" on " + n.name + ", which is " + text(value);
+            }
+        }
+        for (int i = 0; i < bodies(); ++i)
+            if (!is_finite(state.bodies[at(i)].acts.force) || !is_finite(state.bodies[at(i)].acts.moment))
+                return "a force or torque on " + tree_->node(i).name;
+    }
+    if (const std::string names = locked(t, x); !names.empty())
+        return "constraints lose rank there and lock what moves: " + names;
+    return {};
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+RBDYN_INLINE void TreeWriter::guard_pivots(EquationsWriter& write, const std::vector<double>& first) const {
+    const recording::WideFolding all_digits;
+    // far below what digits are lost at, far above their rounding: squares of what passes zero
+    constexpr double small = 1e-10;
+    for (std::size_t j = 0; j < std::min(first.size(), pivots_.size()); ++j) {
+        if (pivots_[j].is_constant()) continue;
+        const auto owner = std::find_if(conditions_.all().begin(), conditions_.all().end(), [&](const Condition& c) {
+            return rows_[j] >= c.first && rows_[j] < c.first + c.rows();
+        });
+        if (owner == conditions_.all().end()) continue;
+        Guard guard{.kind = EventKind::singular, .role = GuardRole::record, .name = owner->name};
+        guard.least = -1.0;
+        write.guard(std::move(guard), pivots_[j] * (1.0 / (small * first[j])) - 1.0);
+    }
+}
+
+RBDYN_INLINE void TreeWriter::guard_drives(EquationsWriter& write) {
+    const recording::WideFolding all_digits;
+    std::vector<S> outputs;
+    for (const Node& n : tree_.nodes()) {
+        const DrivenLaw* law = tree_loops::driven(n);
+        if (law == nullptr) continue;
+        const S way = law->way(r_.time()), rate = law->rate(r_.time());
+        // never zero, but perhaps no number; and what it distinguishes is guarded with it
+        if (tree_loops::may_break(law->way.function()))
+            write.guard({.kind = EventKind::singular, .name = "the motion of the joint of " + n.name},
+                        way * way + rate * rate + 1.0);
+        outputs.push_back(way);
+        outputs.push_back(rate);
+    }
+    for (const S& value : outputs) {
+        const int place = write.output(value);
+        if (drives_ < 0) drives_ = place;
+    }
+}
+
+RBDYN_INLINE std::vector<int> TreeWriter::loose() const {
+    std::vector<int> result;
+    const auto gaps = conditions_.gaps<S>(tree_, moving_);
+    for (std::size_t k = 0; k < conditions_.all().size(); ++k) {
+        const Condition& c = conditions_.all()[k];
+        for (int r = c.first; r < c.first + c.rows(); ++r) {
+            if (std::find(rows_.begin(), rows_.end(), r) != rows_.end()) continue;
+            if (recording::is_constant(r_, gaps[at(r)])) continue;
+            result.push_back(static_cast<int>(k));
+            break;
+        }
+    }
+    return result;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics
