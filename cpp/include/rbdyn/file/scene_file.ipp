@@ -28,7 +28,7 @@ inline constexpr long scene_version = 1;
 
 /// Where a body starts, in the words of its joint.
 struct Start {
-    std::vector<double> position, velocity;
+    std::vector<double> position, velocity, angular_velocity_world;
     DoubleDouble parameter;
     double speed = 0.0, angle = 0.0, rate = 0.0, displacement = 0.0, displacement_rate = 0.0;
     std::array<double, 2> angles{}, rates{};
@@ -48,7 +48,8 @@ struct Described<Start> {
                                   usual("angles", &Start::angles),
                                   usual("rates", &Start::rates),
                                   usual("attitude", &Start::attitude),
-                                  usual("angular_velocity", &Start::angular_velocity)};
+                                  usual("angular_velocity", &Start::angular_velocity),
+                                  usual("angular_velocity_world", &Start::angular_velocity_world)};
 };
 
 /// The words of a body's joint, and what a scene has of it as them and back.
@@ -66,9 +67,11 @@ struct Starting {
     static Names words(const Particle&, const Free&) { return {"position", "velocity"}; }
     static Names words(const Particle&, const Rail&) { return {"parameter", "speed"}; }
     static Names words(const RigidBody&, const Free&) {
-        return {"position", "velocity", "attitude", "angular_velocity"};
+        return {"position", "velocity", "attitude", "angular_velocity", "angular_velocity_world"};
     }
-    static Names words(const RigidBody&, const Spherical&) { return {"attitude", "angular_velocity"}; }
+    static Names words(const RigidBody&, const Spherical&) {
+        return {"attitude", "angular_velocity", "angular_velocity_world"};
+    }
     static Names words(const RigidBody&, const Revolute&) { return {"angle", "rate"}; }
     static Names words(const RigidBody&, const Prismatic&) { return {"displacement", "rate"}; }
     static Names words(const RigidBody&, const Universal&) { return {"angles", "rates"}; }
@@ -111,6 +114,7 @@ struct Starting {
         if (!std::holds_alternative<Fixed>(b.joint)) {
             s.attitude = b.attitude;
             s.angular_velocity = b.angular_velocity;
+            if (b.angular_velocity_world) s.angular_velocity_world = list(*b.angular_velocity_world);
         }
         return s;
     }
@@ -154,6 +158,7 @@ RBDYN_INLINE Start start_from(const Place& p, const Starting::Names& words, std:
     const auto start = take_fields<Start>(p);
     for (const auto& [key, list] : {std::pair("position", &start.position), std::pair("velocity", &start.velocity)})
         if (!list->empty() || p.find(key)) p.at(key).require_size(dimension);
+    if (const auto world = p.find("angular_velocity_world")) world->require_size(3);
     return start;
 }
 
@@ -179,7 +184,10 @@ RBDYN_INLINE void add_body(Scene& scene, const Place& p) {
                             require(std::isfinite(start.angular_velocity[i].hi) &&
                                         std::isfinite(start.angular_velocity[i].lo),
                                     name, "angular_velocity", start.angular_velocity[i].hi, "it is finite, in rad/s");
-                        scene.start_turning(added, start.attitude, start.angular_velocity);
+                        std::optional<Vector3> world;
+                        if (!start.angular_velocity_world.empty())
+                            world = Starting::vector(start.angular_velocity_world);
+                        scene.start_turning(added, start.attitude, start.angular_velocity, world);
                     }
                     require(std::abs(start.parameter.lo) <= 1e-15 * std::abs(start.parameter.hi), name,
                             "rest of the parameter", start.parameter.lo,

@@ -43,7 +43,7 @@ struct ContactMemory {
     double least = 0.0;  // a speed below which the direction of sliding is rounding [m/s]; held: 1 if it shares a load
     // what it exerts along axes that are no rows of their own: force + rate (t - since) [N, N/s, s]
     Vector3 force = Vector3::Zero(), rate = Vector3::Zero();
-    double since = 0.0;
+    double since = 0.0;  // of what slides: 1 if it has begun at the edge of its cone
 
     static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }
     static ContactMemory of(const std::vector<double>& memory, int contact) {

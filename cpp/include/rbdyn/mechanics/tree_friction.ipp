@@ -183,6 +183,26 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         mode.impossible = no_sliding(fired.singular.front());
         return;
     }
+    // from the edge of a cone the first direction is that of the force; where what is asked for turns at once, friction
+    // follows it faster than any step
+    for (const auto* list : {&fired.stopping, &fired.turning})
+        for (const int k : *list) {
+            const mechanics::ContactMemory memory = mechanics::ContactMemory::of(before.memory, k);
+            const bool is_new = before.slip[at(k)] == mechanics::contact_state::starts ||
+                                before.slip[at(k)] == mechanics::contact_state::straight;
+            if (!is_new || memory.since != 1.0) continue;
+            const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, moving(t, x));
+            const double speed = touching.slip().dot(memory.axis.cross(touching.normal));
+            const bool turns = list == &fired.turning && before.slip[at(k)] == mechanics::contact_state::straight &&
+                               speed < 0x1p20 * memory.least;
+            const bool stops = list == &fired.stopping && before.slip[at(k)] == mechanics::contact_state::starts;
+            if (!turns && !stops) continue;
+            mode.impossible = conditions_->contacts()[at(k)].name +
+                              " breaks away in space at a friction that does not fall, in a direction that turns as it "
+                              "begins, which is not followed in this version; give it a dynamic coefficient below the "
+                              "static one";
+            return;
+        }
     const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
                           !(fired.stopping.empty() && fired.turning.empty());
     const auto is_turning = [&](int k) {
@@ -413,6 +433,11 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
             size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
         memory.axis = one.at.normal.cross(one.along);
         memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
+        // 1: it begins at the edge of its cone, without an acceleration yet
+        memory.since =
+            begins && std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2])
+                ? 1.0
+                : 0.0;
         memory.put(mode.memory, k);
         mode.slip[at(k)] = begins ? mechanics::contact_state::starts : straight;
     }

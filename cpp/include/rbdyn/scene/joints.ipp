@@ -71,7 +71,7 @@ RBDYN_INLINE Rail::Rail(Curve curve, std::optional<Coulomb> friction, RailOption
     : curve_(std::move(curve)), friction_(friction), options_(std::move(options)) {
     if (friction_) {
         friction_->validate();
-        require(std::isfinite(static_cast<double>(friction_->mu_static)), "Rail", "mu_static", friction_->mu_static,
+        require(std::isfinite(static_cast<double>(friction_->mu_static)), "Coulomb", "mu_static", friction_->mu_static,
                 "on a rail a friction coefficient is finite; what never slips is at rest on it");
     }
     if (options_.drive.is_constant())

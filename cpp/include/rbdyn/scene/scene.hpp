@@ -111,7 +111,8 @@ public:
     Start start(BodyHandle body) const;
 
     /// The start of a body that turns freely, in 32 digits: what another scene has of it.
-    void start_turning(BodyHandle body, const Attitude& attitude, const Vector3Of<DoubleDouble>& angular_velocity);
+    void start_turning(BodyHandle body, const Attitude& attitude, const Vector3Of<DoubleDouble>& angular_velocity,
+                       const std::optional<Vector3>& angular_velocity_world = std::nullopt);
 
     /// What the parameter that a bead starts at is short of 32 digits: what another scene has of it.
     void start_beyond(BodyHandle body, double rest);

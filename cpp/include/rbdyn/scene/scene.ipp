@@ -170,12 +170,13 @@ RBDYN_INLINE BodyHandle Scene::body(const std::string& name) const {
 }
 
 RBDYN_INLINE void Scene::start_turning(BodyHandle body, const Attitude& attitude,
-                                       const Vector3Of<DoubleDouble>& angular_velocity) {
+                                       const Vector3Of<DoubleDouble>& angular_velocity,
+                                       const std::optional<Vector3>& angular_velocity_world) {
     require_body(body, "start_turning");
     Body& b = bodies_[static_cast<std::size_t>(body.index)];
     b.attitude = attitude;
     b.angular_velocity = angular_velocity;
-    b.angular_velocity_world.reset();
+    b.angular_velocity_world = angular_velocity_world;
     plan_.start_elsewhere();
 }
 
