@@ -160,6 +160,8 @@ py::list runs_from(const BoundScene& scene, const py::dict& vary, const py::list
         const rbdyn::BoundParameters bound(own.numbers);
         rbdyn::Scene member = scene.scene;
         for (const auto& [body, start] : own.starts) member.replace(body, start);
+        // with the numbers it ran with
+        member = member.frozen();
         runs.append(BoundTrajectory{rbdyn::Trajectory(rbdyn::run_from(member, data[i].cast<std::string>())), handles});
     }
     return runs;

@@ -2800,6 +2800,11 @@ class Event:
         Of the watch or of the subject.
         """
     @property
+    def note(self) -> str:
+        """
+        What else is to be said of it (that restitution was lowered, lest friction gain energy); empty if nothing.
+        """
+    @property
     def subject(self) -> BodyHandle | ContactHandle | None:
         """
         Handle of the body or the contact, or None.
@@ -3667,14 +3672,14 @@ def _runs_from(scene: Scene, vary: dict[typing.Any, typing.Any], data: list[typi
     """
     The runs of members of a sweep from their data.
     """
-def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex) -> tuple[typing.Any, ...]:
-    """
-    The runs of a sweep, what went wrong with each, and what interrupted it.
-    """
 def _scene_from(text: str, document: str) -> Scene:
     ...
 def _scene_text(scene: Scene) -> str:
     ...
+def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex) -> tuple[typing.Any, ...]:
+    """
+    The runs of a sweep, what went wrong with each, and what interrupted it.
+    """
 def _user_function(kind: str, f: typing.Any, trace: bool | None = None) -> UserFunction:
     ...
 def _where(condition: typing.Any, a: typing.Any, b: typing.Any, name: str = 'where') -> typing.Any:

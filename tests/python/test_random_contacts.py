@@ -23,7 +23,7 @@ def scene_of(seed, coefficients=None):
         friction = None
         if coefficients is not None:
             static = float(random.choice(coefficients))
-            friction = rb.Coulomb(static, static * float(random.choice([0.5, 1.0])))
+            friction = rb.Coulomb(static, static * float(random.choice([0.5, 0.8])))
         contacts.append(scene.contact(part, surface, restitution=restitution, friction=friction))
 
     for k in range(random.integers(1, 3)):

@@ -68,8 +68,8 @@ TEST(RoughContacts, a_block_thrown_up_an_incline_stops_and_stays) {
     for (const double error : {1e-6, 1e-9, 1e-12}) {
         Scene scene(Vector3{0, -given(file, "g"), 0});
         const Vector3 along = vector(file["parameters"]["incline_tangent_direction"]) / 5.0;
-        const auto block = scene.add(Particle{given(file, "mass")},
-                                     FreeStart{.velocity = along * given(file, "speed0_up_the_slope")});
+        const auto block =
+            scene.add(Particle{given(file, "mass")}, FreeStart{.velocity = along * given(file, "speed0_up_the_slope")});
         const auto touch = scene.contact(block, Plane{{-3, 4, 0}},
                                          {.friction = Coulomb{given(file, "mu_static"), given(file, "mu_dynamic")}});
         const Trajectory run = simulate(scene, {.until = 1e5, .error = error});
@@ -117,9 +117,9 @@ struct Ladder {
 
     Ladder(const nlohmann::json& file, double angle) : scene(Vector3{0, -given(file, "g"), 0}) {
         const double l = given(file, "length");
-        rod = scene.add(shapes::rod(given(file, "mass"), l, {1, 0, 0}), Planar{},
-                        {.position = {l / 2 * std::cos(angle), l / 2 * std::sin(angle)},
-                         .angle = std::numbers::pi - angle});
+        rod = scene.add(
+            shapes::rod(given(file, "mass"), l, {1, 0, 0}), Planar{},
+            {.position = {l / 2 * std::cos(angle), l / 2 * std::sin(angle)}, .angle = std::numbers::pi - angle});
         floor = scene.contact(rod.point({-l / 2, 0, 0}), Plane{{0, 1, 0}}, rough(given(file, "mu_floor")), "floor");
         wall = scene.contact(rod.point({l / 2, 0, 0}), Plane{{1, 0, 0}}, rough(given(file, "mu_wall")), "wall");
     }
@@ -294,8 +294,7 @@ TEST(RoughContacts, a_direction_that_turns_to_the_end_ends_where_the_closed_form
             const Vector3 v = run[p].velocity(t);
             const double down = v.dot(Vector3(-0.8, -0.6, 0)), phi = std::atan2(v[2], down);
             // C = v0 at phi = pi/2; an error of v turns it by itself over v
-            EXPECT_NEAR(v.norm(), 2.0 * std::pow(std::tan(phi / 2), k) / std::sin(phi),
-                        2e-11 * (1 + k / std::sin(phi)))
+            EXPECT_NEAR(v.norm(), 2.0 * std::pow(std::tan(phi / 2), k) / std::sin(phi), 2e-11 * (1 + k / std::sin(phi)))
                 << mu << " " << t;
         }
     }
@@ -394,8 +393,8 @@ TEST(RoughContacts, an_impact_never_gains_energy) {
         Scene scene;
         const auto rod = scene.add(shapes::rod(1.0, l, {1, 0, 0}), Planar{},
                                    {.position = {arm[0], arm[1] + 0.5}, .velocity = {slip, -1.0}, .angle = angle});
-        const auto hit = scene.contact(rod.point({-l / 2, 0, 0}), Plane{{0, 1, 0}},
-                                       {.friction = Coulomb{0.5}, .restitution = 0.9});
+        const auto hit =
+            scene.contact(rod.point({-l / 2, 0, 0}), Plane{{0, 1, 0}}, {.friction = Coulomb{0.5}, .restitution = 0.9});
         const Trajectory run = simulate(scene, {.until = 0.6, .error = 1e-11});
         ASSERT_EQ(run.events().times("impact", hit).size(), 1u);
         const double gain = run.kinetic_energy(0.55) - run.kinetic_energy(0.45);

@@ -38,6 +38,8 @@ RBDYN_INLINE GivenNumbers numbers_of(const Scene& scene) {
     for (const Scene::AppliedLoad& load : scene.loads()) give(load.load, numbers);
     for (const Scene::Connection& c : scene.connections())
         std::visit([&](const auto& coupling) { coupling.give(numbers); }, c.coupling);
+    for (const Scene::Touch& c : scene.contacts())
+        if (c.options.friction) c.options.friction->give(numbers);
     for (const Scene::Watch& w : scene.watches()) w.function.function().give(numbers);
     return numbers;
 }

@@ -354,6 +354,8 @@ RBDYN_INLINE Scene Scene::frozen() const {
     for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
     for (Connection& c : result.connections_)
         c.coupling = std::visit([](const auto& coupling) -> Coupling { return coupling.frozen(); }, c.coupling);
+    for (Touch& c : result.contacts_)
+        if (c.options.friction) c.options.friction = c.options.friction->frozen();
     for (Watch& w : result.watches_) w.function = w.function.frozen();
     for (Integral& i : result.integrals_) i.function = i.function.frozen();
     return result;
