@@ -254,6 +254,60 @@ TEST(Contacts, a_ball_on_a_table_leaves_the_table_at_rest) {
     for (const auto leg : legs) EXPECT_EQ(run[leg].state(0.6), "slides");
 }
 
+/// A force along z.
+template <class F>
+Force lifting(F f) {
+    return Force([f](const auto& t, const auto&, const auto&) {
+        Vector3Of<std::decay_t<decltype(t)>> force;
+        force[0] = force[1] = 0.0 * t;
+        force[2] = f(t);
+        return force;
+    });
+}
+
+TEST(Contacts, open_where_their_force_jumps_below_zero) {
+    Scene scene(down);
+    const auto ball = scene.add(Particle{1.0});
+    const auto touch = scene.contact(ball, Plane{{0, 0, 1}});
+    scene.apply(lifting([](const auto& t) { return where(t > 1.0, 15.0 + 0.0 * t, 0.0 * t); }), ball);
+    const Trajectory run = simulate(scene, {.until = 2.0});
+    EXPECT_EQ(run.events().times("detach", touch), std::vector<double>{1.0});
+    EXPECT_NEAR(run[ball].position(2.0)[2], (15.0 - gravity) / 2, 1e-13);
+    EXPECT_EQ(run[touch].force(1.5).norm(), 0.0);
+}
+
+TEST(Contacts, what_lies_at_rest_takes_off_where_it_is_lifted) {
+    for (const double g : {gravity, 0.0}) {
+        Scene scene(Vector3{0, 0, -g});
+        const auto ball = scene.add(Particle{1.0});
+        scene.contact(ball, Plane{{0, 0, 1}});
+        scene.apply(lifting([](const auto& t) { return 5.0 * t; }), ball);
+        const Trajectory run = simulate(scene, {.until = 3.0});
+        const double off = 3.0 - g / 5.0;
+        EXPECT_NEAR(run[ball].position(3.0)[2], 5.0 * off * off * off / 6.0, 1e-12);
+    }
+}
+
+TEST(Contacts, boxes_that_stand_on_more_than_they_need_stand_on_all_of_it) {
+    for (const double size : {1e-3, 1.0, 1e3}) {
+        Scene scene(down);
+        const auto box = scene.add(shapes::box(1.0, {size, size, 0.5 * size}), BodyStart{.position = {0, 0, size / 4}});
+        std::vector<ContactHandle> corners;
+        for (const double x : {-0.5, 0.5})
+            for (const double y : {-0.5, 0.5})
+                corners.push_back(scene.contact(box.point({x * size, y * size, -size / 4}), Plane{{0, 0, 1}}));
+        const Trajectory run = simulate(scene, {.until = 1.0, .rtol = 1e-12});
+        EXPECT_TRUE(run.events().empty());
+        // one choice of many forces: all push, together they are the weight
+        double sum = 0.0;
+        for (const auto corner : corners) {
+            EXPECT_GT(run[corner].force(1.0)[2], 0.1 * gravity) << size;
+            sum += run[corner].force(1.0)[2];
+        }
+        EXPECT_NEAR(sum, gravity, 1e-12);
+    }
+}
+
 TEST(Contacts, refuse_what_they_cannot_do) {
     Scene scene(down);
     const auto ball = scene.add(Particle{1.0}, FreeStart{.position = {0, 0, -1}});

@@ -392,6 +392,8 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         const bool comes = is_in(landing, k), last = !group.empty() && k == group.front();
         if (!comes && !last && is) continue;
         if (!group.empty() && !last && is) continue;
+        // what comes and goes without an impulse has not struck
+        if (comes && !last && !is && impulses[at(k)] <= 0.0) continue;
         Happening h{last     ? EventKind::accumulation
                     : !comes ? EventKind::detach
                     : is     ? EventKind::land
