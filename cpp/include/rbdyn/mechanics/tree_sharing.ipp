@@ -1,0 +1,202 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: forces of contacts that the motion does not determine.
+//
+// What is held by more than it needs, or stands on more than it needs, has forces that are one choice of many: numbers
+// of the mode, well inside of all cones, each a straight line in time through the last two choices.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
+#include "rbdyn/mechanics/touched.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
+    for (int k = 0; k < contacts(); ++k)
+        if (mode.slip[at(k)] == rests || (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
+                                          mechanics::ContactMemory::of(mode.memory, k).least > 0.0))
+            return true;
+    return false;
+}
+
+RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t,
+                                        const std::vector<mechanics::Moving<double>>& all,
+                                        const std::vector<int>& candidates, const std::vector<double>& b,
+                                        const std::vector<double>& noise) const {
+    Touched touched = this->touched(before, all, candidates, {}, false);
+    const auto found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
+    Mode shared = mode;
+    if (!found.is_solved || !take(before, shared, t, touched, found, b, noise, {})) return false;
+    mode = std::move(shared);
+    return true;
+}
+
+RBDYN_INLINE bool TreeModel::makes_no_difference(const Touched& touched, std::size_t one,
+                                                 const std::vector<int>& chosen) const {
+    // a unit of its force, and of the others what keeps their accelerations
+    std::vector<mechanics::Row<double>> rows, acting, constraints;
+    const auto every = conditions_->rows<double>(*tree_, touched.moving);
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        const int k = touched.all[i].contact;
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        if (i == one) continue;
+        if (std::binary_search(chosen.begin(), chosen.end(), conditions_->normal_row(k))) {
+            rows.push_back(touched.rows[f]);
+            acting.push_back(touched.pushes[f]);
+        }
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::binary_search(chosen.begin(), chosen.end(), conditions_->held_row(k, axis))) {
+                rows.push_back(every[at(conditions_->held_row(k, axis))]);
+                acting.push_back(rows.back());
+            }
+    }
+    const auto f = static_cast<std::size_t>(touched.cones[one].first);
+    const mechanics::Square a = friction::Coupled(*tree_, touched.moving, constraints, rows, acting).matrix(),
+                            by = friction::Coupled(*tree_, touched.moving, constraints, rows, {touched.pushes[f]})
+                                     .matrix();
+    std::vector<double> right;
+    for (std::size_t i = 0; i < rows.size(); ++i) right.push_back(-by[i][0]);
+    std::vector<double> impulses = mechanics::solve_any(a, right);
+    acting.push_back(touched.pushes[f]);
+    impulses.push_back(1.0);
+    const friction::Coupled all(*tree_, touched.moving, constraints, rows, acting);
+    std::vector<double> alone(acting.size(), 0.0);
+    alone.back() = 1.0;
+    const std::vector<double> changes = all.changes(impulses), size = all.changes(alone);
+    for (std::size_t i = 0; i < changes.size(); ++i)
+        if (std::abs(changes[i]) > 1e-11 * (std::abs(size[i]) + *std::max_element(size.begin(), size.end())))
+            return false;
+    return true;
+}
+
+RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
+                                              const std::vector<double>& force,
+                                              const std::vector<mechanics::Moving<double>>& all) const {
+    using namespace mechanics::contact_state;
+    std::vector<mechanics::Cone> cones;
+    for (std::size_t i = 0; i < touched.cones.size(); ++i)
+        if (mode.slip[at(touched.all[i].contact)] != flies) cones.push_back(touched.cones[i]);
+    const auto are_in = [&](const std::vector<double>& z) { return mechanics::are_inside(z, cones); };
+    // forces along the axes of the world, from those that solve the problem: some along axes without rows are loose
+    std::vector<mechanics::Row<double>> rows, acting, loose_rows;
+    struct Place {
+        std::size_t one;
+        Vector3 along;
+    };
+    std::vector<Place> places, loose;
+    const auto every = conditions_->rows<double>(*tree_, all);
+    double size = 0.0;
+    std::vector<std::pair<int, int>> names;
+    for (std::size_t i = 0; i < touched.all.size(); ++i) {
+        const Touched::One& one = touched.all[i];
+        const signed char state = mode.slip[at(one.contact)];
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        if (state == pushes || slides(state)) {
+            const double mu =
+                slides(state) ? static_cast<double>(conditions_->contacts()[at(one.contact)].mu_dynamic) : 0.0;
+            const Vector3 along = one.at.normal - one.along * mu;
+            rows.push_back(every[at(conditions_->normal_row(one.contact))]);
+            acting.push_back(one.at.row(along, Vector3(Vector3::Zero())));
+            places.push_back({i, along});
+            size = std::max(size, std::abs(force[f]));
+        }
+        if (state == rests) {
+            const double mu =
+                is_rough(one.contact) ? static_cast<double>(conditions_->contacts()[at(one.contact)].mu_dynamic) : 0.0;
+            const Vector3 along = one.at.normal - one.along * mu;
+            loose.push_back({i, along});
+            loose_rows.push_back(one.at.row(along, Vector3(Vector3::Zero())));
+            names.emplace_back(one.contact, 0);
+            size = std::max(size, std::abs(force[f]));
+            mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
+            memory.force = Vector3(force[f], 0, 0);
+            memory.rate = Vector3::Zero();
+            memory.since = t;
+            memory.put(mode.memory, one.contact);
+        }
+        if (!is_held(state)) continue;
+        Vector3 whole = Vector3::Zero();
+        for (int j = 0; j < 3; ++j) whole += one.axes[j] * force[f + at(j)];
+        size = std::max(size, whole.norm());
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
+        memory.force = whole;
+        memory.least = 0.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto& row = every[at(conditions_->held_row(one.contact, axis))];
+            Vector3 e = Vector3::Zero();
+            e[axis] = 1.0;
+            if (is_row(state, axis)) {
+                rows.push_back(row);
+                acting.push_back(row);
+                places.push_back({i, e});
+                memory.force[axis] = 0.0;
+            } else {
+                loose.push_back({i, e});
+                loose_rows.push_back(row);
+                names.emplace_back(one.contact, axis);
+            }
+        }
+        memory.put(mode.memory, one.contact);
+    }
+    if (loose.empty() || !(size > 0.0)) return are_in(force);
+    // what a unit along each loose axis makes of all others
+    std::vector<mechanics::Row<double>> constraints;
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    const mechanics::Square a = friction::Coupled(*tree_, all, constraints, rows, acting).matrix(),
+                            by = friction::Coupled(*tree_, all, constraints, rows, loose_rows).matrix();
+    mechanics::Square directions;
+    std::vector<std::size_t> alive;
+    for (std::size_t l = 0; l < loose.size(); ++l) {
+        std::vector<double> right, direction(force.size(), 0.0);
+        double most = 0.0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            right.push_back(-by[i][l]);
+            most = std::max(most, std::abs(by[i][l]));
+        }
+        // along an axis that nothing can move along there is no force
+        if (!(most > 1e-13 * std::abs(a.empty() ? 0.0 : a[0][0]))) continue;
+        const std::vector<double> answer = mechanics::solve_any(a, right);
+        const auto put = [&](const Place& place, double times) {
+            const auto f = static_cast<std::size_t>(touched.cones[place.one].first);
+            if (touched.cones[place.one].is_line) {
+                direction[f] += times;
+                return;
+            }
+            for (int j = 0; j < 3; ++j) direction[f + at(j)] += times * touched.all[place.one].axes[j].dot(place.along);
+        };
+        put(loose[l], 1.0);
+        for (std::size_t i = 0; i < rows.size(); ++i) put(places[i], answer[i]);
+        directions.push_back(std::move(direction));
+        alive.push_back(l);
+    }
+    const std::vector<double> parts = mechanics::forces_inside(force, directions, cones, size);
+    for (std::size_t i = 0; i < loose.size(); ++i) {
+        const auto found = std::find(alive.begin(), alive.end(), i);
+        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
+        const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
+        const bool is_one = mode.slip[at(names[i].first)] == rests,
+                   goes_on = before.slip == mode.slip && (is_one || last.least > 0.0) && t > last.since;
+        memory.since = t;
+        memory.rate[names[i].second] = 0.0;
+        if (found == alive.end())
+            memory.force[names[i].second] = 0.0;
+        else if (!is_one)
+            memory.least = 1.0;
+        if (found != alive.end() && !parts.empty())
+            memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
+        // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do
+        if (goes_on && found != alive.end())
+            memory.rate[names[i].second] =
+                (memory.force[names[i].second] - last.force[names[i].second]) / (t - last.since);
+        memory.put(mode.memory, names[i].first);
+    }
+    return directions.empty() ? are_in(force) : !parts.empty();
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
