@@ -45,12 +45,25 @@ inline double turn_between(const Quaternion& a, const Quaternion& b) {
     return 2.0 * std::sqrt(std::min(plus, minus));
 }
 
+inline json file_of(const std::string& name) {
+    std::ifstream in(std::string(RBDYN_TEST_REFERENCE) + "/" + name + ".json");
+    if (!in) throw std::runtime_error("no reference file " + name);
+    return json::parse(in);
+}
+/// The value of something given, with its unit or without.
+inline double given(const json& file, const std::string& name) {
+    const json& p = file["parameters"][name];
+    return number(p.is_object() ? p["value"] : p);
+}
+/// A rectangle in the plane of x and y.
+inline RigidBody rectangle(double mass, double half_width, double half_height) {
+    const double moment = mass * (half_width * half_width + half_height * half_height) / 3.0;
+    return RigidBody(mass, {moment / 2, moment / 2, moment});
+}
+
 class Case {
 public:
-    explicit Case(const std::string& name) : id(name) {
-        std::ifstream in(std::string(RBDYN_TEST_REFERENCE) + "/" + name + ".json");
-        if (!in) throw std::runtime_error("no reference file " + name);
-        file = json::parse(in);
+    explicit Case(const std::string& name) : id(name), file(file_of(name)) {
         for (const json& s : samples()) until = std::max(until, number(s["t"]));
         if (!file["parameters"].contains("bodies")) return;
         scene.set_gravity(vector(given("gravity")));

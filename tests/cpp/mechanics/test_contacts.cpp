@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -15,23 +14,12 @@ namespace rbdyn::test {
 namespace contacts {
 
 using figures::Case;
+using figures::file_of;
+using figures::given;
 using figures::number;
+using figures::rectangle;
 using figures::vector;
 
-/// The value of something given, with its unit or without.
-double given(const nlohmann::json& file, const std::string& name) {
-    const auto& p = file["parameters"][name];
-    return number(p.is_object() ? p["value"] : p);
-}
-nlohmann::json file_of(const std::string& name) {
-    std::ifstream in(std::string(RBDYN_TEST_REFERENCE) + "/" + name + ".json");
-    return nlohmann::json::parse(in);
-}
-/// A rectangle in the plane of motion.
-RigidBody rectangle(double mass, double half_width, double half_height) {
-    const double moment = mass * (half_width * half_width + half_height * half_height) / 3.0;
-    return RigidBody(mass, {moment / 2, moment / 2, moment});
-}
 const Plane floor_of_y{{0, 1, 0}};
 
 class Ladder : public testing::TestWithParam<const char*> {};

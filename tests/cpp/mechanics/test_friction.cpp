@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -15,21 +14,12 @@
 namespace rbdyn::test {
 namespace rough_contacts {
 
+using figures::file_of;
+using figures::given;
 using figures::number;
+using figures::rectangle;
 using figures::vector;
 
-double given(const nlohmann::json& file, const std::string& name) {
-    const auto& p = file["parameters"][name];
-    return number(p.is_object() ? p["value"] : p);
-}
-nlohmann::json file_of(const std::string& name) {
-    std::ifstream in(std::string(RBDYN_TEST_REFERENCE) + "/" + name + ".json");
-    return nlohmann::json::parse(in);
-}
-RigidBody rectangle(double mass, double half_width, double half_height) {
-    const double moment = mass * (half_width * half_width + half_height * half_height) / 3.0;
-    return RigidBody(mass, {moment / 2, moment / 2, moment});
-}
 ContactOptions rough(double mu) { return {.friction = Coulomb{mu}}; }
 
 TEST(RoughContacts, a_ball_with_backspin_slides_then_rolls) {
@@ -406,6 +396,27 @@ TEST(RoughContacts, an_impact_never_gains_energy) {
         }
     }
     EXPECT_EQ(lowered, 1);
+}
+
+TEST(RoughContacts, what_is_held_by_more_than_it_needs_slides_when_it_is_struck_however_slowly) {
+    // a box on two corners that share its load, struck by a ball of half its mass that gives all of its energy to both
+    const double mu = 0.1, g = 9.8125;
+    for (const double speed : {1.0, 3.0, 0.01}) {
+        Scene scene({0, -g, 0});
+        const auto box = scene.add(shapes::box(2.0, {1, .5, .5}), Planar{}, {.position = {0, .25}});
+        for (const double x : {-.5, .5}) scene.contact(box.point({x, -.25, 0}), Plane{{0, 1, 0}}, rough(mu));
+        const auto ball =
+            scene.add(Particle{1.0}, FreeStart{.position = {-.5 - speed, .25, 0}, .velocity = {speed, 0, 0}});
+        scene.apply(Force(Vector3(0, g, 0)), ball);
+        scene.contact(ball, box.plane({{-1, 0, 0}, {-.5, 0, 0}}), {.restitution = 1.0});
+        const double goes = 2.0 / 3.0 * speed, stops = goes / (mu * g);
+        const Trajectory run = simulate(scene, {.until = 1.0 + 2.0 * stops, .error = 1e-11});
+        EXPECT_NEAR(run[ball].velocity(run.end())[0], -speed / 3.0, 1e-10) << speed;
+        EXPECT_NEAR(run[box].velocity(1.0 + 0.5 * stops)[0], 0.5 * goes, 1e-10 * speed) << speed;
+        EXPECT_NEAR(run[box].position(1.0 + 2.0 * stops)[0], 0.5 * goes * stops, 1e-10) << speed;
+        for (const double t : run.events().times("stick")) EXPECT_NEAR(t, 1.0 + stops, 1e-10) << speed;
+        EXPECT_EQ(run.events().times("stick").size(), 2u) << speed;
+    }
 }
 
 }  // namespace rough_contacts

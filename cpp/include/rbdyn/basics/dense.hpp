@@ -62,8 +62,8 @@ struct LinearSolution {
 };
 
 /// x of a x = b, by Gaussian elimination with complete pivoting (Golub and Van Loan, "Matrix Computations", 4th ed.,
-/// sec. 3.4.8).
-inline LinearSolution solve(SquareMatrix a, std::vector<double> b) {
+/// sec. 3.4.8). `nothing`: pivots that are at most that part of the largest are none.
+inline LinearSolution solve(SquareMatrix a, std::vector<double> b, double nothing = 0.0) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     const int n = a.size();
     std::vector<int> unknown(at(n));
@@ -83,7 +83,7 @@ inline LinearSolution solve(SquareMatrix a, std::vector<double> b) {
         const double pivot = std::abs(a(row, column));
         largest = std::max(largest, pivot);
         result.pivots = pivot == 0.0 ? 0.0 : pivot / largest;
-        if (pivot == 0.0) break;
+        if (pivot <= nothing * largest) break;
         for (int j = 0; j < n; ++j) std::swap(a(k, j), a(row, j));
         for (int i = 0; i < n; ++i) std::swap(a(i, k), a(i, column));
         std::swap(b[at(k)], b[at(row)]);

@@ -13,11 +13,10 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace mechanics {
 
-/// Open (flies); closed and smooth: it pushes, or rests, its force one of many that the motion does not
-/// determine. Closed and rough: it slides, in
-/// a direction that stays what it is across the normal, in one that turns, or, where the speed is so small that its
-/// direction is rounding, in the last direction there was, or, where it starts from rest, in that of its first
-/// acceleration; or it is held, along those of the world's axes that are rows of their own.
+/// Open (flies); closed and smooth: it pushes, or rests, its force one of many that the motion does not determine.
+/// Closed and rough: it slides, in a direction that stays what it is across the normal, in one that turns, or, where
+/// the speed is so small that its direction is rounding, in the last direction there was, or, where it starts from
+/// rest, in that of its first acceleration; or it is held, along those of the world's axes that are rows of their own.
 namespace contact_state {
 
 inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, held = 8;
@@ -37,23 +36,25 @@ inline bool has_numbers(const ContactLaw& contact, signed char state) {
 
 /// Mode::memory: when anything struck last [s], then of each contact what follows.
 struct ContactMemory {
-    static constexpr int numbers = 11;
+    static constexpr int numbers = 13, parameters = 11;  // of these its equations know the first ones
 
     Vector3 axis = Vector3::Zero();  // it slides along axis x normal
-    double least = 0.0;  // a speed below which the direction of sliding is rounding [m/s]; held: 1 if it shares a load
+    double least = 0.0;              // a speed below which the direction of sliding is rounding [m/s]
     // what it exerts along axes that are no rows of their own: force + rate (t - since) [N, N/s, s]
     Vector3 force = Vector3::Zero(), rate = Vector3::Zero();
-    double since = 0.0;  // of what slides: 1 if it has begun at the edge of its cone
+    double since = 0.0;
+    bool shares = false;   // it is held, and the motion does not determine its force
+    bool at_edge = false;  // it slides, and has begun at the edge of its cone without an acceleration
 
     static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }
     static ContactMemory of(const std::vector<double>& memory, int contact) {
         const double* const m = memory.data() + place(contact);
-        return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10]};
+        return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10], m[11] != 0.0, m[12] != 0.0};
     }
     void put(std::vector<double>& memory, int contact) const {
         double* const m = memory.data() + place(contact);
-        const double all[numbers] = {axis[0],  axis[1], axis[2], least,   force[0], force[1],
-                                     force[2], rate[0], rate[1], rate[2], since};
+        const double all[numbers] = {axis[0], axis[1], axis[2], least, force[0],           force[1],           force[2],
+                                     rate[0], rate[1], rate[2], since, shares ? 1.0 : 0.0, at_edge ? 1.0 : 0.0};
         for (int k = 0; k < numbers; ++k) m[k] = all[k];
     }
 };

@@ -51,8 +51,8 @@ bool are_inside(const std::vector<double>& force, const std::vector<Cone>& cones
 std::vector<double> forces_inside(const std::vector<double>& z0, const Square& directions,
                                   const std::vector<Cone>& cones, double size);
 
-/// x of A x = b with pivots, and zero along what A leaves free: where pivots are that much less than the largest.
-std::vector<double> solve_any(Square a, std::vector<double> b, double nothing = 1e-12);
+/// x of A x = b, zero along what A leaves free: where pivots are that part of the largest at most.
+std::vector<double> solve_any(const Square& a, const std::vector<double>& b, double nothing = 1e-12);
 
 }  // namespace mechanics
 

@@ -11,42 +11,16 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/dense.hpp"
+
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
-RBDYN_INLINE std::vector<double> solve_any(Square a, std::vector<double> b, double nothing) {
-    const std::size_t n = b.size();
-    std::vector<std::size_t> row(n), column(n);
-    for (std::size_t i = 0; i < n; ++i) row[i] = column[i] = i;
-    double largest = 0.0;
-    std::size_t rank = 0;
-    for (; rank < n; ++rank) {
-        std::size_t r = rank, c = rank;
-        double most = 0.0;
-        for (std::size_t i = rank; i < n; ++i)
-            for (std::size_t j = rank; j < n; ++j)
-                if (const double size = std::abs(a[row[i]][column[j]]); size > most) {
-                    most = size;
-                    r = i;
-                    c = j;
-                }
-        largest = std::max(largest, most);
-        if (!(most > nothing * largest)) break;
-        std::swap(row[rank], row[r]);
-        std::swap(column[rank], column[c]);
-        for (std::size_t i = rank + 1; i < n; ++i) {
-            const double factor = a[row[i]][column[rank]] / a[row[rank]][column[rank]];
-            if (factor == 0.0) continue;
-            for (std::size_t j = rank; j < n; ++j) a[row[i]][column[j]] -= factor * a[row[rank]][column[j]];
-            b[row[i]] -= factor * b[row[rank]];
-        }
-    }
-    std::vector<double> x(n, 0.0);
-    for (std::size_t i = rank; i-- > 0;) {
-        double sum = b[row[i]];
-        for (std::size_t j = i + 1; j < rank; ++j) sum -= a[row[i]][column[j]] * x[column[j]];
-        x[column[i]] = sum / a[row[i]][column[i]];
-    }
-    return x;
+RBDYN_INLINE std::vector<double> solve_any(const Square& a, const std::vector<double>& b, double nothing) {
+    const int n = static_cast<int>(b.size());
+    SquareMatrix matrix(n);
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) matrix(i, j) = a[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    return rbdyn::solve(std::move(matrix), b, nothing).x;
 }
 
 namespace cones {
@@ -59,7 +33,7 @@ inline Three holding(const Square& a, std::size_t f, const Three& q, double more
     Square w(3, std::vector<double>(3));
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) w[i][j] = a[f + i][f + j] + (i == j && i > 0 ? more : 0.0);
-    const std::vector<double> z = solve_any(std::move(w), {-q[0], -q[1], -q[2]});
+    const std::vector<double> z = solve_any(w, {-q[0], -q[1], -q[2]});
     return {z[0], z[1], z[2]};
 }
 
@@ -124,7 +98,7 @@ inline std::optional<ConeForces> together(const Square& a, const std::vector<dou
             for (const auto& [n, part] : columns[j]) m[i][j] += a[rows[i]][n] * part;
         right.push_back(-b[rows[i]]);
     }
-    const std::vector<double> x = solve_any(std::move(m), std::move(right));
+    const std::vector<double> x = solve_any(m, right);
     ConeForces result = found;
     std::fill(result.force.begin(), result.force.end(), 0.0);
     for (std::size_t j = 0; j < x.size(); ++j)
@@ -159,6 +133,8 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     const std::size_t n = b.size();
     ConeForces result{std::vector<double>(n, 0.0), b, std::vector<ConeState>(all.size(), ConeState::open), true};
     std::vector<double>& z = result.force;
+    result.is_solved = std::all_of(b.begin(), b.end(), [](double one) { return std::isfinite(one); });
+    if (!result.is_solved) return result;
     const auto driven = [&](std::size_t row, std::size_t first, std::size_t count) {
         double sum = b[row];
         for (std::size_t j = 0; j < n; ++j)
@@ -206,7 +182,7 @@ RBDYN_INLINE ConeForces held_by(const Square& a, const std::vector<double>& b, c
                                 const std::vector<Cone>& all) {
     std::vector<double> right;
     for (const double one : b) right.push_back(-one);
-    ConeForces result{solve_any(a, std::move(right)), b, {}, true};
+    ConeForces result{solve_any(a, right), b, {}, true};
     for (const Cone& cone : all) result.states.push_back(cone.is_line ? ConeState::slides : ConeState::held);
     for (std::size_t i = 0; i < b.size(); ++i) {
         double size = noise[i];

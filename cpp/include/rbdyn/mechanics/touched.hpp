@@ -1,6 +1,7 @@
 // Contacts of a tree at an instant, and what forces at them do to each other.
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -88,7 +89,7 @@ struct TreeModel::Touched {
     std::vector<mechanics::Cone> cones;
     std::vector<mechanics::Row<double>> rows, pushes;
     mechanics::Square matrix;
-    std::vector<friction::Coupled> coupled;  // one
+    std::optional<friction::Coupled> coupled;  // always there
     std::vector<mechanics::Moving<double>> moving;
 };
 

@@ -18,6 +18,7 @@
 #include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
+#include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/leading_sign.hpp"
@@ -69,25 +70,11 @@ RBDYN_INLINE double TreeModel::speed_of(int contact, const std::vector<mechanics
 
 RBDYN_INLINE std::vector<std::vector<double>> TreeModel::coupling(const std::vector<mechanics::Moving<double>>& all,
                                                                   const std::vector<int>& of) const {
-    // the rows of constraints are eliminated first
-    std::vector<int> rows = rows_;
-    for (const int k : of) rows.push_back(conditions_->constraint_rows() + k);
-    const auto a = mechanics::closing::Responses(*tree_, *conditions_, rows, all).matrix();
-    const std::size_t held = rows_.size();
-    std::vector<std::vector<double>> used(held, std::vector<double>(held)),
-        result(of.size(), std::vector<double>(of.size()));
-    for (std::size_t i = 0; i < held; ++i)
-        for (std::size_t j = 0; j < held; ++j) used[i][j] = a[i][j];
-    for (std::size_t j = 0; j < of.size(); ++j) {
-        std::vector<double> b;
-        for (std::size_t i = 0; i < held; ++i) b.push_back(a[i][held + j]);
-        const std::vector<double> y = mechanics::solve_definite<double>(used, b);
-        for (std::size_t i = 0; i < of.size(); ++i) {
-            result[i][j] = a[held + i][held + j];
-            for (std::size_t k = 0; k < held; ++k) result[i][j] -= a[held + i][k] * y[k];
-        }
-    }
-    return result;
+    const auto every = conditions_->rows<double>(*tree_, all);
+    std::vector<mechanics::Row<double>> constraints, rows;
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    for (const int k : of) rows.push_back(every[at(conditions_->normal_row(k))]);
+    return friction::Coupled(*tree_, all, constraints, rows, rows).matrix();
 }
 
 RBDYN_INLINE std::pair<std::vector<double>, std::vector<double>> TreeModel::opening(const Mode& mode, double t,
@@ -173,22 +160,27 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     return group;
 }
 
-RBDYN_INLINE std::vector<double> TreeModel::strike(double t, std::span<double> x, const std::vector<int>& struck,
-                                                   const std::vector<double>& restitution) const {
+RBDYN_INLINE std::vector<double> TreeModel::strike(const Mode& before, double t, std::span<double> x,
+                                                   const std::vector<int>& struck, Strokes& strokes) const {
+    return conditions_->is_rough() ? strike_rough(before, t, x, struck, strokes) : strike_smooth(t, x, struck);
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<double> x,
+                                                          const std::vector<int>& struck) const {
     const auto all = moving(t, x);
     const auto rows = conditions_->rows<double>(*tree_, all);
     std::vector<double> approach, b, noise, impulses(at(contacts()), 0.0);
     for (const int k : struck) {
         const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
         approach.push_back(u);
-        b.push_back(u < 0.0 ? (1.0 + restitution[at(k)]) * u : u);
+        b.push_back(u < 0.0 ? (1.0 + conditions_->contacts()[at(k)].restitution) * u : u);
         noise.push_back(1e-14 * speed_of(k, all));
     }
-    const auto found = mechanics::solve_complementary(coupling(all, struck), b, noise);
+    const auto a = coupling(all, struck);
+    const auto found = mechanics::solve_complementary(a, b, noise);
     // the constraints keep their velocities; the contacts' impulses change those of the rest
     std::vector<int> used = rows_;
     std::vector<double> asked(used.size(), 0.0);
-    const auto a = coupling(all, struck);
     for (std::size_t i = 0; i < struck.size(); ++i) {
         impulses[at(struck[i])] = found.z[i];
         if (found.z[i] <= 0.0) continue;
@@ -224,8 +216,16 @@ RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std
     return true;
 }
 
-RBDYN_INLINE void TreeModel::settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
-                                    const std::vector<int>& doubtful) const {
+RBDYN_INLINE void TreeModel::settle(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                    const std::vector<int>& candidates, const Fired& fired) const {
+    if (conditions_->is_rough())
+        settle_rough(before, mode, t, x, candidates, fired);
+    else
+        settle_smooth(mode, t, x, candidates, fired.doubtful);
+}
+
+RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<double> x,
+                                           const std::vector<int>& candidates, const std::vector<int>& doubtful) const {
     const Mode before = mode;
     for (const int k : candidates) mode.slip[at(k)] = flies;
     choose(mode, t, x, {}, true);
@@ -334,21 +334,12 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (is_closed || has_fired || is_there) closed.push_back(k);
     }
     const std::vector<int>& landing = events.landing;
-    const auto settle_all = [&](const std::vector<int>& candidates, const Fired& all_events) {
-        if (conditions_->is_rough())
-            settle_rough(mode, after, t, x, candidates, all_events);
-        else
-            settle(after, t, x, candidates, all_events.doubtful);
-    };
     std::vector<int> at_rest = closed, group;
     std::vector<double> impulses(at(contacts()), 0.0);
     Strokes strokes;
     double remaining = 0.0;
     if (!landing.empty()) {
-        std::vector<double> restitution;
-        for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
-        impulses =
-            conditions_->is_rough() ? strike_rough(mode, t, x, closed, strokes) : strike(t, x, closed, restitution);
+        impulses = strike(mode, t, x, closed, strokes);
         ++after.jumps;
         events.stuck = strokes.stuck;
         const auto motion = moving(t, x);
@@ -363,11 +354,12 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         };
         std::erase_if(at_rest, [&](int k) {
             const double u = rate(rows, motion, k);
-            const bool opens = u > 1e-13 * struck_size(k) && (impulses[at(k)] <= 0.0 || restitution[at(k)] > 0.0);
+            const bool bounces = impulses[at(k)] <= 0.0 || conditions_->contacts()[at(k)].restitution > 0.0,
+                       opens = bounces && u > 1e-13 * struck_size(k);
             if (opens) after.slip[at(k)] = flies;
             return opens;
         });
-        settle_all(at_rest, events);
+        settle(mode, after, t, x, at_rest, events);
         group = accumulating(after, t, x, closed, remaining);
         after.memory[0] = t;
         if (!group.empty()) {
@@ -376,10 +368,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             stop(t, x, at_rest);
             Fired rested;
             rested.stuck = strokes.stuck;
-            settle_all(at_rest, rested);
+            settle(mode, after, t, x, at_rest, rested);
         }
     } else {
-        settle_all(at_rest, events);
+        settle(mode, after, t, x, at_rest, events);
     }
     if (!after.impossible.empty()) return;
     hold(after, t, x);

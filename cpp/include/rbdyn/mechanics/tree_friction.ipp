@@ -49,7 +49,8 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
     for (int k = 0; k < contacts(); ++k) {
         if (!mechanics::contact_state::has_numbers(conditions_->contacts()[at(k)], mode.slip[at(k)])) continue;
         const std::size_t from = mechanics::ContactMemory::place(k);
-        for (int i = 0; i < mechanics::ContactMemory::numbers; ++i) mode.parameters[next++] = mode.memory[from + at(i)];
+        for (int i = 0; i < mechanics::ContactMemory::parameters; ++i)
+            mode.parameters[next++] = mode.memory[from + at(i)];
     }
 }
 
@@ -68,10 +69,11 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
         std::tie(one.axes[1], one.axes[2]) = friction::across(t.normal);
         const int first = static_cast<int>(result.rows.size());
         if (c.is_rough() && !strikes) {
+            const bool slid = mechanics::contact_state::slides(before.slip[at(k)]);
             const double speed = one.slip.norm(),
-                         least =
-                             std::max(0x1p-43 * speed_of(k, all), mechanics::ContactMemory::of(before.memory, k).least);
-            one.slides = speed > least && std::isfinite(static_cast<double>(c.mu_dynamic)) &&
+                         last = slid ? mechanics::ContactMemory::of(before.memory, k).least : 0.0;
+            one.slides = speed > std::max(0x1p-43 * speed_of(k, all), last) &&
+                         std::isfinite(static_cast<double>(c.mu_dynamic)) &&
                          std::find(stopped.begin(), stopped.end(), k) == stopped.end();
             if (one.slides) one.along = one.slip / speed;
         }
@@ -93,8 +95,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
     const auto every = conditions_->rows<double>(*tree_, all);
     std::vector<mechanics::Row<double>> constraints;
     for (const int r : rows_) constraints.push_back(every[at(r)]);
-    result.coupled.emplace_back(*tree_, all, constraints, result.rows, result.pushes);
-    result.matrix = result.coupled.front().matrix();
+    result.coupled.emplace(*tree_, all, constraints, result.rows, result.pushes);
+    result.matrix = result.coupled->matrix();
     return result;
 }
 
@@ -111,7 +113,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
             const mechanics::ContactMemory memory = mechanics::ContactMemory::of(before.memory, k);
             const bool is_new = before.slip[at(k)] == mechanics::contact_state::starts ||
                                 before.slip[at(k)] == mechanics::contact_state::straight;
-            if (!is_new || memory.since != 1.0) continue;
+            if (!is_new || !memory.at_edge) continue;
             const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, moving(t, x));
             const double speed = touching.slip().dot(memory.axis.cross(touching.normal));
             const bool turns = list == &fired.turning && before.slip[at(k)] == mechanics::contact_state::straight &&
@@ -204,7 +206,6 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     if (candidates.empty()) return;
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
-    using mechanics::contact_state::is_held;
     std::vector<int> at_rest = fired.stuck;
     // what has left its last direction by more than rounding has not stopped
     for (const int k : fired.stopping)
@@ -316,7 +317,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
     std::vector<int> candidates;
     for (const Touched::One& one : touched.all) candidates.push_back(one.contact);
     // sliding forces come first, then what is held
-    std::vector<int> sliding, rows = rows_;
+    std::vector<int> rows = rows_;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const int k = candidates[i];
         Touched::One& one = touched.all[i];
@@ -330,7 +331,6 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         const bool begins = !one.slides && (found.states[i] == ConeState::slides || breaks(k));
         if (!one.slides && !begins) continue;
         rows.push_back(conditions_->normal_row(k));
-        sliding.push_back(k);
         // a motion that an impact or its own stop did not touch goes on in its form
         if (one.slides && slides(before.slip[at(k)]) && before.jumps == mode.jumps) {
             mode.slip[at(k)] = before.slip[at(k)];
@@ -346,11 +346,8 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
             size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
         memory.axis = one.at.normal.cross(one.along);
         memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
-        // 1: it begins at the edge of its cone, without an acceleration yet
-        memory.since =
-            begins && std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2])
-                ? 1.0
-                : 0.0;
+        memory.at_edge =
+            begins && std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2]);
         memory.put(mode.memory, k);
         mode.slip[at(k)] = begins ? mechanics::contact_state::starts : straight;
     }
@@ -432,7 +429,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
             strokes.pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
     }
-    const std::vector<double> changes = touched.coupled.front().changes(found.force);
+    const std::vector<double> changes = touched.coupled->changes(found.force);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     return normal;
 }

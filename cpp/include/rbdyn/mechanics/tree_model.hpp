@@ -106,30 +106,40 @@ private:
     double size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
     /// How fast they move at most [m/s].
     double speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
-    /// Which of some contacts, all at rest against each other, push and which open: by the accelerations they would
-    /// have if all were open. `doubtful`: those whose force is at zero, however rounding has it.
-    void settle(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
-                const std::vector<int>& doubtful) const;
-    /// Whether the bodies of a contact are at rest and stay so, but for rounding.
-    bool stands(const Mode& mode, int contact, double t, std::span<const double> x) const;
-    /// The velocities after what strikes at an instant; returns the impulse of each contact.
-    std::vector<double> strike(double t, std::span<double> x, const std::vector<int>& struck,
-                               const std::vector<double>& restitution) const;
-    // --- friction at contacts (tree_friction.ipp) ---
-
     /// What has fired of contacts.
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
         std::vector<int> stuck;  // by an impact
         bool has(int contact) const;
     };
+    /// Which of some contacts, none of which separates, push, slide, are held or open. May find that no motion
+    /// satisfies the laws.
+    void settle(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                const Fired& fired) const;
+    /// Without friction: by the accelerations they would have if all were open. `doubtful`: those whose force is at
+    /// zero, however rounding has it.
+    void settle_smooth(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                       const std::vector<int>& doubtful) const;
+    /// Whether the bodies of a contact are at rest and stay so, but for rounding.
+    bool stands(const Mode& mode, int contact, double t, std::span<const double> x) const;
+    /// What impacts with friction did.
+    struct Strokes {
+        std::vector<Vector3> pushed;  // the impulse on the first side of each contact [N s]
+        double lowered = 1.0;         // the part of all restitution that is left, for more would gain energy
+        std::vector<int> stuck;       // contacts that do not slip after it
+    };
+    /// The velocities after what strikes at an instant; returns the normal impulse of each contact [N s].
+    std::vector<double> strike(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
+                               Strokes& strokes) const;
+    std::vector<double> strike_smooth(double t, std::span<double> x, const std::vector<int>& struck) const;
+    // --- friction at contacts (tree_friction.ipp) ---
+
     /// Some contacts at a state where they touch: each smooth one, and each that slides, with one unknown force, the
     /// others with three, and what these do to each other.
     struct Touched;
     Touched touched(const Mode& before, const std::vector<mechanics::Moving<double>>& all,
                     const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes) const;
-    /// The same as settle() where there is friction: which contacts push, slide, are held or open. May find that no
-    /// motion satisfies the laws.
+    /// settle() where there is friction.
     void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                       const Fired& fired) const;
     /// One turn of it: with some held contacts that break.
@@ -152,12 +162,6 @@ private:
     /// cones.
     bool hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
                           const std::vector<double>& force, const std::vector<mechanics::Moving<double>>& all) const;
-    /// What impacts with friction did.
-    struct Strokes {
-        std::vector<Vector3> pushed;  // the impulse on the first side of each contact [N s]
-        double lowered = 1.0;         // the part of all restitution that is left, for more would gain energy
-        std::vector<int> stuck;       // contacts that do not slip after it
-    };
     /// As strike(), with friction.
     std::vector<double> strike_rough(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
                                      Strokes& strokes) const;

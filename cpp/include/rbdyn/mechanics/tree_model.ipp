@@ -339,15 +339,10 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
         if (speed <= noise) closed.push_back(k);
     }
     // what comes towards its surface strikes it before the motion begins
-    std::vector<double> restitution;
-    for (const mechanics::ContactLaw& c : conditions_->contacts()) restitution.push_back(c.restitution);
     if (!closed.empty()) {
         const Mode as_it_was = mode;
         Strokes strokes;
-        if (conditions_->is_rough())
-            strike_rough(as_it_was, t, x, closed, strokes);
-        else
-            strike(t, x, closed, restitution);
+        strike(as_it_was, t, x, closed, strokes);
         std::vector<int> at_rest;
         const auto then = moving(t, x);
         const auto later = conditions_->rows<double>(*tree_, then);
@@ -357,10 +352,7 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
                 at_rest.push_back(k);
         Fired fired;
         fired.stuck = strokes.stuck;
-        if (conditions_->is_rough())
-            settle_rough(as_it_was, mode, t, x, at_rest, fired);
-        else
-            settle(mode, t, x, at_rest, {});
+        settle(as_it_was, mode, t, x, at_rest, fired);
     } else {
         choose(mode, t, x, {});
     }

@@ -19,7 +19,7 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
     for (int k = 0; k < contacts(); ++k)
         if (mode.slip[at(k)] == rests || (mechanics::contact_state::is_held(mode.slip[at(k)]) &&
-                                          mechanics::ContactMemory::of(mode.memory, k).least > 0.0))
+                                          mechanics::ContactMemory::of(mode.memory, k).shares))
             return true;
     return false;
 }
@@ -97,19 +97,16 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         const Touched::One& one = touched.all[i];
         const signed char state = mode.slip[at(one.contact)];
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        // one.along is none where it does not slide
+        const double mu = conditions_->contacts()[at(one.contact)].mu_dynamic;
+        const Vector3 along = std::isfinite(mu) ? Vector3(one.at.normal - one.along * mu) : one.at.normal;
         if (state == pushes || slides(state)) {
-            const double mu =
-                slides(state) ? static_cast<double>(conditions_->contacts()[at(one.contact)].mu_dynamic) : 0.0;
-            const Vector3 along = one.at.normal - one.along * mu;
             rows.push_back(every[at(conditions_->normal_row(one.contact))]);
             acting.push_back(one.at.row(along, Vector3(Vector3::Zero())));
             places.push_back({i, along});
             size = std::max(size, std::abs(force[f]));
         }
         if (state == rests) {
-            const double mu =
-                is_rough(one.contact) ? static_cast<double>(conditions_->contacts()[at(one.contact)].mu_dynamic) : 0.0;
-            const Vector3 along = one.at.normal - one.along * mu;
             loose.push_back({i, along});
             loose_rows.push_back(one.at.row(along, Vector3(Vector3::Zero())));
             names.emplace_back(one.contact, 0);
@@ -126,7 +123,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         size = std::max(size, whole.norm());
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, one.contact);
         memory.force = whole;
-        memory.least = 0.0;
+        memory.shares = false;
         for (int axis = 0; axis < 3; ++axis) {
             const auto& row = every[at(conditions_->held_row(one.contact, axis))];
             Vector3 e = Vector3::Zero();
@@ -181,13 +178,13 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
         const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
         const bool is_one = mode.slip[at(names[i].first)] == rests,
-                   goes_on = before.slip == mode.slip && (is_one || last.least > 0.0) && t > last.since;
+                   goes_on = before.slip == mode.slip && (is_one || last.shares) && t > last.since;
         memory.since = t;
         memory.rate[names[i].second] = 0.0;
         if (found == alive.end())
             memory.force[names[i].second] = 0.0;
         else if (!is_one)
-            memory.least = 1.0;
+            memory.shares = true;
         if (found != alive.end() && !parts.empty())
             memory.force[names[i].second] += parts[static_cast<std::size_t>(found - alive.begin())];
         // where the loads go on as they did, so do the forces inside the cones: then they end where the cones do

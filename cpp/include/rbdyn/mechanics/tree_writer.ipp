@@ -39,7 +39,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
     for (std::size_t k = 0; k < states.size(); ++k) {
         touching_.push_back(conditions.contacts()[k].touching<S>(tree, moving_));
         if (!contact_state::has_numbers(conditions.contacts()[k], states[k])) continue;
-        S numbers[ContactMemory::numbers];
+        S numbers[ContactMemory::parameters];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
@@ -255,7 +255,7 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
         write.guard(turns, dot<S>(tree_writers::unit_along(f.axis, t.normal), slip) - S(0.875) * f.speed);
         return;
     }
-    // what starts from an edge has no speed and no acceleration yet, but for rounding
+    // what starts has no speed yet, and no acceleration if it starts at the edge of its cone, but for rounding
     write.guard(stops, state == contact_state::starts ? f.speed + f.least : f.speed);
     if (state == contact_state::brief || state == contact_state::starts) {
         write.guard(turns, S(2.0) * f.least - f.speed);
@@ -320,7 +320,7 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction(int body) const {
         const auto all = conditions_.rows<S>(tree_, moving_);
         const std::size_t first = first_multiplier();
         for (std::size_t k = 0; k < rows_.size(); ++k) {
-            // what rough contacts do comes whole
+            // what contacts do comes whole
             if (rows_[k] >= conditions_.constraint_rows()) continue;
             const Row<S>& row = all[at(rows_[k])];
             if (row.a == body) add<S>(w, row.on_a, S(-values_[first + k]));
