@@ -41,6 +41,15 @@ RBDYN_INLINE std::vector<std::string> engines() {
     return names;
 }
 
+RBDYN_INLINE double first_tolerance(const std::string& engine, double error) {
+    const double tolerance = engine == "taylor" ? std::max(1e-3 * error, std::min(0.02 * error, 1e-15)) : 0.02 * error;
+    return std::max(tolerance, least_tolerance(engine));
+}
+
+RBDYN_INLINE double judging_tolerance(const std::string& engine, double tolerance) {
+    return std::max((engine == "taylor" ? 0.01 : 0.02) * tolerance, 0.1 * least_tolerance(engine));
+}
+
 RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner) {
     if (name == "taylor" && manner.is_refined)
         return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
@@ -92,6 +101,7 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
     Keep compared;
     if (options.keep.what == Keep::What::all) return compared;
     compared.what = Keep::What::times;
+    compared.winds = options.keep.what == Keep::What::times;
     compared.times = options.keep.times;
     // spread by the golden section, so that no period of the motion hides from them
     for (int i = 0; i < compared_times; ++i) {
@@ -101,6 +111,11 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
     compared.times.push_back(options.until);
     std::sort(compared.times.begin(), compared.times.end());
     return compared;
+}
+
+RBDYN_INLINE Keep held_against(const Record& run, const Keep& compared) {
+    const bool has_all = compared.what == Keep::What::all;
+    return {.what = Keep::What::times, .times = has_all ? AccuracyCheck::places(run) : compared.times, .winds = false};
 }
 
 RBDYN_INLINE void take(Solution& result, Timed&& timed) {
@@ -160,7 +175,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     }
 
     // the run at a tolerance a little below the error asked for, held against a better one
-    double tolerance = std::max(options.error * 0.02, least_tolerance(engine));
+    double tolerance = first_tolerance(engine, options.error);
     Manner manner;
     const bool is_judge = !form && engine == judge;
     const bool keeps_all = options.keep.what == Keep::What::all;
@@ -168,11 +183,11 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     Timed run = run_with(engine, tolerance, compared);
     std::vector<Event> grazes;
     // a closed form is not wrong itself
-    AccuracyCheck check(model, options.error, compared.times, options.monitor, form ? 1.25 : 2.0);
+    AccuracyCheck check(model, options.error, options.monitor, form ? 1.25 : 2.0);
     for (;;) {
         if (is_cut_short(run)) return result;
         const bool at_floor = tolerance <= least_tolerance(engine);
-        const double finer = is_judge ? std::max(tolerance * 1e-3, 0.1 * least_tolerance(engine))
+        const double finer = is_judge ? judging_tolerance(engine, tolerance)
                                       : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
         using Rounding = Program::Rounding;
         Manner finer_manner{.rounding = manner.rounding == Rounding::nearest ? Rounding::other : Rounding::nearest};
@@ -181,9 +196,10 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             finer_manner.stride = other_stride * manner.stride;
             finer_manner.is_refined = manner.is_refined;
         }
+        const Keep held = held_against(run.record, compared);
         Timed better =
-            form ? integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), compared, {}, form)
-                 : run_with(judge, finer, compared, finer_manner);
+            form ? integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), held, {}, form)
+                 : run_with(judge, finer, held, finer_manner);
         Comparison comparison;
         try {
             if (better.record.thrown) std::rethrow_exception(better.record.thrown);
@@ -192,7 +208,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             if (comparison.stopped)
                 run.record.status = status;
             else
-                comparison = check(run.record, better.record);
+                comparison = check(run.record, better.record, held.times);
         } catch (...) {
             take(std::move(run));
             result.record.status = Status::stopped_by_user;
@@ -241,18 +257,14 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             take(std::move(run));
             return result;
         }
-        if (is_judge) {
-            run = std::move(better);
-            tolerance = finer;
-            manner = finer_manner;
-        } else {
-            tolerance = std::max(tolerance * std::clamp(0.2 * options.error / comparison.error, 1e-4, 0.1),
-                                 least_tolerance(engine));
-            run = run_with(engine, tolerance, compared, manner);
-        }
+        // errors go with tolerances, roughly, while they are small; a fifth of what is asked is aimed at
+        const double aimed = 0.2 * tolerance * options.error / comparison.error;
+        const bool is_known = comparison.error < 0.1;
+        tolerance = is_judge && !is_known ? finer : std::clamp(aimed, 1e-3 * tolerance, 0.2 * tolerance);
+        tolerance = std::max(tolerance, least_tolerance(engine));
+        run = run_with(engine, tolerance, compared, manner);
     }
-    if (!keeps_all) run = run_with(engine, tolerance, options.keep, manner);
-    if (is_cut_short(run)) return result;
+    if (!keeps_all) run.record.keep_only(options.keep.times);
     drop_grazes(run.record, grazes);
     take(std::move(run));
     return result;
@@ -291,8 +303,8 @@ RBDYN_INLINE std::optional<Solution> carry_on(const HybridModel& model, const St
     }
     const MotionBefore before{standing.origin, standing.scales};
     Comparison comparison =
-        AccuracyCheck(model, options.error, compared.times, options.monitor, judge.engine == "closed form" ? 1.25 : 2.0,
-                      &before)(run.record, better.record);
+        AccuracyCheck(model, options.error, options.monitor, judge.engine == "closed form" ? 1.25 : 2.0, &before)(
+            run.record, better.record, compared.times);
     result.error = std::max(standing.error, comparison.error);
     if (!comparison.stopped && !(comparison.same_events && *result.error <= options.error)) return std::nullopt;
     if (comparison.stopped) {
@@ -302,7 +314,7 @@ RBDYN_INLINE std::optional<Solution> carry_on(const HybridModel& model, const St
     }
     result.judge = course_of(better.record, judge.engine, judge.tolerance, judge.manner);
     result.scales = std::move(comparison.scales);
-    if (options.keep.what != Keep::What::all) run = go_on(course, options.keep);
+    if (options.keep.what != Keep::What::all) run.record.keep_only(options.keep.times);
     drop_grazes(run.record, comparison.grazes);
     take(result, std::move(run));
     return result;
@@ -363,8 +375,8 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
             const Record better = run(0.1 * least_tolerance("taylor"), other_order);
             ++result.runs;
             if (!better.thrown && !result.record.thrown)
-                events = AccuracyCheck(model, options.error, keep.times, options.monitor)(result.record, better);
-            if (!keeps_all) result.record.keep_last();
+                events = AccuracyCheck(model, options.error, options.monitor)(result.record, better, keep.times);
+            if (!keeps_all) result.record.keep_only();
         }
     }
     Record& record = result.record;

@@ -35,9 +35,9 @@ struct Gaps {
             for (int k = 0; k <= 997; ++k) between = std::max(between, run[loop].gap(run.end() * k / 997));
         }
     }
-    /// Rounding of sums of a few lengths up to 2 m and of angles; one step of Newton's method squares what a step
-    /// leaves.
-    double allowed(double error) const { return epsilon * (20.0 + 2.0 * angle) + 10.0 * error * error; }
+    /// Rounding of sums of a few lengths up to 2 m, and of three angles, each by half a unit of its last place, at arms
+    /// of up to 2 m; one step of Newton's method squares what a step leaves.
+    double allowed(double error) const { return epsilon * (20.0 + 3.0 * angle) + 10.0 * error * error; }
 };
 
 void print(const std::string& id, double error, const Trajectory& run, double actual, const Gaps& gap) {

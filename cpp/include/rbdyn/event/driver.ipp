@@ -73,7 +73,7 @@ RBDYN_INLINE void Driver::begin(Record& record) {
     for (std::size_t i = 0; i < low.size(); ++i)
         if (x[i] != record.first_state[i]) low[i] = 0.0;
     record.first_state = x;
-    if (keep_.what == Keep::What::times) winding_ = model_.winding(now_.at.hi, x);
+    if (keep_.what == Keep::What::times && keep_.winds) winding_ = model_.winding(now_.at.hi, x);
     if (!now_.mode.impossible.empty()) return;
     enter(record, now_.mode, now_.at, x, {}, true);
     if (!low.empty() && !now_.mode.still) engine_.carry(low);
@@ -85,7 +85,7 @@ RBDYN_INLINE void Driver::resume(Record& record) {
     record.variables = model_.variables();
     record.end = now_.at;
     record.first_state = now_.x;
-    if (keep_.what == Keep::What::times) winding_ = now_.winding;
+    if (keep_.what == Keep::What::times && keep_.winds) winding_ = now_.winding;
     const bool fresh = now_.fresh;
     const std::vector<int> fired = std::exchange(now_.fired, {});
     enter(record, now_.mode, now_.at, now_.x, now_.handled, now_.begins);

@@ -15,6 +15,7 @@ enum class Side { before, after };
 struct Keep {
     enum class What { all, end, times } what = What::all;
     std::vector<double> times = {};  // increasing
+    bool winds = true;               // and, of times, what no state says (HybridModel::winding)
 };
 
 /// Called now and then with the time reached; false stops the run.

@@ -46,14 +46,19 @@ RBDYN_INLINE void Record::note(Event event) {
     events.insert(place, std::move(event));
 }
 
-RBDYN_INLINE void Record::keep_last() {
-    if (entries_.size() < 2) return;
-    const Entry last = entries_.back();
-    const Piece piece = this->piece(entries_.size() - 1);
-    const std::vector<double> own(piece.coefficients, piece.coefficients + variables * piece.stride);
-    const Piece kept{piece.start, piece.unit, piece.length, variables, piece.order, own.data(), piece.stride};
-    clear();
-    append(kept, last.length, last.mode, last.after_event);
+RBDYN_INLINE void Record::keep_only(std::span<const double> times) {
+    const std::vector<Entry> entries = std::exchange(entries_, {});
+    const std::vector<std::vector<double>> blocks = std::exchange(blocks_, {}), all = std::exchange(windings, {});
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const Entry& e = entries[i];
+        const Piece piece{e.start,    e.unit, e.length, variables, e.order, blocks[e.block].data() + e.offset,
+                          e.order + 1};
+        const auto wanted = std::lower_bound(times.begin(), times.end(), e.start.hi);
+        const bool is_wanted = wanted != times.end() && *wanted <= piece.at(e.length).hi;
+        if (!is_wanted && i + 1 < entries.size()) continue;
+        append(piece, e.length, e.mode, e.after_event);
+        if (i < all.size() && !times.empty()) windings.push_back(all[i]);
+    }
 }
 
 RBDYN_INLINE void Record::clear() {

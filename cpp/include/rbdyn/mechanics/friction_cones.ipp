@@ -7,11 +7,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
+#include "rbdyn/mechanics/cone_program.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
@@ -28,13 +28,25 @@ namespace cones {
 using Three = std::array<double, 3>;
 
 /// The forces of one contact that hold it, those across it resisted by `more` besides: (W + diag(0, more, more)) z =
-/// -q.
+/// -q; of many that do the least.
 inline Three holding(const Square& a, std::size_t f, const Three& q, double more) {
-    Square w(3, std::vector<double>(3));
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) w[i][j] = a[f + i][f + j] + (i == j && i > 0 ? more : 0.0);
-    const std::vector<double> z = solve_any(w, {-q[0], -q[1], -q[2]});
-    return {z[0], z[1], z[2]};
+    SquareMatrix w(3);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            w(i, j) =
+                a[f + static_cast<std::size_t>(i)][f + static_cast<std::size_t>(j)] + (i == j && i > 0 ? more : 0.0);
+    const LinearSolution solution = rbdyn::solve(w, {-q[0], -q[1], -q[2]}, 1e-12);
+    if (solution.pivots > 1e-12) return {solution.x[0], solution.x[1], solution.x[2]};
+    const SymmetricEigen parts = symmetric_eigen(w);
+    Three z{};
+    for (int k = 0; k < 3; ++k) {
+        if (!(parts.values[static_cast<std::size_t>(k)] > 1e-12 * parts.values[2])) continue;
+        double along = 0.0;
+        for (int i = 0; i < 3; ++i) along -= parts.vectors(i, k) * q[static_cast<std::size_t>(i)];
+        for (int i = 0; i < 3; ++i)
+            z[static_cast<std::size_t>(i)] += parts.vectors(i, k) * along / parts.values[static_cast<std::size_t>(k)];
+    }
+    return z;
 }
 
 inline double across(const Three& z) { return std::hypot(z[1], z[2]); }
@@ -67,63 +79,15 @@ inline std::pair<Three, ConeState> alone(const Square& a, std::size_t f, double 
     return {z, ConeState::slides};
 }
 
-/// All at once, once it is known what each contact does. None if that is no solution.
-inline std::optional<ConeForces> together(const Square& a, const std::vector<double>& b,
-                                          const std::vector<double>& noise, const std::vector<Cone>& cones,
-                                          const ConeForces& found) {
-    // unknowns: of what is held its three, of what slides the normal one; each a combination of all forces
-    std::vector<std::vector<std::pair<std::size_t, double>>> columns;
-    std::vector<std::size_t> rows;
-    for (std::size_t k = 0; k < cones.size(); ++k) {
-        const auto f = static_cast<std::size_t>(cones[k].first);
-        if (found.states[k] == ConeState::open) continue;
-        if (found.states[k] == ConeState::held || cones[k].is_line) {
-            for (std::size_t i = 0; i < (cones[k].is_line ? 1U : 3U); ++i) {
-                columns.push_back({{f + i, 1.0}});
-                rows.push_back(f + i);
-            }
-            continue;
-        }
-        const double speed = std::hypot(found.rate[f + 1], found.rate[f + 2]);
-        if (!(speed > 0.0)) return std::nullopt;
-        columns.push_back({{f, 1.0},
-                           {f + 1, -cones[k].mu * found.rate[f + 1] / speed},
-                           {f + 2, -cones[k].mu * found.rate[f + 2] / speed}});
-        rows.push_back(f);
-    }
-    Square m(rows.size(), std::vector<double>(rows.size(), 0.0));
-    std::vector<double> right;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        for (std::size_t j = 0; j < rows.size(); ++j)
-            for (const auto& [n, part] : columns[j]) m[i][j] += a[rows[i]][n] * part;
-        right.push_back(-b[rows[i]]);
-    }
-    const std::vector<double> x = solve_any(m, right);
-    ConeForces result = found;
-    std::fill(result.force.begin(), result.force.end(), 0.0);
-    for (std::size_t j = 0; j < x.size(); ++j)
-        for (const auto& [n, part] : columns[j]) result.force[n] += part * x[j];
-    for (std::size_t i = 0; i < b.size(); ++i) {
-        result.rate[i] = b[i];
-        for (std::size_t j = 0; j < b.size(); ++j) result.rate[i] += a[i][j] * result.force[j];
-    }
-    for (std::size_t k = 0; k < cones.size(); ++k) {
-        const auto f = static_cast<std::size_t>(cones[k].first);
-        if (found.states[k] == ConeState::open) {
-            if (result.rate[f] < -8.0 * noise[f]) return std::nullopt;
-            continue;
-        }
-        if (result.force[f] < 0.0) return std::nullopt;
-        for (std::size_t i = 0; i < (cones[k].is_line ? 1U : 3U); ++i) {
-            if (found.states[k] == ConeState::slides && i > 0) continue;
-            if (std::abs(result.rate[f + i]) > 1e3 * noise[f + i]) return std::nullopt;
-            result.rate[f + i] = 0.0;
-        }
-        if (found.states[k] == ConeState::held && !cones[k].is_line && std::isfinite(cones[k].mu) &&
-            std::hypot(result.force[f + 1], result.force[f + 2]) > cones[k].mu * result.force[f] * (1.0 + 1e-9))
-            return std::nullopt;
-    }
-    return result;
+/// But for rounding: also along axes that nothing can move along.
+inline bool is_symmetric(const Square& a) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i][i]));
+    for (std::size_t i = 0; i < a.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (std::abs(a[i][j] - a[j][i]) > 1e-10 * std::sqrt(std::abs(a[i][i] * a[j][j])) + 1e-14 * largest)
+                return false;
+    return true;
 }
 
 }  // namespace cones
@@ -134,7 +98,16 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     ConeForces result{std::vector<double>(n, 0.0), b, std::vector<ConeState>(all.size(), ConeState::open), true};
     std::vector<double>& z = result.force;
     result.is_solved = std::all_of(b.begin(), b.end(), [](double one) { return std::isfinite(one); });
-    if (!result.is_solved) return result;
+    const auto pushes = [&](const Cone& cone) {
+        return b[static_cast<std::size_t>(cone.first)] < -noise[static_cast<std::size_t>(cone.first)];
+    };
+    if (!result.is_solved || std::none_of(all.begin(), all.end(), pushes)) return result;
+    if (cones::is_symmetric(a)) {
+        auto found = solve_convex(a, b, noise, all);
+        if (found) return *std::move(found);
+        result.is_solved = false;
+        return result;
+    }
     const auto driven = [&](std::size_t row, std::size_t first, std::size_t count) {
         double sum = b[row];
         for (std::size_t j = 0; j < n; ++j)
@@ -143,6 +116,7 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     };
     // one contact after the other, until nothing changes
     constexpr int most = 20000;
+    double left = 1.0;
     for (int sweep = 0; sweep < most; ++sweep) {
         double change = 0.0, size = 0.0;
         for (std::size_t k = 0; k < all.size(); ++k) {
@@ -166,15 +140,14 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
             }
             result.states[k] = state;
         }
-        if (change <= 1e-15 * size) break;
+        left = size > 0.0 ? change / size : 0.0;
         // what takes long: by what each contact does so far
-        if (sweep % 50 != 49 && sweep != most - 1) continue;
-        for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
-        if (auto exact = cones::together(a, b, noise, all, result)) return *exact;
-        if (sweep == most - 1) result.is_solved = result.is_solved && change <= 1e-9 * size;
+        if (!(left <= 1e-15) && sweep % 50 != 49 && sweep != most - 1) continue;
+        if (auto exact = made_exact(a, b, noise, all, result)) return *exact;
+        if (left <= 1e-15) break;
     }
     for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
-    if (auto exact = cones::together(a, b, noise, all, result)) return *exact;
+    result.is_solved = result.is_solved && left <= 1e-9;
     return result;
 }
 

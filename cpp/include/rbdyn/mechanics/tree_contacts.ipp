@@ -117,15 +117,37 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
     if (holds_all(rows)) std::fill(x.begin() + tree_->positions(), x.end(), 0.0);
 }
 
-RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of) const {
+RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
+                                  const std::vector<int>& stuck) const {
     const auto all = moving(t, x);
-    const auto rows = conditions_->rows<double>(*tree_, all);
-    std::vector<int> used = rows_;
-    for (const int k : of) used.push_back(conditions_->constraint_rows() + k);
-    used = mechanics::independent_rows(*tree_, *conditions_, used, all);
+    const auto every = conditions_->rows<double>(*tree_, all);
+    std::vector<mechanics::Row<double>> constraints, rows, acting;
+    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    for (const int k : of) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        const auto touching = c.touching<double>(*tree_, all);
+        const auto along = [&](const Vector3& v) { return touching.row(v, Vector3(Vector3::Zero())); };
+        rows.push_back(along(touching.normal));
+        acting.push_back(rows.back());
+        if (!c.is_rough()) continue;
+        const Vector3 slip = touching.slip();
+        const double speed = slip.norm(), mu = c.mu_dynamic;
+        const bool is_stuck = std::find(stuck.begin(), stuck.end(), k) != stuck.end() || !std::isfinite(mu) ||
+                              speed <= 0x1p-40 * speed_of(k, all);
+        if (!is_stuck) {
+            acting.back() = along(touching.normal - slip * (mu / speed));
+            continue;
+        }
+        const auto [first, second] = friction::across(touching.normal);
+        for (const Vector3& axis : {first, second}) {
+            rows.push_back(along(axis));
+            acting.push_back(rows.back());
+        }
+    }
     std::vector<double> asked;
-    for (const int r : used) asked.push_back(-mechanics::Conditions::rate(rows[at(r)], all));
-    const std::vector<double> changes = mechanics::closing::Responses(*tree_, *conditions_, used, all).changes(asked);
+    for (const auto& row : rows) asked.push_back(-mechanics::Conditions::rate(row, all));
+    const friction::Coupled coupled(*tree_, all, constraints, rows, acting);
+    const std::vector<double> changes = coupled.changes(mechanics::solve_any(coupled.matrix(), asked));
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
 }
 
@@ -340,6 +362,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     double remaining = 0.0;
     if (!landing.empty()) {
         impulses = strike(mode, t, x, closed, strokes);
+        if (!strokes.impossible.empty()) {
+            after.impossible = strokes.impossible;
+            return;
+        }
         ++after.jumps;
         events.stuck = strokes.stuck;
         const auto motion = moving(t, x);
@@ -365,7 +391,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (!group.empty()) {
             // what is left of their bounces is less than rounding: none of them moves any more
             at_rest.insert(at_rest.end(), group.begin(), group.end());
-            stop(t, x, at_rest);
+            stop(t, x, at_rest, strokes.stuck);
             Fired rested;
             rested.stuck = strokes.stuck;
             settle(mode, after, t, x, at_rest, rested);

@@ -183,6 +183,12 @@ RBDYN_INLINE std::string TreeModel::no_sliding(int contact) const {
            "(Painleve)";
 }
 
+RBDYN_INLINE std::string TreeModel::no_forces(const std::string& what, const std::vector<int>& of) const {
+    std::string names;
+    for (const int k : of) names += (names.empty() ? "" : ", ") + conditions_->contacts()[at(k)].name;
+    return "no " + what + " of contacts satisfy the laws of friction, of " + names;
+}
+
 RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::span<const double> x) const {
     if (mode.equations == nullptr) return {};
     Evaluator<double> values(mode.equations->program);
@@ -262,9 +268,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         if (breaking.size() == more) break;
     }
     if (!found.is_solved) {
-        std::string names;
-        for (const int k : candidates) names += (names.empty() ? "" : ", ") + conditions_->contacts()[at(k)].name;
-        mode.impossible = "no forces of contacts satisfy the laws of friction, of " + names;
+        mode.impossible = no_forces("forces", candidates);
         return;
     }
     // what would have to pull opens, whatever rounding has left of its force
@@ -387,9 +391,9 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
     const Touched touched = this->touched(before, all, struck, {}, true);
     std::vector<double> u, b, noise, normal(at(contacts()), 0.0);
     for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
-    for (std::size_t i = 0; i < struck.size(); ++i)
-        for (std::size_t j = 0; j < (touched.cones[i].is_line ? 1U : 3U); ++j)
-            noise.push_back(1e-15 * speed_of(struck[i], all));
+    double fastest = 0.0;
+    for (const int k : struck) fastest = std::max(fastest, speed_of(k, all));
+    noise.assign(u.size(), 1e-15 * fastest);
     const auto solved = [&](double part) {
         b = u;
         for (std::size_t i = 0; i < struck.size(); ++i) {
@@ -398,34 +402,42 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         }
         return mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
     };
-    // P (u+ + u-) / 2, and its size
-    const auto gain = [&](const std::vector<double>& impulses) {
-        std::pair<double, double> sum{0.0, 0.0};
+    // whether there are impulses, and P (u+ + u-) / 2 is no more than rounding
+    const auto gains_nothing = [&](const mechanics::ConeForces& found, double rounding) {
+        if (!found.is_solved) return false;
+        double sum = 0.0, size = 0.0;
         for (std::size_t i = 0; i < u.size(); ++i) {
             double after = u[i];
-            for (std::size_t j = 0; j < u.size(); ++j) after += touched.matrix[i][j] * impulses[j];
-            sum.first += 0.5 * impulses[i] * (after + u[i]);
-            sum.second += std::abs(impulses[i]) * (std::abs(after) + std::abs(u[i]));
+            for (std::size_t j = 0; j < u.size(); ++j) after += touched.matrix[i][j] * found.force[j];
+            sum += 0.5 * found.force[i] * (after + u[i]);
+            size += std::abs(found.force[i]) * (std::abs(after) + std::abs(u[i]));
         }
-        return sum;
+        return sum <= rounding * size;
     };
     mechanics::ConeForces found = solved(1.0);
-    const auto [gained, size] = gain(found.force);
-    if (gained > 1e-13 * size) {
-        // Newton's law and friction together may gain energy: the largest part of e that gains none
+    if (!gains_nothing(found, 1e-13)) {
+        // Newton's law and friction together may gain energy, or ask what no impulse can do: the largest part of e
+        // that does neither
         double low = 0.0, high = 1.0;
         for (int i = 0; i < 60 && high - low > 1e-16; ++i) {
             const double middle = 0.5 * (low + high);
-            (gain(solved(middle).force).first > 0.0 ? high : low) = middle;
+            (gains_nothing(solved(middle), 0.0) ? low : high) = middle;
         }
-        strokes.lowered = low;
-        found = solved(low);
+        strokes.lowered = low > 1e-9 ? low : 0.0;
+        found = solved(strokes.lowered);
+    }
+    if (!found.is_solved) {
+        strokes.impossible = no_forces("impulses", struck);
+        return normal;
     }
     strokes.pushed.assign(at(contacts()), Vector3::Zero());
     for (std::size_t i = 0; i < struck.size(); ++i) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
         normal[at(struck[i])] = found.force[f];
-        if (found.states[i] == mechanics::ConeState::held) strokes.stuck.push_back(struck[i]);
+        const bool slips = found.states[i] == mechanics::ConeState::slides && !touched.cones[i].is_line &&
+                           std::hypot(found.rate[f + 1], found.rate[f + 2]) > 1e2 * noise[f];
+        if (found.states[i] != mechanics::ConeState::open && is_rough(struck[i]) && !slips)
+            strokes.stuck.push_back(struck[i]);
         for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
             strokes.pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
     }

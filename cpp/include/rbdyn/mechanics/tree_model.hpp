@@ -85,6 +85,12 @@ public:
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
+    /// Of bounces with friction those that are left out are summed to first order in their speed.
+    double unsure(const Event& event) const override {
+        const bool has_friction =
+            event.kind == EventKind::accumulation && event.contact >= 0 && conditions_->is_rough();
+        return has_friction ? 2e-11 : 0.0;
+    }
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -127,6 +133,7 @@ private:
         std::vector<Vector3> pushed;  // the impulse on the first side of each contact [N s]
         double lowered = 1.0;         // the part of all restitution that is left, for more would gain energy
         std::vector<int> stuck;       // contacts that do not slip after it
+        std::string impossible;       // why there are none
     };
     /// The velocities after what strikes at an instant; returns the normal impulse of each contact [N s].
     std::vector<double> strike(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
@@ -154,6 +161,8 @@ private:
                     const std::vector<double>& noise) const;
     /// Whether the force of a contact that slides, one of many, leaves the motion what it is, `chosen` rows acting too.
     bool makes_no_difference(const Touched& touched, std::size_t one, const std::vector<int>& chosen) const;
+    /// Why contacts have no forces, or impulses, in words.
+    std::string no_forces(const std::string& what, const std::vector<int>& of) const;
     /// Why a contact does not slide on, in words.
     std::string no_sliding(int contact) const;
     /// Whether what friction holds has forces that the motion does not determine.
@@ -171,15 +180,16 @@ private:
                        const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
     void own_parameters(Mode& mode, std::span<const double> x) const override;
 
-    /// Takes from the velocities what moves contacts.
-    void stop(double t, std::span<double> x, const std::vector<int>& of) const;
+    /// Takes from the velocities what moves contacts, by impulses along their normals, less the friction of those that
+    /// slide.
+    void stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck) const;
     /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are
     /// lower than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to
     /// come.
     std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x,
                                   const std::vector<int>& closed, double& remaining) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    static constexpr double lowest_bounce = 65536.0;  // in units of the rounding of the gap
+    static constexpr double lowest_bounce = 4096.0;  // in units of the rounding of the gap
     /// What a row has of acceleration at a state, and the size of what that is made of.
     static std::pair<double, double> acceleration_along(const mechanics::Row<double>& row,
                                                         const mechanics::TreeState& state);

@@ -343,6 +343,10 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
         const Mode as_it_was = mode;
         Strokes strokes;
         strike(as_it_was, t, x, closed, strokes);
+        if (!strokes.impossible.empty()) {
+            mode.impossible = strokes.impossible;
+            return mode;
+        }
         std::vector<int> at_rest;
         const auto then = moving(t, x);
         const auto later = conditions_->rows<double>(*tree_, then);

@@ -165,7 +165,8 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         add<double>(b.reaction, b.acts, -1.0);
         add<double>(b.reaction, held[at(i)], -1.0);
         for (const Wrench<double>* part : {&inertia, &b.acts}) tree_states::add_sizes(b.effort, *part);
-        b.effort.moment += tree_states::moment_size(inertia.force, b.arm);
+        b.effort.moment += tree_states::moment_size(inertia.force, b.arm) +
+                           tree_states::moment_size(b.spin_momentum, Vector3(m.omega));
     }
     for (int i = tree.size() - 1; i >= 0; --i)
         if (const int parent = tree.node(i).parent; parent >= 0) {

@@ -92,6 +92,9 @@ public:
     /// is where its static coefficient of friction is above the dynamic one; else nothing depends on that.
     virtual bool holds_what_touches(int /*subject*/) const;
 
+    /// What the time of an event and the motion after it are short of, relative, that no two runs differ by.
+    virtual double unsure(const Event& /*event*/) const { return 0.0; }
+
     /// The value of a guard that is none of the program's outputs.
     virtual double guard_value(const Guard& /*guard*/, const Mode& /*mode*/, double /*t*/,
                                std::span<const double> /*x*/) const;

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -39,28 +40,31 @@ struct MotionBefore {
 
 class AccuracyCheck {
 public:
-    /// `times`: where to compare; empty: at the middle and the end of every piece, and at more places of few.
     /// `proceed`: asked now and then whether to go on; if not, the result says that nothing is certain.
     /// `widening`: how much more than what is found is told. `before`: of the motion, if what is compared is not all
     /// of it; it outlives this.
-    AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times = {},
-                  std::function<bool(double)> proceed = {}, double widening = 2.0,
-                  const MotionBefore* before = nullptr);
+    AccuracyCheck(const HybridModel& model, double wanted, std::function<bool(double)> proceed = {},
+                  double widening = 2.0, const MotionBefore* before = nullptr);
 
-    Comparison operator()(const Record& run, const Record& better);
+    /// `times`: where both runs have what they have kept, in ascending order; empty: the places of the first.
+    Comparison operator()(const Record& run, const Record& better, std::span<const double> times = {});
+
+    /// Where a run of which all is kept is compared with another: at the end of every piece, of long motions of some
+    /// spread over them and of the last in each mode, and at more places of few.
+    static std::vector<double> places(const Record& run);
 
 private:
     struct Difference {
-        double time, value;
-        int what;  // index of what is observed; -1: the time of an event, relative already
+        double since, value;  // since: the time up to which it was less [s]
+        int what;             // index of what is observed; -1: the time of an event, relative already
     };
-    void compare_motion(const Record& run, const Record& better, double until);
+    void compare_motion(const Record& run, const Record& better, std::span<const double> times, double until);
 
     /// Both runs at a time; just before an event one of them may be past it already, and then its time tells.
     void compare_at(Instant at, const Record& run, std::size_t i, const Record& better, std::size_t& j);
 
     /// The differences of what is seen from the better.
-    void note(double time, double weight);
+    void note(double weight);
 
     /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
     /// are. `start`: of the motion.
@@ -76,17 +80,20 @@ private:
 
     static bool same_mode(const Mode& a, const Mode& b);
 
-    // a motion of one or two pieces has its extent and its errors within them
-    static constexpr std::size_t least_times = 16;
+    // a motion of one or two pieces has its extent and its errors within them; errors of many pieces grow from one to
+    // the next, so that some of them tell of all
+    static constexpr std::size_t least_places = 16, most_places = 64;
 
     const HybridModel& model_;
     double wanted_, widening_;
     const MotionBefore* before_;
-    std::vector<double> times_, x_, y_;
+    std::vector<double> x_, y_;
     std::function<bool(double)> proceed_;
     bool stopped_ = false;
     int samples_ = 0;
-    std::vector<Difference> differences_;
+    double last_ = 0.0;                    // time compared
+    std::vector<Difference> differences_;  // of events, and of what is observed each that is larger than all before
+    std::vector<double> largest_;
     ErrorScales scales_;
     std::vector<Observed> seen_, fine_;
 };

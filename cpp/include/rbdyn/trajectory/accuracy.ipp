@@ -26,20 +26,17 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE AccuracyCheck::AccuracyCheck(const HybridModel& model, double wanted, std::vector<double> times,
-                                          std::function<bool(double)> proceed, double widening,
-                                          const MotionBefore* before)
-    : model_(model),
-      wanted_(wanted),
-      widening_(widening),
-      before_(before),
-      times_(std::move(times)),
-      proceed_(std::move(proceed)) {}
+RBDYN_INLINE AccuracyCheck::AccuracyCheck(const HybridModel& model, double wanted, std::function<bool(double)> proceed,
+                                          double widening, const MotionBefore* before)
+    : model_(model), wanted_(wanted), widening_(widening), before_(before), proceed_(std::move(proceed)) {}
 
-RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Record& better) {
+RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Record& better,
+                                                  std::span<const double> times) {
     Comparison result;
     result.certain_until = run.end.hi;
     differences_.clear();
+    largest_.clear();
+    last_ = run.start;
     samples_ = 0;
     scales_.clear();
     if (before_ != nullptr) scales_ = before_->scales;
@@ -58,7 +55,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         const Event &a = ours[i], &b = theirs[j];
         const double error = std::abs(a.instant - b.instant) /
                              std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
-        differences_.push_back({a.time, error, -1});
+        differences_.push_back({a.time, std::max(error, model_.unsure(a)), -1});
     }
     while (is_graze(ours, i, start)) skip_graze(ours, i, result);
     while (is_graze(theirs, j, start)) j += 2;
@@ -78,13 +75,16 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     }
     // beyond the end of the better run nothing is known
     if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
-    compare_motion(run, better, uncertain);
+    if (times.empty())
+        compare_motion(run, better, places(run), uncertain);
+    else
+        compare_motion(run, better, times, uncertain);
     scales_.settle(wanted_, span);
     for (const Difference& d : differences_) {
         const double error =
             widening_ * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));
         result.error = std::max(result.error, error);
-        if (error > wanted_) uncertain = std::min(uncertain, d.time);
+        if (error > wanted_) uncertain = std::min(uncertain, d.since);
     }
     // rounding: what two runs share is not seen by comparing them
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
@@ -98,28 +98,38 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     return result;
 }
 
-RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record& better, double until) {
+RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record& better, std::span<const double> times,
+                                                double until) {
     x_.resize(static_cast<std::size_t>(run.variables));
     y_.resize(x_.size());
     std::size_t j = 0;  // piece of the better run
-    if (!times_.empty()) {
-        for (double t : times_)
-            if (t < until && t <= run.end.hi) compare_at({t, 0.0}, run, run.find(t, Side::before), better, j);
-        return;
+    int asked = 0;
+    for (const double t : times) {
+        if (t >= until || t > run.end.hi) return;
+        if (run.empty()) return;
+        compare_at({t, 0.0}, run, run.find(t, Side::before), better, j);
+        if (proceed_ && ++asked % 128 == 0 && !proceed_(t)) {
+            stopped_ = true;
+            return;
+        }
     }
-    const std::size_t pieces = run.entries().size();
-    const int parts = pieces * 2 < least_times ? static_cast<int>(least_times / std::max<std::size_t>(pieces, 1)) : 2;
-    for (std::size_t i = 0; i < pieces; ++i)
+}
+
+RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
+    std::vector<double> times;
+    const std::size_t pieces = run.entries().size(), every = std::max<std::size_t>(pieces / most_places, 1);
+    const int few = static_cast<int>(least_places / std::max<std::size_t>(pieces, 1));
+    for (std::size_t i = 0; i < pieces; ++i) {
+        // where a mode ends the other run may be in the next one already
+        const bool is_last = i + 1 == pieces || run.entries()[i + 1].mode != run.entries()[i].mode;
+        if (!is_last && (i + 1) % every != 0) continue;
+        const int parts = std::max(few, is_last ? 2 : 1);
         for (int part = 1; part <= parts; ++part) {
             const double fraction = static_cast<double>(part) / parts;
-            const Instant at = run.piece(i).at(fraction * run.entries()[i].length);
-            if (at.hi >= until) return;
-            compare_at(at, run, i, better, j);
-            if (proceed_ && (i & 255) == 255 && fraction == 1.0 && !proceed_(at.hi)) {
-                stopped_ = true;
-                return;
-            }
+            times.push_back(run.piece(i).at(fraction * run.entries()[i].length).hi);
         }
+    }
+    return times;
 }
 
 RBDYN_INLINE void AccuracyCheck::compare_at(Instant at, const Record& run, std::size_t i, const Record& better,
@@ -135,18 +145,25 @@ RBDYN_INLINE void AccuracyCheck::compare_at(Instant at, const Record& run, std::
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
     scales_.widen(fine_);
-    note(at.hi, 1.0);
+    note(1.0);
     // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
-    if (++samples_ > 64 && samples_ % 8 != 0) return;
-    x_ = y_;
-    for (double& x : x_) x = std::nextafter(x, 2.0 * x);
-    model_.observe(fine_mode, at.hi, x_, seen_);
-    note(at.hi, 0.5);
+    if (++samples_ <= 8 || samples_ % 8 == 0) {
+        x_ = y_;
+        for (double& x : x_) x = std::nextafter(x, 2.0 * x);
+        model_.observe(fine_mode, at.hi, x_, seen_);
+        note(0.5);
+    }
+    last_ = at.hi;
 }
 
-RBDYN_INLINE void AccuracyCheck::note(double time, double weight) {
-    for (std::size_t k = 0; k < fine_.size(); ++k)
-        differences_.push_back({time, weight * (seen_[k].value - fine_[k].value).norm(), static_cast<int>(k)});
+RBDYN_INLINE void AccuracyCheck::note(double weight) {
+    largest_.resize(fine_.size(), -1.0);
+    for (std::size_t k = 0; k < fine_.size(); ++k) {
+        const double value = weight * (seen_[k].value - fine_[k].value).norm();
+        if (!(value > largest_[k])) continue;
+        largest_[k] = value;
+        differences_.push_back({last_, value, static_cast<int>(k)});
+    }
 }
 
 RBDYN_INLINE std::vector<Event> AccuracyCheck::in_order(const Record& r, double start) const {
