@@ -15,6 +15,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+struct Event;
+
 /// What a body does in a mode besides slipping one way (+1, -1).
 inline constexpr signed char sticks = 0, flies = 2;
 
