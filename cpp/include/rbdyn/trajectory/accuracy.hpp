@@ -29,6 +29,10 @@ struct Comparison {
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
     bool stopped = false;            // by whoever was asked whether to proceed
     ErrorScales scales = {};         // of the motion
+    // what was found, and nothing added to it: of the motion up to the first event that differs, and of the times of
+    // events up to there; and how many events each of the two has
+    double motion_difference = 0.0, event_difference = 0.0;
+    int events = 0, better_events = 0;
 };
 
 /// What there was of a motion before what is compared.
@@ -52,7 +56,8 @@ public:
 private:
     struct Difference {
         double time, value;
-        int what;  // index of what is observed; -1: the time of an event, relative already
+        int what;                // index of what is observed; -1: the time of an event, relative already
+        bool is_shared = false;  // no difference of the two, but what rounding of their states does
     };
     void compare_motion(const Record& run, const Record& better, double until);
 
@@ -60,7 +65,7 @@ private:
     void compare_at(Instant at, const Record& run, std::size_t i, const Record& better, std::size_t& j);
 
     /// The differences of what is seen from the better.
-    void note(double time, double weight);
+    void note(double time, double weight, bool is_shared);
 
     /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
     /// are. `start`: of the motion.
