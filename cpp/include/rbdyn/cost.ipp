@@ -41,6 +41,7 @@ struct Ladder {
     std::vector<std::vector<double>> times = {};  // of each row
     double spent = 0.0;                           // by the clock, on the last row
     bool is_done = false, has_whole = true;
+    Keep::What keep = Keep::What::all;  // what of its runs is
     std::string cannot = {};
 
     double reached() const {
@@ -133,7 +134,8 @@ RBDYN_INLINE void Pricing::no_time(Ladder& ladder, double seconds) {
 RBDYN_INLINE void Pricing::time_again(Ladder& ladder, std::size_t i) {
     CostRow& row = ladder.rows[i];
     std::vector<double>& times = ladder.times[i];
-    const Measured again = runner_.run(ladder.engines, row.tolerance, std::numeric_limits<double>::infinity());
+    const Measured again =
+        runner_.run(ladder.engines, row.tolerance, std::numeric_limits<double>::infinity(), ladder.keep);
     if (!again.records.empty()) times.push_back(again.seconds);
     std::sort(times.begin(), times.end());
     row.seconds = times.front();
@@ -143,13 +145,22 @@ RBDYN_INLINE void Pricing::time_again(Ladder& ladder, std::size_t i) {
 RBDYN_INLINE void Pricing::turn(Ladder& ladder, std::size_t others) {
     const bool is_first = ladder.rows.empty();
     const double factor = is_first ? 1.0 : ladder.growth();
+    // nothing can be told of what the others are held against
+    if (reference_.is_by(ladder.engine) && ladder.tolerance < 10.0 * ladder.least)
+        return leave(ladder,
+                     "no time left: rows as tight as this are held against another engine, and none was in time");
     if (purse_.left() < ladder.spent * factor || purse_.left() <= 0.0)
         return is_first ? leave(ladder, "no time left to begin") : no_time(ladder, ladder.rows.back().seconds * factor);
     const double allowed = purse_.left() / (is_first ? static_cast<double>(others) + 1.0 : 1.0);
     const double began = purse_.spent();
-    const Measured run = runner_.run(ladder.engines, ladder.tolerance, allowed);
+    Measured run = runner_.run(ladder.engines, ladder.tolerance, allowed, ladder.keep);
+    if (run.is_too_large) {
+        ladder.keep = Keep::What::end;
+        run = runner_.run(ladder.engines, ladder.tolerance, allowed, ladder.keep);
+    }
     if (purse_.is_closed()) return;
     if (run.projected) return no_time(ladder, *run.projected);
+    if (run.is_too_large) return leave(ladder, "cannot: it takes more steps than simulate() does");
     if (!run.broken.empty()) return leave(ladder, "cannot: " + run.broken);
     CostRow row{.engine = ladder.engine, .tolerance = ladder.tolerance};
     row.seconds = run.seconds;
@@ -168,8 +179,8 @@ RBDYN_INLINE void Pricing::turn(Ladder& ladder, std::size_t others) {
         const double first = purse_.spent();
         for (int i = 0; i < 3 && (i == 0 || 2.0 * (purse_.spent() - first) < repeat_share * purse_.budget()); ++i) {
             const auto seconds =
-                runner_.whole(scene_, ladder.engine.find(',') == std::string::npos ? ladder.engine : "auto", now.error,
-                              0.2 * purse_.left());
+                runner_.whole(scene_, ladder.engine.find(',') == std::string::npos ? ladder.engine : "auto",
+                              std::max(now.error, tightest_), 0.2 * purse_.left(), ladder.keep);
             if (!seconds) {
                 // one that takes so long is not tried for less
                 ladder.has_whole = purse_.spent() - first < 0.2 * purse_.left();

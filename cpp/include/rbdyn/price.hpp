@@ -24,7 +24,8 @@ struct CostRow {
     bool has_all_events = true;                                 // the expected ones, in their order
     double seconds = std::numeric_limits<double>::quiet_NaN();  // of the integration alone
     double spread = std::numeric_limits<double>::quiet_NaN();   // median of the repeats over the least, less 1
-    double total = std::numeric_limits<double>::quiet_NaN();    // s: simulate() with this error=, planned before
+    double total =
+        std::numeric_limits<double>::quiet_NaN();  // s: simulate() with this error=, or the tightest asked for
     std::int64_t steps = 0, right_hand_sides = 0;
     double error = std::numeric_limits<double>::infinity();  // the larger of both errors
 };
@@ -68,5 +69,12 @@ struct Price {
 };
 
 std::ostream& operator<<(std::ostream& out, const Price& price);
+
+namespace pricing {
+
+/// A number to two digits.
+std::string about(double value);
+
+}  // namespace pricing
 
 }  // namespace rbdyn::inline RBDYN_FORM

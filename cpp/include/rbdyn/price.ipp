@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <iomanip>
 #include <limits>
 #include <optional>
@@ -16,6 +17,12 @@
 #include "rbdyn/basics/error.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::pricing {
+
+RBDYN_INLINE std::string about(double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.2g", value);
+    return digits;
+}
 
 /// Throws InvalidInput where no row is as accurate.
 [[noreturn]] RBDYN_INLINE void refuse_error(const Price& price, double error) {
@@ -52,7 +59,7 @@ RBDYN_INLINE std::optional<Prediction> predicted(const std::vector<CostRow>& lad
         std::find_if(ladder.begin(), ladder.end(), [&](const CostRow& row) { return row.error <= error; });
     if (enough == ladder.end()) return std::nullopt;
     const auto named = [](const CostRow& row) {
-        return row.tolerance > 0.0 ? "tolerance " + text(row.tolerance) : std::string("no tolerance");
+        return row.tolerance > 0.0 ? "tolerance " + about(row.tolerance) : std::string("no tolerance");
     };
     Prediction p{enough->engine, enough->tolerance, enough->seconds, enough->total, "measured at " + named(*enough)};
     if (enough == ladder.begin() || enough->error == error) return p;
@@ -72,8 +79,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Prediction& p) {
     out << p.engine;
-    if (p.tolerance > 0.0) out << " at tolerance " << text(p.tolerance);
-    return out << ": " << text(p.seconds) << " s, " << p.basis;
+    if (p.tolerance > 0.0) out << " at tolerance " << pricing::about(p.tolerance);
+    return out << ": " << pricing::about(p.seconds) << " s, " << p.basis;
 }
 
 RBDYN_INLINE const CostRow& Price::cheapest(double error) const {
@@ -150,7 +157,7 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Price& price) {
     out << "* none is as accurate and quicker; auto takes " << price.automatic << '\n';
     for (const MissingEngine& m : price.missing) {
         out << "missing: " << m.engine;
-        if (m.tolerance > 0.0) out << " from tolerance " << text(m.tolerance) << " on";
+        if (m.tolerance > 0.0) out << " from tolerance " << pricing::about(m.tolerance) << " on";
         out << ": " << m.reason << '\n';
     }
     return out << "errors against " << price.reference << '\n';

@@ -48,12 +48,12 @@ struct Part {
 
 /// What came of all parts once.
 struct Measured {
-    std::vector<Record> records;  // one a part; none of a closed form
-    double seconds = 0.0;         // processor time of the integrations
-    double spent = 0.0;           // by the clock
-    std::optional<double> projected =
-        std::nullopt;         // s it would have taken, by how far it came; then it has no records
-    std::string broken = {};  // why the motion broke off
+    std::vector<Record> records;                     // one a part; none of a closed form
+    double seconds = 0.0;                            // processor time of the integrations
+    double spent = 0.0;                              // by the clock
+    std::optional<double> projected = std::nullopt;  // s; it was given up, and would have taken that: no records
+    std::string broken = {};                         // why the motion broke off
+    bool is_too_large = false;                       // to be kept whole
 };
 
 /// One integration of each part, none of them longer than `allowed` [s] together.
@@ -62,11 +62,15 @@ public:
     Runner(const std::vector<Part>& parts, const SimulateOptions& base, Purse& purse);
 
     /// By the engines of the parts; "closed form" sets it up and asks for one state, and for the events.
-    /// `is_reference`: closed forms have pieces of motion, and steps that come near to a loss of rank go on.
-    Measured run(const std::vector<std::string>& engines, double tolerance, double allowed,
-                 const simulating::Manner& manner = {}, bool is_reference = false);
+    /// `keep`: all, or what is compared.
+    Measured run(const std::vector<std::string>& engines, double tolerance, double allowed, Keep::What keep);
+    /// One that others are held against: closed forms have pieces of motion, and steps that come near to a loss of rank
+    /// go on.
+    Measured run_reference(const std::vector<std::string>& engines, double tolerance, double allowed,
+                           const simulating::Manner& manner);
     /// simulate() of the whole scene with this error, in processor time; none if it does not reach it or not in time.
-    std::optional<double> whole(const Scene& scene, const std::string& engine, double error, double allowed);
+    std::optional<double> whole(const Scene& scene, const std::string& engine, double error, double allowed,
+                                Keep::What keep);
 
     const std::vector<Part>& parts() const { return parts_; }
     const SimulateOptions& options() const { return base_; }
@@ -76,6 +80,10 @@ public:
     void end_at(double until);
 
 private:
+    /// Integrates one part after the other, each by `integrated`, which leaves its record behind.
+    template <class Integrated>
+    Measured measured(double allowed, SimulateOptions& options, const Integrated& integrated);
+
     const std::vector<Part>& parts_;
     SimulateOptions base_;
     Keep compared_;
@@ -91,6 +99,8 @@ public:
 
     /// Whether there is one at all.
     bool is_any() const { return !first_.records.empty(); }
+    /// Whether it is the run of an engine at its least tolerance, and there is no other for that engine.
+    bool is_by(const std::string& engine) const { return engine == first_engine_ && second_.records.empty(); }
     /// Sets the errors, events and steps of a row, from a run by these engines of the parts.
     void judge(const Measured& run, const std::vector<std::string>& engines, CostRow& row) const;
     /// What it is, and how near the best row of another engine comes to it.
@@ -106,8 +116,5 @@ private:
 
 /// What rounding makes of a motion in closed form.
 double rounding_of(const Part& part, const SimulateOptions& base);
-
-/// A number to two digits.
-std::string about(double value);
 
 }  // namespace rbdyn::inline RBDYN_FORM::pricing
