@@ -39,7 +39,7 @@ struct Ladder {
     double tolerance = 0.0, least = 0.0;  // the next, and the last
     std::vector<CostRow> rows = {};
     std::vector<std::vector<double>> times = {};  // of each row
-    double spent = 0.0;                           // by the clock, on the last row
+    double spent = 0.0, had = 0.0;                // s by the clock: on the last row, and on all
     bool is_done = false, has_whole = true;
     Keep::What keep = Keep::What::all;  // what of its runs is
     std::string cannot = {};
@@ -146,9 +146,8 @@ RBDYN_INLINE void Pricing::turn(Ladder& ladder, std::size_t others) {
     const bool is_first = ladder.rows.empty();
     const double factor = is_first ? 1.0 : ladder.growth();
     // nothing can be told of what the others are held against
-    if (reference_.is_by(ladder.engine) && ladder.tolerance < 10.0 * ladder.least)
-        return leave(ladder,
-                     "no time left: rows as tight as this are held against another engine, and none was in time");
+    if (ladder.least > 0.0 && !reference_.reaches(ladder.engine, ladder.tolerance))
+        return leave(ladder, "no time left for a run of another engine that tells its error");
     if (purse_.left() < ladder.spent * factor || purse_.left() <= 0.0)
         return is_first ? leave(ladder, "no time left to begin") : no_time(ladder, ladder.rows.back().seconds * factor);
     const double allowed = purse_.left() / (is_first ? static_cast<double>(others) + 1.0 : 1.0);
@@ -164,7 +163,7 @@ RBDYN_INLINE void Pricing::turn(Ladder& ladder, std::size_t others) {
     if (!run.broken.empty()) return leave(ladder, "cannot: " + run.broken);
     CostRow row{.engine = ladder.engine, .tolerance = ladder.tolerance};
     row.seconds = run.seconds;
-    reference_.judge(run, ladder.engines, row);
+    reference_.judge(run, ladder.engines, is_first ? 0.1 : 3.0 * tighter * ladder.rows.back().error, row);
     ladder.spent = purse_.spent() - began;
     ladder.rows.push_back(row);
     ladder.times.push_back({run.seconds});
@@ -277,14 +276,18 @@ RBDYN_INLINE Price cost(const Scene& scene, const CostOptions& options) {
         }
     }
     const auto is_open = [](const Ladder& ladder) { return !ladder.is_done; };
-    while (purse.goes_on() && std::any_of(ladders.begin(), ladders.end(), is_open))
-        for (Ladder& ladder : ladders) {
-            if (!is_open(ladder) || !purse.goes_on()) continue;
-            const auto others = std::count_if(ladders.begin(), ladders.end(), [&](const Ladder& other) {
-                return is_open(other) && other.rows.empty() && &other != &ladder;
-            });
-            list.turn(ladder, static_cast<std::size_t>(others));
-        }
+    // it is the turn of the engine that has had the least time, so that dear ones do not keep cheap ones waiting
+    while (purse.goes_on() && std::any_of(ladders.begin(), ladders.end(), is_open)) {
+        Ladder& next = *std::min_element(ladders.begin(), ladders.end(), [&](const Ladder& a, const Ladder& b) {
+            return std::pair(a.is_done, a.had) < std::pair(b.is_done, b.had);
+        });
+        const auto others = std::count_if(ladders.begin(), ladders.end(), [&](const Ladder& other) {
+            return is_open(other) && other.rows.empty() && &other != &next;
+        });
+        const double before = purse.spent();
+        list.turn(next, static_cast<std::size_t>(others));
+        next.had += purse.spent() - before;
+    }
     list.repeat(ladders);
     for (const Ladder& ladder : ladders) price.rows.insert(price.rows.end(), ladder.rows.begin(), ladder.rows.end());
     price.missing = std::move(list.missing);

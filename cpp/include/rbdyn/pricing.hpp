@@ -99,10 +99,11 @@ public:
 
     /// Whether there is one at all.
     bool is_any() const { return !first_.records.empty(); }
-    /// Whether it is the run of an engine at its least tolerance, and there is no other for that engine.
-    bool is_by(const std::string& engine) const { return engine == first_engine_ && second_.records.empty(); }
-    /// Sets the errors, events and steps of a row, from a run by these engines of the parts.
-    void judge(const Measured& run, const std::vector<std::string>& engines, CostRow& row) const;
+    /// Whether it tells the errors of an engine at a tolerance, which it is tighter than.
+    bool reaches(const std::string& engine, double tolerance) const;
+    /// Sets the errors, events and steps of a row, from a run by these engines of the parts. `about`: its error, as far
+    /// as that is known.
+    void judge(const Measured& run, const std::vector<std::string>& engines, double about, CostRow& row) const;
     /// What it is, and how near the best row of another engine comes to it.
     std::string said(const Price& price) const;
 
@@ -110,6 +111,7 @@ private:
     Runner& runner_;
     Measured first_, second_;                   // the second: for rows of the engine of the first
     std::string first_engine_, second_engine_;  // none in long double
+    double first_tolerance_ = 0.0, second_tolerance_ = 0.0;
     bool is_extended_ = false;
     std::vector<bool> is_closed_;  // by part
 };

@@ -52,7 +52,7 @@ RBDYN_INLINE void Runner::end_at(double until) {
     SimulateOptions ends = base_;
     ends.keep = {.what = Keep::What::end, .times = {}};
     compared_ = simulating::compared_pieces(ends);
-    const std::size_t enough = std::clamp<std::size_t>(200'000 / variables, 200, compared_.times.size());
+    const std::size_t enough = std::clamp<std::size_t>(60'000 / variables, 150, 600);
     std::vector<double> times;
     for (std::size_t i = 1; i <= enough; ++i) times.push_back(compared_.times[i * compared_.times.size() / enough - 1]);
     compared_.times = std::move(times);
@@ -165,27 +165,36 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
         first_ = made("taylor", least, {.is_refined = true}, allowed);
         is_extended_ = is_any();
     }
-    // a second one for rows of the engine of the first
+    // else the tightest runs there are, a second one for rows of the engine of the first
     std::vector<std::string> names = {"cvode-bdf", "cvode-adams", "dop853"};
     if (!has_series) names = {"dop853", "cvode-adams", "cvode-bdf"};
     if (has_series) names.push_back("taylor");
-    for (const std::string& name : names) {
-        if (is_extended_ || !broken.empty() || !second_.records.empty() || !purse.goes_on()) break;
+    std::erase_if(names, [&](const std::string& name) {
         try {
             for (const Part& part : runner.parts()) (void)simulating::engine_for(part.plan, name);
+            return false;
         } catch (const InvalidInput&) {
-            continue;
+            return true;
         }
-        // other steps and other rounding than any row has
-        const simulating::Manner manner{.order = name == "taylor" ? simulating::other_order : 0,
-                                        .stride = simulating::other_stride,
-                                        .rounding = Rounding::other};
-        Measured run = made(name, simulating::least_tolerance(name), manner, 0.4 * allowed);
-        if (run.records.empty()) continue;
-        const bool is_first = first_.records.empty();
-        (is_first ? first_ : second_) = std::move(run);
-        (is_first ? first_engine_ : second_engine_) = name;
-    }
+    });
+    for (const double tolerance : {0.0, 1e-12, 1e-9, 1e-6})
+        for (const std::string& name : names) {
+            if (is_extended_ || !broken.empty() || !second_.records.empty() || !purse.goes_on()) break;
+            if (name == first_engine_) continue;
+            // a second one is no use if it is looser
+            if (is_any() && tolerance > first_tolerance_) break;
+            // other steps and other rounding than any row has
+            const simulating::Manner manner{.order = name == "taylor" ? simulating::other_order : 0,
+                                            .stride = simulating::other_stride,
+                                            .rounding = Rounding::other};
+            const double tight = std::max(tolerance, simulating::least_tolerance(name));
+            Measured run = made(name, tight, manner, 0.6 * allowed);
+            if (run.records.empty()) continue;
+            const bool is_first = !is_any();
+            (is_first ? first_ : second_) = std::move(run);
+            (is_first ? first_engine_ : second_engine_) = name;
+            (is_first ? first_tolerance_ : second_tolerance_) = tight;
+        }
     if (!broken.empty()) {
         SimulateOptions options = runner_.options();
         options.monitor = [&](double) { return purse.goes_on(); };
@@ -195,6 +204,12 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
     double end = runner_.options().until;
     for (const Record& record : first_.records) end = std::min(end, record.end.hi);
     if (end < runner_.options().until) runner_.end_at(end);
+}
+
+RBDYN_INLINE bool Reference::reaches(const std::string& engine, double tolerance) const {
+    if (is_extended_ || first_engine_.empty()) return true;
+    if (engine != first_engine_) return tolerance >= first_tolerance_;
+    return second_.records.empty() ? tolerance >= 10.0 * first_tolerance_ : tolerance >= second_tolerance_;
 }
 
 /// How far places are apart after a motion has met another event than the reference.
@@ -226,7 +241,8 @@ RBDYN_INLINE double places_apart(const SceneModel& model, const Record& run, con
     return largest;
 }
 
-RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::string>& engines, CostRow& row) const {
+RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::string>& engines, double about,
+                                   CostRow& row) const {
     row.motion_error = 0.0;
     const bool is_own = !second_.records.empty() && row.engine == first_engine_;
     const Measured& reference = is_own ? second_ : first_;
@@ -242,13 +258,14 @@ RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::s
             continue;
         }
         // digits are asked for as the row has them: what counts as one event, and the share of a body that hardly moves
-        double wanted = std::clamp(30.0 * row.tolerance, simulating::least_error, 0.1);
+        double wanted = std::clamp(about, simulating::least_error, 0.1);
         Comparison c;
-        for (int pass = 0; pass < 4; ++pass) {
+        for (int pass = 0; pass < 3; ++pass) {
             c = AccuracyCheck(*part.plan.model, wanted, runner_.compared().times)(record, reference.records[i]);
             const double found = std::max(c.motion_difference, c.event_difference);
-            if (!c.same_events || found <= wanted || wanted >= 0.1) break;
-            wanted = std::min(2.0 * found, 0.1);
+            const double next = std::clamp(5.0 * found, simulating::least_error, 0.1);
+            if (found <= wanted ? wanted <= 30.0 * next : wanted >= 0.1) break;
+            wanted = next;
         }
         row.motion_error = std::max(row.motion_error, c.motion_difference);
         row.event_error = std::max(row.event_error, c.event_difference);
@@ -274,14 +291,15 @@ RBDYN_INLINE std::string Reference::said(const Price& price) const {
     const bool any_closed = std::find(is_closed_.begin(), is_closed_.end(), true) != is_closed_.end();
     if (all_closed) return "the closed form";
     std::string what = any_closed ? "closed forms where there are any, and " : "";
-    const auto at = [](const std::string& name) {
-        return name + " at tolerance " + about(simulating::least_tolerance(name));
+    const auto at = [](const std::string& name, double tolerance) {
+        return name + " at tolerance " + about(tolerance);
     };
     if (is_extended_)
         what += "a Taylor series refined in long double";
     else
-        what += at(first_engine_);
-    if (!second_engine_.empty()) what += " (rows of " + first_engine_ + ": " + at(second_engine_) + ")";
+        what += at(first_engine_, first_tolerance_);
+    if (!second_engine_.empty())
+        what += " (rows of " + first_engine_ + ": " + at(second_engine_, second_tolerance_) + ")";
     // the engines that share nothing with it tell how sure it is
     const std::string own = is_extended_ ? "taylor" : first_engine_;
     const CostRow* nearest = nullptr;
