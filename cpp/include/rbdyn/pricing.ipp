@@ -309,8 +309,8 @@ RBDYN_INLINE std::string Reference::said(const Price& price) const {
             nearest = &row;
     if (nearest != nullptr)
         what += ", which " + nearest->engine + " meets to " + about(nearest->error);
-    else if (!is_extended_ && second_engine_.empty())
-        what += ", which no other engine could check in this time";
+    else if (second_engine_.empty())
+        what += ", which no other engine could check";
     return what;
 }
 

@@ -97,7 +97,9 @@ def _text(run: Trajectory) -> str:
     lines.append(f"at t = {run.end:.10g} s")
     for handle in run.bodies:
         motion = run[handle]
-        shown = [name for name in ("parameter", "speed", "angle", "displacement", "rate") if name in motion.quantities]
+        shown: list[str] = [
+            name for name in ("parameter", "speed", "angle", "displacement", "rate") if name in motion.quantities
+        ]
         shown += [name for name in ("position", "velocity") if not shown and name in motion.quantities]
         values = (f"{name} {_number(getattr(motion, name)(run.end))}" for name in shown)
         lines.append(f"  {handle.name}: {', '.join(values)}")
