@@ -379,3 +379,32 @@ def test_statistics_tell_where_the_time_of_a_run_went():
     # without an estimate nothing is judged
     cheap = rb.simulate(scene, 20.0, rtol=1e-9).statistics
     assert cheap.judging_seconds == 0 and cheap.integration_seconds <= cheap.seconds
+
+
+def test_progress_is_the_share_of_the_budget_that_is_spent():
+    fractions = []
+    rb.cost(orbit()[0], until=2000.0, budget=0.5, progress=fractions.append)
+    assert len(fractions) > 2 and fractions[-1] == 1.0
+    assert all(0 <= one <= 2 for one in fractions) and fractions[:-1] == sorted(fractions[:-1])
+
+
+def test_what_a_function_raises_arrives_unchanged():
+    class Enough(Exception):
+        pass
+
+    def force(t, r, v):
+        if t > 0.5:
+            raise Enough
+        return [-float(r[0]), 0, 0]
+
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[1, 0, 0])
+    scene.apply(rb.Force(force), ball)
+    with pytest.raises(Enough):
+        rb.cost(scene, until=2.0)
+
+
+def test_a_closed_form_too_long_to_step_along_leaves_the_others_out():
+    price = rb.cost(oscillator()[0], until=1e9, budget=0.5)
+    assert {row.engine for row in price} == {"closed form"}
+    assert all(reasons(price)[engine].startswith("no time left") for engine in ENGINES)

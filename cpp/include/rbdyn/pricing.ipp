@@ -37,7 +37,7 @@ RBDYN_INLINE bool Purse::goes_on() {
 // --- runs ---
 
 /// Coefficients of a run that is kept whole: more would fill the memory of small machines.
-inline constexpr std::int64_t most_numbers = 50'000'000, order_of_pieces = 25;
+inline constexpr std::int64_t most_numbers = 25'000'000, order_of_pieces = 25;
 
 RBDYN_INLINE Runner::Runner(const std::vector<Part>& parts, const SimulateOptions& base, Purse& purse)
     : parts_(parts), base_(base), purse_(purse) {
@@ -151,6 +151,7 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
         has_series = has_series && (is_closed_.back() || !part.plan.calls_back);
     }
     if (!is_wanted) return;
+    const bool all_closed = std::find(is_closed_.begin(), is_closed_.end(), false) == is_closed_.end();
     const double allowed = 0.35 * purse.budget();
     std::string broken;
     const auto made = [&](const std::string& engine, double tolerance, const simulating::Manner& manner, double most) {
@@ -179,7 +180,7 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
     });
     for (const double tolerance : {0.0, 1e-12, 1e-9, 1e-6})
         for (const std::string& name : names) {
-            if (is_extended_ || !broken.empty() || !second_.records.empty() || !purse.goes_on()) break;
+            if (all_closed || is_extended_ || !broken.empty() || !second_.records.empty() || !purse.goes_on()) break;
             if (name == first_engine_) continue;
             // a second one is no use if it is looser
             if (is_any() && tolerance > first_tolerance_) break;
@@ -197,7 +198,7 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
         }
     if (!broken.empty()) {
         SimulateOptions options = runner_.options();
-        options.monitor = [&](double) { return purse.goes_on(); };
+        options.monitor = [&](double) { return purse.goes_on() && purse.left() > 0.0; };
         require_good(attempt(scene, options));
     }
     // what ends one of them ends all
