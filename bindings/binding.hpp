@@ -312,6 +312,7 @@ void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
 void bind_tree_joints(py::module_& m);
 void bind_euler_top(py::module_& m);
+void bind_cost(py::module_& m);
 void bind_verbs(py::module_& m);
 void bind_files(py::module_& m);
 void bind_watch(py::module_& m);

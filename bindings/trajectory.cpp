@@ -170,19 +170,22 @@ bool same(const BoundEvent& a, const BoundEvent& b) {
 }
 
 py::tuple data_of(const Statistics& s) {
-    return py::make_tuple(s.seconds, s.integration_seconds, s.steps, s.rejected, s.right_hand_sides, s.jacobians,
-                          s.guard_evaluations, s.events, s.python_calls, s.runs, s.size, s.planned);
+    return py::make_tuple(s.seconds, s.planning_seconds, s.integration_seconds, s.judging_seconds, s.steps, s.rejected,
+                          s.right_hand_sides, s.jacobians, s.guard_evaluations, s.events, s.python_calls, s.runs,
+                          s.size, s.planned);
 }
 Statistics statistics_from(const py::tuple& d) {
     Statistics s;
     s.seconds = d[0].cast<double>();
-    s.integration_seconds = d[1].cast<double>();
+    s.planning_seconds = d[1].cast<double>();
+    s.integration_seconds = d[2].cast<double>();
+    s.judging_seconds = d[3].cast<double>();
     std::int64_t* counts[] = {&s.steps,  &s.rejected,    &s.right_hand_sides, &s.jacobians, &s.guard_evaluations,
                               &s.events, &s.python_calls};
-    for (std::size_t i = 0; i < std::size(counts); ++i) *counts[i] = d[i + 2].cast<std::int64_t>();
-    s.runs = d[9].cast<int>();
-    s.size = d[10].cast<rbdyn::Size>();
-    s.planned = d[11].cast<bool>();
+    for (std::size_t i = 0; i < std::size(counts); ++i) *counts[i] = d[i + 4].cast<std::int64_t>();
+    s.runs = d[11].cast<int>();
+    s.size = d[12].cast<rbdyn::Size>();
+    s.planned = d[13].cast<bool>();
     return s;
 }
 
@@ -308,8 +311,12 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
         .def("__repr__", [](const BoundEvents& e) { return "<Events: " + std::to_string(e.list().size()) + ">"; });
 
     py::class_<Statistics>(m, "Statistics", "The price of a run. print() shows it.")
-        .def_readonly("seconds", &Statistics::seconds, "The whole call, estimate of the error included [s].")
-        .def_readonly("integration_seconds", &Statistics::integration_seconds, "The returned motion alone [s].")
+        .def_readonly("seconds", &Statistics::seconds, "The whole call, by the clock [s].")
+        .def_readonly("planning_seconds", &Statistics::planning_seconds,
+                      "Of it: reading the scene, or finding that its plan holds [s].")
+        .def_readonly("integration_seconds", &Statistics::integration_seconds, "Of it: the returned motion alone [s].")
+        .def_readonly("judging_seconds", &Statistics::judging_seconds,
+                      "Of it: all that tells the error, so the runs it is compared with; 0 with rtol= [s].")
         .def_readonly("steps", &Statistics::steps, "Of the returned motion.")
         .def_readonly("rejected", &Statistics::rejected, "Steps tried in vain.")
         .def_readonly("right_hand_sides", &Statistics::right_hand_sides, "For Taylor series: orders computed.")

@@ -1,14 +1,16 @@
-// simulate() and cost(): they run without Python's lock, look for Ctrl-C and show progress. The engines are built here.
+// simulate() and effects(): they run without Python's lock, look for Ctrl-C and show progress. The engines are built
+// here.
 #include <optional>
 #include <rbdyn/rbdyn.hpp>
 #include <variant>
 
+#include "rows.hpp"
 #include "running.hpp"
 #include "starts.hpp"
 
 namespace binding {
 
-using rbdyn::Price, rbdyn::CostRow, rbdyn::EffectRow, rbdyn::EffectTable, rbdyn::Trajectory;
+using rbdyn::EffectRow, rbdyn::EffectTable, rbdyn::Trajectory;
 
 namespace {
 
@@ -92,26 +94,6 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
     raise(error_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", failure));
 }
 
-Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
-           const std::optional<std::vector<std::string>>& engines, double budget) {
-    const rbdyn::Scene copy = scene.scene;
-    Watch watch(py::bool_(false));
-    rbdyn::CostOptions options;
-    options.until = until;
-    options.start = start;
-    if (errors) options.errors = list_of_doubles(*errors, "cost", "errors");
-    if (engines) options.engines = *engines;
-    options.budget = budget;
-    options.monitor = watch.monitor(start, until);
-    std::optional<Price> price;
-    {
-        const py::gil_scoped_release free;
-        price = rbdyn::cost(copy, options);
-    }
-    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
-    return *price;
-}
-
 EffectTable effects(const BoundScene& scene, double until, double start, std::optional<double> error,
                     std::optional<double> rtol, const std::string& engine, std::int64_t max_steps) {
     const rbdyn::Scene copy = scene.scene;
@@ -133,26 +115,6 @@ EffectTable effects(const BoundScene& scene, double until, double start, std::op
     watch.look(1.0);
     watch.raise_if_raised<BoundTrajectory>(std::nullopt);
     return *table;
-}
-
-/// A table of rows as a sequence.
-template <class Table, class Row>
-void as_sequence(py::class_<Table>& type, const char* name) {
-    type.def_readonly("rows", &Table::rows, "All of them, in order.")
-        .def("__len__", [](const Table& t) { return t.rows.size(); })
-        .def(
-            "__getitem__",
-            [name](const Table& t, py::ssize_t i) {
-                const auto n = static_cast<py::ssize_t>(t.rows.size());
-                if (i < 0) i += n;
-                if (i < 0 || i >= n)
-                    throw py::index_error(std::string(name) + ": there are " + std::to_string(n) + " rows");
-                return t.rows[static_cast<std::size_t>(i)];
-            },
-            py::arg("index"))
-        .def("__iter__", [](const Table& t) {
-            return py::reinterpret_borrow<py::typing::Iterator<Row>>(py::iter(py::cast(t.rows)));
-        });
 }
 
 void bind_effects(py::module_& m) {
@@ -200,54 +162,10 @@ void bind_effects(py::module_& m) {
              [](const EffectTable& t) { return "<EffectTable: " + std::to_string(t.rows.size()) + " rows>"; });
 }
 
-void bind_price(py::module_& m) {
-    py::class_<CostRow>(m, "CostRow", "One run of the table of cost().")
-        .def_readonly("engine", &CostRow::engine, "What computed it.")
-        .def_readonly("tolerance", &CostRow::tolerance, "Local, as given to the engine.")
-        .def_readonly("error", &CostRow::error, "Global, measured against the most accurate run.")
-        .def_readonly("seconds", &CostRow::seconds, "Of the integration alone, median of the repeats [s].")
-        .def_readonly("steps", &CostRow::steps, "Of the integration.")
-        .def_readonly("right_hand_sides", &CostRow::right_hand_sides, "For Taylor series: orders computed.")
-        .def(py::pickle(
-            [](const CostRow& r) {
-                return py::make_tuple(r.engine, r.tolerance, r.error, r.seconds, r.steps, r.right_hand_sides);
-            },
-            [](const py::tuple& d) {
-                return CostRow{d[0].cast<std::string>(), d[1].cast<double>(),       d[2].cast<double>(),
-                               d[3].cast<double>(),      d[4].cast<std::int64_t>(), d[5].cast<std::int64_t>()};
-            }))
-        .def("__repr__", [](const CostRow& r) {
-            return "<CostRow: " + r.engine + ", tolerance " + rbdyn::text(r.tolerance) + ", error " +
-                   rbdyn::text(r.error) + ", " + rbdyn::text(r.seconds) + " s>";
-        });
-
-    py::class_<Price> price(m, "Price",
-                            "What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.");
-    as_sequence<Price, CostRow>(price, "Price");
-    price
-        .def(
-            "cheapest", [](const Price& p, double error) { return p.cheapest(error); }, py::arg("error"),
-            "The quickest row that reaches an error. Raises InvalidInput if none does.")
-        .def(
-            "plot",
-            [](const py::object& self, const py::object& path) {
-                return py::module_::import("rbdyn.plots").attr("plot_price")(self, path);
-            },
-            py::arg("path") = py::none(),
-            R"(The work-precision diagram: time over achieved error, a line an engine, written to `path` if given.
-
-Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
-        .def(py::pickle([](const Price& t) { return py::make_tuple(t.rows); },
-                        [](const py::tuple& d) { return Price{d[0].cast<std::vector<CostRow>>()}; }))
-        .def("__str__", &printed<Price>)
-        .def("__repr__", [](const Price& p) { return "<Price: " + std::to_string(p.rows.size()) + " rows>"; });
-}
-
 }  // namespace
 
 void bind_verbs(py::module_& m) {
     m.attr("__version__") = rbdyn::version;
-    bind_price(m);
     bind_effects(m);
     const rbdyn::SimulateOptions defaults;
     m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
@@ -285,12 +203,6 @@ Raises what simulate() of a scene does, and InvalidInput where there is nothing 
           R"(Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
 
 The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.)");
-    m.def("cost", &cost, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = 0.0,
-          py::arg("errors") = py::none(), py::arg("engines") = py::none(), py::arg("budget") = 10.0,
-          R"(What accuracy costs in time, for a scene: every engine over its tolerances.
-
-until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
-budget: time to spend, about [s]. Raises what simulate() raises.)");
     m.def(
         "effects", &effects, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
         py::arg("error") = py::none(), py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,

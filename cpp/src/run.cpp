@@ -1,8 +1,6 @@
 // Compiled once: runs, and the verbs.
 #include "exported.hpp"
 
-#include "rbdyn/cost.ipp"
-#include "rbdyn/effects.ipp"
 #include "rbdyn/integrate.ipp"
 #include "rbdyn/options.ipp"
 #include "rbdyn/own_motion.ipp"

@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -2873,7 +2873,7 @@ class Statistics:
     @property
     def integration_seconds(self) -> float:
         """
-        The returned motion alone [s].
+        Of it: the returned motion alone [s].
         """
     @property
     def jacobians(self) -> int:
@@ -2881,9 +2881,19 @@ class Statistics:
         Of the right-hand side, computed for stiff engines.
         """
     @property
+    def judging_seconds(self) -> float:
+        """
+        Of it: all that tells the error, so the runs it is compared with; 0 with rtol= [s].
+        """
+    @property
     def planned(self) -> bool:
         """
         Whether it was planned anew, and not as an earlier run was.
+        """
+    @property
+    def planning_seconds(self) -> float:
+        """
+        Of it: reading the scene, or finding that its plan holds [s].
         """
     @property
     def python_calls(self) -> int:
@@ -2908,7 +2918,7 @@ class Statistics:
     @property
     def seconds(self) -> float:
         """
-        The whole call, estimate of the error included [s].
+        The whole call, by the clock [s].
         """
     @property
     def size(self) -> Size:
@@ -3489,9 +3499,9 @@ class StateRun:
         """
 class CostRow:
     """
-    One run of the table of cost().
+    One engine at one tolerance: a row of cost().
     """
-    def __getstate__(self) -> tuple[str, float, float, float, int, int]:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __repr__(self) -> str:
         ...
@@ -3505,7 +3515,32 @@ class CostRow:
     @property
     def error(self) -> float:
         """
-        Global, measured against the most accurate run.
+        Global, relative: the larger of those of the motion and of the events.
+        """
+    @property
+    def event_error(self) -> float:
+        """
+        Of the times of events, over the time since the start, up to one that differs.
+        """
+    @property
+    def events(self) -> int:
+        """
+        How many were found.
+        """
+    @property
+    def events_expected(self) -> int:
+        """
+        How many the reference has.
+        """
+    @property
+    def has_all_events(self) -> bool:
+        """
+        Whether those found are those expected.
+        """
+    @property
+    def motion_error(self) -> float:
+        """
+        Of the motion, measured against the reference, in the scales of the motion; after an event that differs of places alone. Of a closed form the estimate of its rounding.
         """
     @property
     def right_hand_sides(self) -> int:
@@ -3515,7 +3550,12 @@ class CostRow:
     @property
     def seconds(self) -> float:
         """
-        Of the integration alone, median of the repeats [s].
+        Of the integration alone, processor time, least of the repeats; of a closed form its set-up and one state [s].
+        """
+    @property
+    def spread(self) -> float:
+        """
+        Median of the repeats over the least, less 1; nan if there was time for one only.
         """
     @property
     def steps(self) -> int:
@@ -3525,7 +3565,79 @@ class CostRow:
     @property
     def tolerance(self) -> float:
         """
-        Local, as given to the engine.
+        Local, the rtol= of simulate(); 0 of a closed form.
+        """
+    @property
+    def total(self) -> float:
+        """
+        Of the whole call, simulate() with error= what this row reaches and its engine, planned before, processor time; nan if that was not reached or not in time [s].
+        """
+class MissingEngine:
+    """
+    An engine that is missing from a list of prices, or from its end.
+    """
+    def __getstate__(self) -> tuple[str, float, str, float]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def engine(self) -> str:
+        """
+        Its name.
+        """
+    @property
+    def reason(self) -> str:
+        """
+        Why: begins with "cannot", "floor reached", "no time left" or "stiff".
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        What it would have taken; nan if that is not known [s].
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        The first that there was no time for, or the last before its floor; 0 if it cannot do the scene.
+        """
+class Prediction:
+    """
+    What an accuracy will cost that no row has. print() shows it.
+    """
+    def __getstate__(self) -> tuple[str, float, float, float, str]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def basis(self) -> str:
+        """
+        The rows it is read from.
+        """
+    @property
+    def engine(self) -> str:
+        """
+        The quickest there.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Of the integration alone [s].
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        The rtol= that leads to the error; 0 of a closed form.
+        """
+    @property
+    def total(self) -> float:
+        """
+        Of simulate() with this error=; nan if that is not known [s].
         """
 class Price:
     """
@@ -3533,7 +3645,7 @@ class Price:
     """
     def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
         ...
-    def __getstate__(self) -> tuple[list[CostRow]]:
+    def __getstate__(self) -> tuple[list[CostRow], list[MissingEngine], str, str, float]:
         ...
     def __iter__(self) -> collections.abc.Iterator[CostRow]:
         ...
@@ -3545,20 +3657,60 @@ class Price:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self) -> typing.Any:
+        ...
     def cheapest(self, error: typing.SupportsFloat | typing.SupportsIndex) -> CostRow:
         """
-        The quickest row that reaches an error. Raises InvalidInput if none does.
+        The quickest row that reaches an error and has all events. Raises InvalidInput if none does.
+        """
+    def front(self) -> list[CostRow]:
+        """
+        The rows than which none is as accurate and quicker, from loose to tight.
         """
     def plot(self, path: str | os.PathLike[str] | None = None) -> typing.Any:
         """
-        The work-precision diagram: time over achieved error, a line an engine, written to `path` if given.
+        The work-precision diagram: time over achieved error, written to `path` if given.
 
-        Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        A line an engine, dashed for the whole call; the errors of the events' times apart; the front of what is cheapest, and
+        what simulate() takes by itself, are marked. Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    def predict(self, error: typing.SupportsFloat | typing.SupportsIndex) -> Prediction:
+        """
+        What an error will cost that no row has, with the engine that is quickest there.
+
+        Between two rows of an engine, errors, times and tolerances are interpolated in their logarithms; an error looser than an
+        engine's loosest row costs what that row does. Raises InvalidInput where no engine has a row as accurate.
+        """
+    def to_pandas(self) -> typing.Any:
+        """
+        A pandas.DataFrame: a row a row, with `on_front` and `is_automatic`; what is missing is in its attrs.
+
+        Raises ImportError if pandas is missing.
+        """
+    @property
+    def automatic(self) -> str:
+        """
+        What simulate() takes by itself.
+        """
+    @property
+    def missing(self) -> list[MissingEngine]:
+        """
+        Engines without a row, or without one as tight as asked for.
+        """
+    @property
+    def reference(self) -> str:
+        """
+        What errors are measured against, and how sure that is.
         """
     @property
     def rows(self) -> list[CostRow]:
         """
         All of them, in order.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Spent on the list, by the clock [s].
         """
 class EffectRow:
     """
@@ -3694,12 +3846,16 @@ def cone(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Suppo
 
     Its centre of mass is at 3/4 of its height; about it 3/10 m r^2 about the axis, 3/80 m (4 r^2 + h^2) across.
     """
-def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[_Engine] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 10.0) -> Price:
+def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[_Engine] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 5.0, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Price:
     """
-    What accuracy costs in time, for a scene: every engine over its tolerances.
+    What accuracy costs in time, for a scene: every engine over its tolerances, from loose to tight.
 
-    until, start: times [s]. errors: global, each engine is tightened until it reaches each. engines: all by default.
-    budget: time to spend, about [s]. Raises what simulate() raises.
+    until, start: times [s]. errors: global; an engine begins with the loosest as its tolerance, and is tightened until it
+    reaches the tightest, or its floor; 1e-3 to 1e-12 by default. engines: all by default, "auto" among them. budget: time to
+    spend by the clock, the reference included [s]. progress: True for a bar, or a function of the share of the budget that is
+    spent. What could not be had within it stands in `missing`, with the time it would have taken.
+
+    Raises InvalidInput for what breaks a rule, and what simulate() raises of a scene that has no motion up to `until`.
     """
 def cylinder(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, height: typing.SupportsFloat | typing.SupportsIndex, axis: numpy.typing.ArrayLike) -> RigidBody:
     """

@@ -17,6 +17,8 @@ DOCUMENTS = [
     "README.md",
     "docs/accuracy.md",
     "docs/bodies.md",
+    "docs/command_line.md",
+    "docs/cost.md",
     "docs/effects.md",
     "docs/files.md",
     "docs/functions.md",

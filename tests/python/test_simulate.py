@@ -1,4 +1,4 @@
-"""simulate() and cost(): options, failures with what there is of the run, Ctrl-C, threads, progress."""
+"""simulate(): options, failures with what there is of the run, Ctrl-C, threads, progress."""
 
 import itertools
 import threading
@@ -229,42 +229,3 @@ def test_a_progress_bar_is_a_line_on_stderr(capsys):
     rb.simulate(scene, until=1.0, engine="taylor", progress=True)
     captured = capsys.readouterr()
     assert "100" in captured.err and "%" in captured.err and captured.out == ""
-
-
-@pytest.fixture(scope="module")
-def price():
-    engines = ["taylor", "dop853", "cvode-adams", "cvode-bdf"]
-    return rb.cost(oscillator()[0], until=3.0, errors=[1e-4, 1e-8], engines=engines, budget=1.0)
-
-
-def test_a_price_is_a_table_of_engines_over_tolerances(price):
-    assert {row.engine for row in price} == {"taylor", "dop853", "cvode-adams", "cvode-bdf"}
-    assert len(price) == len(price.rows) and price[-1].engine == price.rows[-1].engine
-    assert all(row.seconds > 0 and row.steps > 0 and row.right_hand_sides > 0 for row in price)
-    assert str(price).startswith("engine") and not str(price).endswith("\n")
-    with pytest.raises(IndexError):
-        price[len(price)]
-
-
-def test_the_cheapest_row_is_the_quickest_that_is_good_enough(price):
-    best = price.cheapest(error=1e-8)
-    assert best.error <= 1e-8
-    assert best.seconds == min(row.seconds for row in price if row.error <= 1e-8)
-    with pytest.raises(rb.InvalidInput, match="most accurate row"):
-        price.cheapest(error=1e-30)
-
-
-def test_a_price_may_be_asked_of_one_engine():
-    price = rb.cost(oscillator()[0], until=1.0, errors=[1e-6], engines=["taylor"], budget=0.5)
-    assert {row.engine for row in price} == {"taylor"}
-    with pytest.raises(rb.InvalidInput, match="euler"):
-        rb.cost(oscillator()[0], until=1.0, engines=["euler"])
-    with pytest.raises(rb.InvalidInput, match="budget is 0"):
-        rb.cost(oscillator()[0], until=1.0, budget=0)
-
-
-def test_the_work_precision_diagram_has_a_line_an_engine(price, tmp_path):
-    figure = price.plot(tmp_path / "price.png")
-    (axes,) = figure.axes
-    assert [line.get_label() for line in axes.lines] == ["taylor", "dop853", "cvode-adams", "cvode-bdf"]
-    assert (tmp_path / "price.png").stat().st_size > 10_000

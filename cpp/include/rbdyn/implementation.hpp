@@ -146,6 +146,8 @@
 #include "rbdyn/plan/plan.ipp"
 #include "rbdyn/plan/planning.ipp"
 #include "rbdyn/plan/simulated.ipp"
+#include "rbdyn/price.ipp"
+#include "rbdyn/pricing.ipp"
 #include "rbdyn/rotation/attitude.ipp"
 #include "rbdyn/rotation/euler_angles.ipp"
 #include "rbdyn/rotation/euler_path.ipp"

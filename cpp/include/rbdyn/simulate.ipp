@@ -3,6 +3,7 @@
 
 #include "rbdyn/simulate.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -63,7 +64,11 @@ RBDYN_INLINE Attempt attempted(PlannedScene planned, const SimulateOptions& opti
     Statistics& s = result.data.statistics;
     s.planned = is_new;
     s.python_calls = result.data.plan.python_calls() - calls;
-    s.seconds = planning_seconds + std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const double solving = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    s.seconds = planning_seconds + solving;
+    s.planning_seconds = planning_seconds;
+    // what is returned is little work beside
+    if (!options.rtol) s.judging_seconds = std::max(solving - s.integration_seconds, 0.0);
     if (sizes_are_checked && before == nullptr) check_size(result, options.start);
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }

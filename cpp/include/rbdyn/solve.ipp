@@ -26,6 +26,7 @@
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/plan/simulated.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/parts.hpp"

@@ -30,6 +30,10 @@ struct Comparison {
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
     bool stopped = false;            // by whoever was asked whether to proceed
     ErrorScales scales = {};         // of the motion
+    // what was found, and nothing added to it: of the motion up to the first event that differs, and of the times of
+    // events up to there; and how many events each of the two has
+    double motion_difference = 0.0, event_difference = 0.0;
+    int events = 0, better_events = 0;
 };
 
 /// What there was of a motion before what is compared.
@@ -55,8 +59,9 @@ public:
 
 private:
     struct Difference {
-        double since, value;  // since: the time up to which it was less [s]
-        int what;             // index of what is observed; -1: the time of an event, relative already
+        double since, value;     // since: the time up to which it was less [s]
+        int what;                // index of what is observed; -1: the time of an event, relative already
+        bool is_shared = false;  // no difference of the two, but what rounding of their states does
     };
     void compare_motion(const Record& run, const Record& better, std::span<const double> times, double until);
 
@@ -64,7 +69,7 @@ private:
     void compare_at(Instant at, const Record& run, std::size_t i, const Record& better, std::size_t& j);
 
     /// The differences of what is seen from the better.
-    void note(double weight);
+    void note(double weight, bool is_shared);
 
     /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
     /// are. `start`: of the motion.
@@ -93,7 +98,7 @@ private:
     int samples_ = 0;
     double last_ = 0.0;                    // time compared
     std::vector<Difference> differences_;  // of events, and of what is observed each that is larger than all before
-    std::vector<double> largest_;
+    std::vector<double> largest_[2];       // of either kind
     ErrorScales scales_;
     std::vector<Observed> seen_, fine_;
 };

@@ -35,7 +35,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     Comparison result;
     result.certain_until = run.end.hi;
     differences_.clear();
-    largest_.clear();
+    for (auto& kind : largest_) kind.clear();
     last_ = run.start;
     samples_ = 0;
     scales_.clear();
@@ -47,6 +47,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     double uncertain = std::numeric_limits<double>::infinity();
     const std::vector<Event> ours = in_order(run, start), theirs = in_order(better, start);
     std::size_t i = 0, j = 0;
+    int alike = 0;
     for (; i < ours.size() && j < theirs.size(); ++i, ++j) {
         // a graze that one of them sees as a hold of no length changes nothing
         while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) skip_graze(ours, i, result);
@@ -56,9 +57,20 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         const double error = std::abs(a.instant - b.instant) /
                              std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
         differences_.push_back({a.time, std::max(error, model_.unsure(a)), -1});
+        ++alike;
     }
     while (is_graze(ours, i, start)) skip_graze(ours, i, result);
     while (is_graze(theirs, j, start)) j += 2;
+    // one event more or less within the error of the end is no difference
+    const double near_end = run.end.hi - wanted_ * span;
+    const auto counted = [&](const std::vector<Event>& events, std::size_t next) {
+        int count = alike;
+        for (; next < events.size(); ++next)
+            if (events[next].time < near_end) ++count;
+        return count;
+    };
+    result.events = counted(ours, i);
+    result.better_events = counted(theirs, j);
     const double odd =
         std::min(i < ours.size() ? ours[i].time : uncertain, j < theirs.size() ? theirs[j].time : uncertain);
     // what rounding decided both may have decided alike
@@ -68,21 +80,22 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
             result.by_rounding = true;
             uncertain = std::min(uncertain, r->doubt->hi);
         }
-    // one event more or less within the error of the end is no difference
-    if (odd < run.end.hi - wanted_ * span) {
+    if (odd < near_end) {
         result.same_events = false;
         uncertain = std::min(uncertain, odd);
     }
     // beyond the end of the better run nothing is known
-    if (better.end.hi < run.end.hi - wanted_ * span) uncertain = std::min(uncertain, better.end.hi);
+    if (better.end.hi < near_end) uncertain = std::min(uncertain, better.end.hi);
     if (times.empty())
         compare_motion(run, better, places(run), uncertain);
     else
         compare_motion(run, better, times, uncertain);
     scales_.settle(wanted_, span);
     for (const Difference& d : differences_) {
-        const double error =
-            widening_ * (d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value));
+        const double found = d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value);
+        double& difference = d.what < 0 ? result.event_difference : result.motion_difference;
+        if (!d.is_shared) difference = std::max(difference, found);
+        const double error = widening_ * found;
         result.error = std::max(result.error, error);
         if (error > wanted_) uncertain = std::min(uncertain, d.since);
     }
@@ -90,7 +103,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
     const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
     result.error += widening_ * (floor + scales_.rounding());
-    if (uncertain < run.end.hi - wanted_ * span && better.end.hi < run.end.hi) result.same_events = false;
+    if (uncertain < near_end && better.end.hi < run.end.hi) result.same_events = false;
     if (!result.same_events) result.error = std::numeric_limits<double>::infinity();
     result.certain_until = std::min(result.certain_until, uncertain);
     result.stopped = stopped_;
@@ -145,24 +158,25 @@ RBDYN_INLINE void AccuracyCheck::compare_at(Instant at, const Record& run, std::
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
     scales_.widen(fine_);
-    note(1.0);
+    note(1.0, false);
     // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
     if (++samples_ <= 8 || samples_ % 8 == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
         model_.observe(fine_mode, at.hi, x_, seen_);
-        note(0.5);
+        note(0.5, true);
     }
     last_ = at.hi;
 }
 
-RBDYN_INLINE void AccuracyCheck::note(double weight) {
-    largest_.resize(fine_.size(), -1.0);
+RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared) {
+    std::vector<double>& largest = largest_[is_shared ? 1 : 0];
+    largest.resize(fine_.size(), -1.0);
     for (std::size_t k = 0; k < fine_.size(); ++k) {
         const double value = weight * (seen_[k].value - fine_[k].value).norm();
-        if (!(value > largest_[k])) continue;
-        largest_[k] = value;
-        differences_.push_back({last_, value, static_cast<int>(k)});
+        if (!(value > largest[k])) continue;
+        largest[k] = value;
+        differences_.push_back({last_, value, static_cast<int>(k), is_shared});
     }
 }
 

@@ -76,7 +76,8 @@ RBDYN_INLINE std::string_view Reader::some(std::size_t count) {
 }
 
 RBDYN_INLINE void put(Writer& w, const Statistics& s) {
-    for (const double seconds : {s.seconds, s.integration_seconds}) w.put(seconds);
+    for (const double seconds : {s.seconds, s.planning_seconds, s.integration_seconds, s.judging_seconds})
+        w.put(seconds);
     for (const std::int64_t count : {s.steps, s.rejected, s.right_hand_sides, s.jacobians, s.guard_evaluations,
                                      s.events, s.python_calls, std::int64_t{s.runs}, std::int64_t{s.size.variables},
                                      std::int64_t{s.size.guards}, std::int64_t{s.size.instructions}})
@@ -86,7 +87,8 @@ RBDYN_INLINE void put(Writer& w, const Statistics& s) {
 
 RBDYN_INLINE Statistics take_statistics(Reader& r) {
     Statistics s;
-    for (double* seconds : {&s.seconds, &s.integration_seconds}) r.take(*seconds);
+    for (double* seconds : {&s.seconds, &s.planning_seconds, &s.integration_seconds, &s.judging_seconds})
+        r.take(*seconds);
     for (std::int64_t* count :
          {&s.steps, &s.rejected, &s.right_hand_sides, &s.jacobians, &s.guard_evaluations, &s.events, &s.python_calls})
         r.take(*count);

@@ -1,0 +1,7 @@
+"""python -m rbdyn: the command line."""
+
+import sys
+
+from rbdyn.command_line import main
+
+sys.exit(main())
