@@ -182,6 +182,8 @@ UserFunction user_curve(const py::object& f, std::optional<bool> trace, const st
 /// f(t) -> a displacement, a rotation matrix, both, or a homogeneous matrix. 1 input, 12 results: the matrix row by
 /// row, then the displacement.
 UserFunction user_motion(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t, x) -> the rates of `variables` numbers. 1 + variables inputs, as many results as variables.
+UserFunction user_rates(const py::object& f, int variables, std::optional<bool> trace, const std::string& user);
 
 /// From f(t), recorded.
 rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user);
@@ -310,6 +312,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
+void bind_system(py::module_& m);
 void bind_tree_joints(py::module_& m);
 void bind_euler_top(py::module_& m);
 void bind_verbs(py::module_& m);

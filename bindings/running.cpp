@@ -84,23 +84,21 @@ bool calls_python(const rbdyn::Scene& scene) {
            std::any_of(scene.watches().begin(), scene.watches().end(), is_called);
 }
 
-py::object failure_of(const rbdyn::Attempt& attempt, const BoundTrajectory& run) {
-    using Outcome = rbdyn::simulating::Outcome;
-    switch (attempt.outcome) {
-        case Outcome::good: return py::none();
-        case Outcome::inaccurate: return error_with(run, "AccuracyError", attempt.message);
-        case Outcome::broken: return error_with(run, "IntegrationError", attempt.message);
-        case Outcome::thrown: break;
-    }
+py::object failure_of(const std::exception_ptr& thrown, const py::object& run) {
+    const auto with_run = [&](const char* type, const char* what) {
+        const py::object raised = py::module_::import("rbdyn.errors").attr(type)(what);
+        raised.attr("run") = run;
+        return raised;
+    };
     try {
-        std::rethrow_exception(attempt.thrown);
+        std::rethrow_exception(thrown);
     } catch (py::error_already_set& e) {
-        if (PyObject_SetAttrString(e.value().ptr(), "run", py::cast(run).ptr()) != 0) PyErr_Clear();
+        if (PyObject_SetAttrString(e.value().ptr(), "run", run.ptr()) != 0) PyErr_Clear();
         return e.value();
     } catch (const InvalidInput& e) {
-        return error_with(run, "InvalidInput", e.what());
+        return with_run("InvalidInput", e.what());
     } catch (const rbdyn::Error& e) {
-        return error_with(run, "Error", e.what());
+        return with_run("Error", e.what());
     }
 }
 

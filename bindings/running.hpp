@@ -70,9 +70,22 @@ py::object error_with(const Run& run, const char* type_name, const std::string& 
     return raised;
 }
 
-/// What went wrong with an attempt, with its run: an error of the library, or what a function of the user's threw,
-/// unchanged but for the run it broke off. None if nothing did.
-py::object failure_of(const rbdyn::Attempt& attempt, const BoundTrajectory& run);
+/// What a function of the user's threw, unchanged but for the run it broke off.
+py::object failure_of(const std::exception_ptr& thrown, const py::object& run);
+
+/// What went wrong with an attempt, with its run: an error of the library, or what a function of the user's threw. None
+/// if nothing did.
+template <class Attempt, class Run>
+py::object failure_of(const Attempt& attempt, const Run& run) {
+    using Outcome = rbdyn::simulating::Outcome;
+    switch (attempt.outcome) {
+        case Outcome::good: return py::none();
+        case Outcome::inaccurate: return error_with(run, "AccuracyError", attempt.message);
+        case Outcome::broken: return error_with(run, "IntegrationError", attempt.message);
+        case Outcome::thrown: break;
+    }
+    return failure_of(attempt.thrown, py::cast(run));
+}
 
 /// Raises it.
 [[noreturn]] void raise(const py::object& error);

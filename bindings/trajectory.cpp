@@ -623,6 +623,13 @@ Side side_of(const SideName& side) {
     throw InvalidInput("Trajectory: side is \"" + name + "\"; it is \"after\" or \"before\"");
 }
 
+py::object events_object(const rbdyn::Events& events, const std::vector<std::string>& watches) {
+    Handles names;
+    for (const std::string& name : watches)
+        names.watches.push_back({{Handle::Of::watch, static_cast<int>(names.watches.size()), 0, name}});
+    return py::cast(BoundEvents(events, std::move(names)));
+}
+
 SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("after")); }
 
 void bind_trajectory(py::module_& m) {

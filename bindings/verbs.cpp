@@ -5,6 +5,7 @@
 
 #include "running.hpp"
 #include "starts.hpp"
+#include "system.hpp"
 
 namespace binding {
 
@@ -90,6 +91,25 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
     if (failure.empty()) return *run;
     const bool inaccurate = run->status() == rbdyn::Status::accuracy_not_reached;
     raise(error_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", failure));
+}
+
+rbdyn::SystemRun simulate_system(const BoundSystem& system, double until, double start, std::optional<double> error,
+                                 std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
+                                 std::int64_t max_steps, const py::object& progress, const py::object& initial) {
+    const rbdyn::System copy = started(system.system, initial, "simulate");
+    Watch watch(progress);
+    rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
+    options.monitor = watch.monitor(start, until);
+    std::optional<rbdyn::SystemAttempt> result;
+    {
+        std::optional<py::gil_scoped_release> free;
+        if (!copy.calls_python()) free.emplace();
+        result = rbdyn::attempt(copy, options);
+    }
+    watch.look((result->run.end() - start) / (until - start));
+    watch.raise_if_raised(std::optional(result->run));
+    if (result->outcome != rbdyn::simulating::Outcome::good) raise(failure_of(*result, result->run));
+    return result->run;
 }
 
 Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
@@ -285,6 +305,16 @@ Raises what simulate() of a scene does, and InvalidInput where there is nothing 
           R"(Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
 
 The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.)");
+    m.def("simulate", &simulate_system, py::arg("system"), py::arg("until"), py::kw_only(),
+          py::arg("start") = defaults.start, py::arg("error") = py::none(), py::arg("rtol") = py::none(),
+          py::arg("engine") = defaults.engine, py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps,
+          py::arg("progress") = false, py::arg("initial") = py::none(),
+          R"(Runs first-order equations of one's own, as accurately as asked for: a System.
+
+The options are those of a scene; "auto" is "taylor", or "dop853" where f is called back. error: of each variable relative
+to its largest size. initial: the state this run starts in, (n,) or {name or place: number}.
+
+Raises what simulate() of a scene does; the errors carry the partial run as `.run`.)");
     m.def("cost", &cost, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = 0.0,
           py::arg("errors") = py::none(), py::arg("engines") = py::none(), py::arg("budget") = 10.0,
           R"(What accuracy costs in time, for a scene: every engine over its tolerances.

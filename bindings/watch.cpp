@@ -83,13 +83,6 @@ auto with_present(Asked asked, const Handles& handles, F&& f) {
     return f(py::cast(now));
 }
 
-double one_number(const py::object& value, const std::string& user) {
-    const py::array array = py::array::ensure(value);
-    if (!array || array.size() != 1)
-        throw InvalidInput(user + ": its function returns " + shown(value) + "; it returns one number");
-    return number(array.attr("reshape")(py::tuple()), user, "what its function returns");
-}
-
 std::vector<rbdyn::StateChange> changes(const py::object& returned, const Handles& handles, const std::string& user) {
     std::vector<rbdyn::StateChange> result;
     if (returned.is_none()) return result;
@@ -187,6 +180,22 @@ void try_out(const Called& c) {
 
 }  // namespace
 
+double one_number(const py::object& returned, const std::string& user) {
+    const py::array array = py::array::ensure(returned);
+    if (!array || array.size() != 1)
+        throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
+    return number(array.attr("reshape")(py::tuple()), user, "what its function returns");
+}
+
+Expression one_expression(const py::object& returned, const std::string& user) {
+    py::object value = returned;
+    if (py::isinstance<py::array>(value) && value.cast<py::array>().size() == 1)
+        value = value.attr("reshape")(py::tuple()).attr("item")();
+    const auto y = operand(value);
+    if (!y) throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
+    return *y;
+}
+
 WatchFunction watched_function(const py::object& f, const BoundScene& scene, std::optional<bool> trace,
                                const std::string& user) {
     if (PyCallable_Check(f.ptr()) == 0)
@@ -219,15 +228,7 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
                 };
                 return py::make_tuple(now);
             },
-            [&](const py::object& returned) {
-                py::object value = returned;
-                if (py::isinstance<py::array>(value) && value.cast<py::array>().size() == 1)
-                    value = value.attr("reshape")(py::tuple()).attr("item")();
-                const auto y = operand(value);
-                if (!y)
-                    throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
-                return std::vector<Expression>{*y};
-            });
+            [&](const py::object& returned) { return std::vector<Expression>{one_expression(returned, user)}; });
         now->ask = nullptr;
         if (a.function) return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
         if (refused) std::rethrow_exception(refused);

@@ -61,14 +61,8 @@ RBDYN_INLINE std::string engine_for(const Plan& plan, const std::string& wanted)
     return engine;
 }
 
-RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution) {
-    Solved result{solution.outcome, std::move(solution.message), solution.thrown, {}};
-    RunData& data = result.data;
-    data.scene = std::move(scene);
-    data.plan = std::move(plan);
-    data.model = data.plan.model;
-    data.engine = std::move(engine);
-    Statistics& s = data.statistics;
+RBDYN_INLINE Statistics statistics_of(const Solution& solution) {
+    Statistics s;
     const Work& w = solution.record.work;
     s.integration_seconds = solution.integration_seconds;
     s.steps = w.steps;
@@ -79,6 +73,17 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     s.events = static_cast<std::int64_t>(solution.record.events.size());
     s.runs = solution.runs;
     if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
+    return s;
+}
+
+RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution) {
+    Solved result{solution.outcome, std::move(solution.message), solution.thrown, {}};
+    RunData& data = result.data;
+    data.scene = std::move(scene);
+    data.plan = std::move(plan);
+    data.model = data.plan.model;
+    data.engine = std::move(engine);
+    data.statistics = statistics_of(solution);
     data.error = solution.error;
     data.course = std::move(solution.course);
     data.judge = std::move(solution.judge);

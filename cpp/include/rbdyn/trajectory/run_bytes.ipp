@@ -138,7 +138,7 @@ RBDYN_INLINE void put(Writer& w, const Mode& mode) {
     w.put(std::vector<std::uint64_t>(mode.equations->sliding.begin(), mode.equations->sliding.end()));
 }
 
-RBDYN_INLINE Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x) {
+RBDYN_INLINE Mode take_mode(Reader& r, const RecordedModel* model, double t, std::span<const double> x) {
     Mode mode;
     mode.slip = r.list<signed char>();
     mode.parameters = r.list<double>();
@@ -336,21 +336,6 @@ RBDYN_INLINE Record take_record(Reader& r, const Limits& limits) {
     return record;
 }
 
-/// How accurate a run is.
-template <class Run>
-void put_accuracy(Writer& w, const Run& run) {
-    w.put(run.error.has_value());
-    w.put(run.error.value_or(0.0));
-    w.put(run.certain_until);
-}
-template <class Run>
-void take_accuracy(Reader& r, Run& run) {
-    const bool has_error = r.take<bool>();
-    const auto error = r.take<double>();
-    if (has_error) run.error = error;
-    r.take(run.certain_until);
-}
-
 RBDYN_INLINE void put(Writer& w, const RunData& data) {
     put(w, data.record);
     w.put(std::string_view(data.engine));
@@ -419,7 +404,6 @@ RBDYN_INLINE RunData take_run(Reader& r, Scene scene, Plan plan) {
     return data;
 }
 
-/// Puts a head and a checksum before bytes; and reads behind them.
 RBDYN_INLINE std::string sealed(std::string_view title, std::string_view text, std::string bytes) {
     Writer w;
     w.put(title);
