@@ -123,6 +123,8 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 // --- arguments: what breaks a rule is an InvalidInput that names object, number, rule and fix ---
 
+/// A string of Python's for messages: what UTF-8 cannot write, and zeros, as Python escapes them.
+std::string plain(py::handle text);
 /// repr(value), shortened.
 std::string shown(py::handle value);
 /// (3,), as Python writes it.
@@ -213,6 +215,15 @@ std::string word_for(E member, const Words<E>& words) {
     for (const auto& [name, other] : words)
         if (other == member) return name;
     return {};
+}
+
+/// A member of an enumeration by its place, 0 to that of the last. Throws InvalidInput for any other number.
+template <class E>
+E member(int place, E last, const std::string& object, const std::string& what) {
+    if (place < 0 || place > static_cast<int>(last))
+        throw InvalidInput(object + ": in its data " + what + " is " + std::to_string(place) + "; it is from 0 to " +
+                           std::to_string(static_cast<int>(last)));
+    return static_cast<E>(place);
 }
 
 // --- results ---

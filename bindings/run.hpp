@@ -23,6 +23,12 @@ struct BoundEvent {
     std::optional<std::variant<BodyHandle, ContactHandle>> subject;
 };
 
+inline BoundEvent bound(const rbdyn::Event& e, const Handles& handles) {
+    if (e.contact >= 0) return {e, handles.contacts[static_cast<std::size_t>(e.contact)]};
+    if (e.subject < 0) return {e, std::nullopt};
+    return {e, handles.bodies[static_cast<std::size_t>(e.subject)]};
+}
+
 /// Events as Python has them, of what has no bodies: watched functions by their names alone.
 py::object events_object(const rbdyn::Events& events, const std::vector<std::string>& watches);
 

@@ -17,6 +17,9 @@ namespace binding {
 /// has come. What Python raises there stops the run, and is kept.
 class Watch {
 public:
+    // runs within runs that callbacks may start: each takes some ten kilobytes of the stack
+    static constexpr int most_nested = 20;
+
     explicit Watch(const py::object& progress);
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
@@ -50,6 +53,9 @@ private:
     std::optional<py::error_already_set> raised_;
     Clock::time_point last_ = Clock::now();
 };
+
+/// What of events is kept: "all", "last", or a function that is called with each.
+rbdyn::KeepEvents events_of(const py::object& events, const std::shared_ptr<const Handles>& handles);
 
 using KeepLike = std::variant<std::string, ArrayLike>;
 

@@ -21,7 +21,7 @@ struct SystemNow {
 };
 
 int place_of(const System& system, const py::object& which, const std::string& user) {
-    if (py::isinstance<py::str>(which)) return system.place(which.cast<std::string>());
+    if (py::isinstance<py::str>(which)) return system.place(plain(which));
     const auto n = static_cast<py::ssize_t>(system.variables());
     const py::ssize_t i = PyNumber_AsSsize_t(which.ptr(), PyExc_IndexError);
     if (i == -1 && PyErr_Occurred() != nullptr) {
@@ -114,7 +114,7 @@ StateAction action_of(const py::object& action, const System& system, const std:
     using Kind = rbdyn::WatchAction::Kind;
     if (py::isinstance<py::str>(action))
         return {
-            one_of<Kind>(action.cast<std::string>(), {{"record", Kind::record}, {"stop", Kind::stop}}, user, "action"),
+            one_of<Kind>(plain(action), {{"record", Kind::record}, {"stop", Kind::stop}}, user, "action"),
             {}};
     if (PyCallable_Check(action.ptr()) == 0)
         throw InvalidInput(user + ": action is " + shown(action) +

@@ -250,7 +250,7 @@ rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, 
     const std::string user = "watch \"" + name + "\"";
     if (py::isinstance<py::str>(action)) {
         static const std::vector<std::pair<std::string, Kind>> words = {{"record", Kind::record}, {"stop", Kind::stop}};
-        return {one_of(action.cast<std::string>(), words, user, "action"), {}};
+        return {one_of(plain(action), words, user, "action"), {}};
     }
     if (PyCallable_Check(action.ptr()) == 0)
         throw InvalidInput(user + ": action is " + shown(action) +
@@ -276,7 +276,8 @@ WatchFunction watch_from(const py::handle& data) {
     std::vector<Observable> asked;
     for (const py::handle item : d[1]) {
         const auto o = item.cast<std::tuple<int, int, int>>();
-        asked.push_back({static_cast<Quantity>(std::get<0>(o)), std::get<1>(o), std::get<2>(o)});
+        asked.push_back(
+            {member(std::get<0>(o), Quantity::coupling_force, "watch", "a quantity"), std::get<1>(o), std::get<2>(o)});
     }
     return {d[0].cast<rbdyn::Function>(), asked};
 }

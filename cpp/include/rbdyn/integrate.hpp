@@ -42,6 +42,9 @@ inline constexpr int other_order = 19;
 /// step of both. No power of two, whose steps round alike.
 inline constexpr double other_stride = 0.7;
 
+/// Whether events are handed on while a run goes on: nothing is held against it.
+inline bool streams_events(const SimulateOptions& options) { return options.rtol.has_value(); }
+
 struct Timed {
     Record record;
     double seconds = 0.0;
@@ -83,6 +86,10 @@ std::string broken_off(const HybridModel& model, const Record& record);
 /// What of two runs that are compared is kept: all, or without all the times wanted and many in between, the same of
 /// both.
 Keep compared_pieces(const SimulateOptions& options);
+
+/// Hands on the events of a motion of one part that is judged, or leaves the last of each; what a function of the
+/// user's throws there is the outcome.
+void settle_events(Solution& solution, const SimulateOptions& options);
 
 /// What a run left behind is the result's.
 void take(Solution& result, Timed&& timed);

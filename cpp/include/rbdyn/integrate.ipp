@@ -62,6 +62,7 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin),
                   o.rtol.has_value());
     driver.pass_stops(beginning.stops_from);
+    if (streams_events(o)) driver.keep_events(o.events);
     Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
                                            : driver.run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -101,6 +102,18 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
     compared.times.push_back(options.until);
     std::sort(compared.times.begin(), compared.times.end());
     return compared;
+}
+
+RBDYN_INLINE void settle_events(Solution& solution, const SimulateOptions& options) {
+    Record& record = solution.record;
+    if (streams_events(options)) return;
+    const bool ends = record.status == Status::stopped_by_event;
+    try {
+        settle(record.events, options.events, ends ? std::optional(record.end.hi) : std::nullopt);
+    } catch (...) {
+        solution.outcome = Outcome::thrown;
+        solution.thrown = std::current_exception();
+    }
 }
 
 RBDYN_INLINE void take(Solution& result, Timed&& timed) {

@@ -62,7 +62,7 @@ RBDYN_INLINE std::vector<double> SystemRun::rate(double t, Side side) const {
 
 RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const SystemRun& run) {
     out << "Run: " << name_of(run.status()) << " at t = " << text(run.end());
-    if (run.status() == Status::stopped_by_event) out << ", " << run.events().back().name;
+    if (run.status() == Status::stopped_by_event && !run.events().empty()) out << ", " << run.events().back().name;
     out << ". " << advice(run.status()) << "\n  engine " << run.engine() << ", " << run.statistics().steps << " steps, "
         << run.events().size() << " events, ";
     if (!run.error()) return out << "no estimate of the global error (rtol)\n";
@@ -99,6 +99,7 @@ RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& 
     solution.course.reset();
     solution.judge.reset();
     solution.record.halt = nullptr;
+    simulating::settle_events(solution, options);
     const auto outcome = solution.outcome;
     const auto thrown = solution.thrown;
     std::string message = solution.message;

@@ -107,6 +107,7 @@ RBDYN_INLINE void put(Writer& w, const Event& e) {
     for (int i = 0; i < 3; ++i) w.put(e.push[i]);
     w.put(e.instant);
     w.put(std::string_view(e.note));
+    w.put(e.count);
 }
 
 RBDYN_INLINE Event take_event(Reader& r, const Limits& limits) {
@@ -121,6 +122,7 @@ RBDYN_INLINE Event take_event(Reader& r, const Limits& limits) {
     for (int i = 0; i < 3; ++i) r.take(e.push[i]);
     r.take(e.instant);
     e.note = r.text();
+    e.count = r.whole(std::int64_t{1}, std::numeric_limits<std::int64_t>::max());
     return e;
 }
 
