@@ -65,6 +65,24 @@ PyObject* explained(PyObject* self, PyObject* const* arguments, Py_ssize_t count
     return result;
 }
 
+/// The same of __setstate__: what is raised where data are not as they were pickled says whose they are.
+PyObject* explained_state(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
+    namespace py = pybind11;
+    PyObject* const result = dispatch(self, arguments, count, names);
+    if (result != nullptr || PyVectorcall_NARGS(static_cast<std::size_t>(count)) < 1) return result;
+    for (PyObject* const type : {PyExc_LookupError, PyExc_TypeError, PyExc_AttributeError, PyExc_OverflowError}) {
+        if (PyErr_ExceptionMatches(type) == 0) continue;
+        py::object raised[3];
+        PyErr_Fetch(&raised[0].ptr(), &raised[1].ptr(), &raised[2].ptr());
+        PyErr_NormalizeException(&raised[0].ptr(), &raised[1].ptr(), &raised[2].ptr());
+        PyErr_Format(py::module_::import("rbdyn.errors").attr("InvalidInput").ptr(),
+                     "%s: its data are not as they were pickled (%S); give them unchanged",
+                     Py_TYPE(arguments[0])->tp_name, raised[1].ptr());
+        break;
+    }
+    return result;
+}
+
 /// Functions of the module say in one sentence what is wrong with a call.
 void explain_calls(const pybind11::handle& function) {
     PyObject* f = function.ptr();
@@ -74,9 +92,11 @@ void explain_calls(const pybind11::handle& function) {
     PyMethodDef* const method = reinterpret_cast<PyCFunctionObject*>(f)->m_ml;
     if (method->ml_flags != (METH_FASTCALL | METH_KEYWORDS)) return;
     const auto known = reinterpret_cast<FastCall>(reinterpret_cast<void (*)()>(method->ml_meth));
-    if (known == &explained || (dispatch != nullptr && known != dispatch)) return;
+    if (known == &explained || known == &explained_state || (dispatch != nullptr && known != dispatch)) return;
     dispatch = known;
-    method->ml_meth = reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&explained));
+    const bool is_state = std::strcmp(method->ml_name, "__setstate__") == 0;
+    method->ml_meth =
+        reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(is_state ? &explained_state : &explained));
 }
 
 /// An object that __new__ made and nothing else has no value: pybind11 would give it raw memory for one.

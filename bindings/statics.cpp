@@ -71,6 +71,10 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
                 for (const auto& [x, y, z] : d[4].cast<std::vector<std::tuple<double, double, double>>>())
                     e.axes.emplace_back(x, y, z);
                 e.decided = d[5].cast<bool>();
+                if (!e.periods.empty() && e.periods.size() != e.coordinates.size())
+                    throw InvalidInput("Equilibrium: its data have " + std::to_string(e.coordinates.size()) +
+                                       " coordinates and " + std::to_string(e.periods.size()) +
+                                       " periods; there are as many of each");
                 return e;
             }))
         .def("__str__", &printed<Equilibrium>)
@@ -147,6 +151,12 @@ free, and small turns about the body's axes [rad].)")
                                           rbdyn::SquareMatrix()};
                             const auto entries = d[2].cast<std::vector<double>>();
                             const int size = static_cast<int>(n.squares.size());
+                            if (n.frequencies.size() != n.squares.size() ||
+                                entries.size() != n.squares.size() * n.squares.size())
+                                throw InvalidInput("NormalModes: its data have " + std::to_string(size) + " squares, " +
+                                                   std::to_string(n.frequencies.size()) + " frequencies and " +
+                                                   std::to_string(entries.size()) +
+                                                   " numbers of shapes; there are as many of each, and their square");
                             n.shapes = rbdyn::SquareMatrix(size);
                             for (int i = 0; i < size * size; ++i)
                                 n.shapes(i / size, i % size) = entries[static_cast<std::size_t>(i)];

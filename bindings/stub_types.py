@@ -152,6 +152,8 @@ def typed(text: str) -> str:
         text = _of_class(text, name, (r"variable: typing\.Any", "variable: str | int"))
     initial = "collections.abc.Mapping[tuple[BodyHandle, str], typing.Any]"
     text = re.sub(r"initial: typing\.Any", f"initial: {initial} | None", text)
+    handed_on = f"{_literal(('all', 'last'))} | collections.abc.Callable[[Event], typing.Any]"
+    text = re.sub(r"events: typing\.Any", f"events: {handed_on}", text)
     text = re.sub(r"progress: typing\.Any", "progress: bool | collections.abc.Callable[[float], typing.Any]", text)
     text = re.sub(r"(def plot\(self, path: )typing\.Any", r"\1str | os.PathLike[str] | None", text)
     text = re.sub(r"(def plot\(self, path: .*?, handle: )typing\.Any", r"\1BodyHandle | None", text)

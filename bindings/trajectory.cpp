@@ -146,7 +146,7 @@ py::tuple data_of(const Event& e) {
                           e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push), e.note, e.count);
 }
 Event event_from(const py::handle& data) {
-    const auto d = py::reinterpret_borrow<py::tuple>(data);
+    const auto d = data.cast<py::tuple>();
     Event e;
     e.time = d[0].cast<double>();
     e.kind = member(d[1].cast<int>(), rbdyn::EventKind::singular, "Event", "kind");

@@ -272,7 +272,7 @@ py::tuple watch_data(const WatchFunction& function, const std::string& user) {
 }
 
 WatchFunction watch_from(const py::handle& data) {
-    const auto d = py::reinterpret_borrow<py::tuple>(data);
+    const auto d = data.cast<py::tuple>();
     std::vector<Observable> asked;
     for (const py::handle item : d[1]) {
         const auto o = item.cast<std::tuple<int, int, int>>();

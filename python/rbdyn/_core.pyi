@@ -2782,6 +2782,11 @@ class Event:
     def __str__(self) -> str:
         ...
     @property
+    def count(self) -> int:
+        """
+        With events="last": how many of its kind, name and subject there were.
+        """
+    @property
     def direction(self) -> str:
         """
         In which the watched quantity passed zero: rising, falling or either.
@@ -2829,7 +2834,7 @@ class Events:
     @typing.overload
     def __getitem__(self, slice: slice) -> list[Event]:
         ...
-    def __getstate__(self) -> tuple[list[typing.Any], list[BodyHandle], list[WatchHandle]]:
+    def __getstate__(self) -> tuple[list[typing.Any], list[BodyHandle], list[WatchHandle], list[ContactHandle]]:
         ...
     def __iter__(self) -> collections.abc.Iterator[Event]:
         ...
@@ -4019,7 +4024,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None) -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 
@@ -4030,6 +4035,9 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
     initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
     and the scene stays as it is.
+    events: "all" are kept; the "last" of each kind, name and subject with its count; or a function that is called with each
+    Event of the run that is returned, once and in order, of which only those that end the run are kept then: with rtol while it
+    runs, so that long runs with keep="end" take no more memory, else when it is judged.
     Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
@@ -4037,7 +4045,7 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Other threads run meanwhile.
     """
 @typing.overload
-def simulate(run: Trajectory, until: typing.SupportsFloat | typing.SupportsIndex, *, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine | None = None, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike | None = None, max_steps: typing.SupportsInt | typing.SupportsIndex | None = None, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Trajectory:
+def simulate(run: Trajectory, until: typing.SupportsFloat | typing.SupportsIndex, *, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine | None = None, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike | None = None, max_steps: typing.SupportsInt | typing.SupportsIndex | None = None, progress: bool | collections.abc.Callable[[float], typing.Any] = False, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
     """
     Goes on with a run: from its end, or from run.certain_until if the error asked for was not reached.
 
@@ -4055,7 +4063,7 @@ def simulate(model: EulerTop, state: numpy.typing.ArrayLike, until: typing.Suppo
     The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.
     """
 @typing.overload
-def simulate(system: System, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: numpy.typing.ArrayLike | collections.abc.Mapping[str | int, float] | None = None) -> SystemRun:
+def simulate(system: System, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: numpy.typing.ArrayLike | collections.abc.Mapping[str | int, float] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> SystemRun:
     """
     Runs first-order equations of one's own, as accurately as asked for: a System.
 

@@ -60,9 +60,9 @@ def oddities():
         None, True, 0, 1, -1, 2**31, 2**70, -(2**70), 0.5, -0.5, 1e308, 5e-324, float("nan"), float("inf"), 1j, "", "x",
         "a\0b", "\ud800", "é" * 50, b"bytes", [], [1.0], [1, 0, 0], [0, 0, 0], [float("nan")] * 3, ["a", "b", "c"],
         [[1, 2], [3]], endless, (1, 2, 3, 4), {}, {"a": 1}, {1, 2}, range(3), np.zeros(0), np.ones(3), np.ones((3, 3)),
-        np.zeros((3, 3)), strided, np.ones(3, np.float32), np.ones(3, ">f8"), np.array([1, 2, 3], object), np.ones(3) * 1j,
+        np.zeros((3, 3)), strided, np.ones(3, "f4"), np.ones(3, ">f8"), np.array([1, 2, 3], object), 1j * np.ones(3),
         np.full((2, 3), np.inf), np.datetime64("2020"), np.ma.masked, lambda *a: 1.0, lambda: None, lambda x: [x, x, x],
-        lambda t, x, v: x, raises, print, object(), type, rb, rb.Scene, Ellipsis, NotImplemented,
+        lambda t, x, v: x, raises, len, object(), type, rb, rb.Scene, Ellipsis, NotImplemented,
     ]  # fmt: skip
 
 
@@ -72,13 +72,21 @@ SLOW = {"simulate_many", "load", "save", "plot", "to_csv", "view"}
 
 def targets(zoo):
     """Every public thing that can be called, with its name."""
-    found = [(f"rb.{name}", getattr(rb, name)) for name in rb.__all__ if callable(getattr(rb, name)) and name not in SLOW]
+    found = [
+        (f"rb.{name}", getattr(rb, name)) for name in rb.__all__ if callable(getattr(rb, name)) and name not in SLOW
+    ]
     found += [(f"rb.shapes.{n}", f) for n, f in vars(rb.shapes).items() if callable(f) and not n.startswith("_")]
     for name, thing in zoo.items():
         if isinstance(thing, list):
             continue
         for word in dir(type(thing)):
-            dunder = word.startswith("_") and word not in ("__getitem__", "__call__", "__eq__", "__add__", "__contains__")
+            dunder = word.startswith("_") and word not in (
+                "__getitem__",
+                "__call__",
+                "__eq__",
+                "__add__",
+                "__contains__",
+            )
             if dunder or word in SLOW or not callable(inspect.getattr_static(type(thing), word, None)):
                 continue
             found.append((f"{name}.{word}", (thing, word)))
