@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -287,6 +288,20 @@ auto over(const ArrayLike& argument, const char* object, const char* what, F&& f
     const double* in = x.data();
     for (py::ssize_t i = 0; i < x.size(); ++i) write(out, f(in[i]));
     return py::reinterpret_borrow<Returned>(result);
+}
+
+/// f at two arguments, numbers or arrays that are broadcast.
+template <class F>
+Values over_both(const ArrayLike& first, const ArrayLike& second, const std::string& object, const char* a,
+                 const char* b, F&& f) {
+    const Array x = doubles(first, object, a), y = doubles(second, object, b);
+    for (py::ssize_t i = 1; i <= std::min(x.ndim(), y.ndim()); ++i) {
+        const py::ssize_t m = x.shape(x.ndim() - i), n = y.shape(y.ndim() - i);
+        if (m != n && m != 1 && n != 1)
+            throw InvalidInput(object + ": " + a + " has shape " + shape_of(x) + " and " + b + " " + shape_of(y) +
+                               "; give two of one shape, or a number and an array");
+    }
+    return py::reinterpret_borrow<Values>(py::object(py::vectorize(f)(x, y)));
 }
 
 /// What operator<< writes, without its last end of line.

@@ -62,9 +62,7 @@ void Watch::look(double fraction) {
 rbdyn::KeepEvents events_of(const py::object& events, const std::shared_ptr<const Handles>& handles) {
     using What = rbdyn::KeepEvents::What;
     if (py::isinstance<py::str>(events))
-        return {
-            one_of<What>(plain(events), {{"all", What::all}, {"last", What::last}}, "simulate", "events"),
-            {}};
+        return {one_of<What>(plain(events), {{"all", What::all}, {"last", What::last}}, "simulate", "events"), {}};
     if (PyCallable_Check(events.ptr()) == 0)
         throw InvalidInput("simulate: events is " + shown(events) +
                            "; it is \"all\", \"last\", or a function of an Event");

@@ -71,10 +71,6 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
                 for (const auto& [x, y, z] : d[4].cast<std::vector<std::tuple<double, double, double>>>())
                     e.axes.emplace_back(x, y, z);
                 e.decided = d[5].cast<bool>();
-                if (!e.periods.empty() && e.periods.size() != e.coordinates.size())
-                    throw InvalidInput("Equilibrium: its data have " + std::to_string(e.coordinates.size()) +
-                                       " coordinates and " + std::to_string(e.periods.size()) +
-                                       " periods; there are as many of each");
                 return e;
             }))
         .def("__str__", &printed<Equilibrium>)
@@ -232,9 +228,8 @@ shape.)")
         .def(
             "energy",
             [](const BoundPotential& p, const ArrayLike& u, const ArrayLike& speed) {
-                auto f = py::vectorize([&](double x, double v) { return p.energy(x, v); });
-                return py::reinterpret_borrow<Values>(
-                    py::object(f(doubles(u, "RailPotential", "parameter"), doubles(speed, "RailPotential", "speed"))));
+                return over_both(u, speed, "RailPotential", "parameter", "speed",
+                                 [&](double x, double v) { return p.energy(x, v); });
             },
             py::arg("u"), py::arg("speed") = 0.0, "m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.")
         .def(

@@ -113,9 +113,7 @@ std::vector<double> state_from(const py::object& given, const System& system, st
 StateAction action_of(const py::object& action, const System& system, const std::string& user) {
     using Kind = rbdyn::WatchAction::Kind;
     if (py::isinstance<py::str>(action))
-        return {
-            one_of<Kind>(plain(action), {{"record", Kind::record}, {"stop", Kind::stop}}, user, "action"),
-            {}};
+        return {one_of<Kind>(plain(action), {{"record", Kind::record}, {"stop", Kind::stop}}, user, "action"), {}};
     if (PyCallable_Check(action.ptr()) == 0)
         throw InvalidInput(user + ": action is " + shown(action) +
                            "; it is \"record\", \"stop\", or a function of now");

@@ -143,6 +143,13 @@ def test_a_call_that_no_signature_takes_names_argument_rule_and_fix(call, senten
     assert sentence in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_arrays_that_cannot_be_broadcast_are_refused_with_their_shapes():
+    line = rb.Line([1, 0, 0])
+    assert line.length([0.0, 1.0], 2.0) == pytest.approx([2.0, 1.0])
+    with pytest.raises(rb.InvalidInput, match=r"u0 has shape \(3,\) and u1 \(0,\)"):
+        line.length([0, 0, 1], [])
+
+
 def test_words_with_half_a_character_are_refused_as_others_are():
     scene = rb.Scene()
     ball = scene.add(rb.Particle(1.0))

@@ -50,6 +50,29 @@ TEST(Systems, watched_functions_note_stop_and_change) {
     EXPECT_NEAR(run.x(run.events()[0].time, Side::before)[1], -10.0 * fall, 1e-11);
 }
 
+TEST(Systems, events_are_handed_on_once_and_in_order_or_the_last_is_kept) {
+    System system = oscillator();
+    system.watch("x", [](const auto&, auto x) { return x[0]; });
+    system.watch("v", [](const auto&, auto x) { return x[1]; });
+    for (const bool is_alone : {false, true}) {
+        SimulateOptions options{.until = 10.0};
+        if (is_alone) options.rtol = 1e-9;
+        const SystemRun whole = simulate(system, options);
+        ASSERT_EQ(whole.events().size(), 12U);
+        std::vector<double> times;
+        options.events.each = [&](const Event& e) { times.push_back(e.time); };
+        EXPECT_TRUE(simulate(system, options).events().empty());
+        ASSERT_EQ(times.size(), 12U);
+        for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(times[i], whole.events()[i].time);
+        options.events = {.what = KeepEvents::What::last};
+        const SystemRun last = simulate(system, options);
+        ASSERT_EQ(last.events().size(), 2U);
+        EXPECT_EQ(last.events()[1].time, times.back());
+        EXPECT_EQ(last.events()[0].count + last.events()[1].count, 12);
+        EXPECT_EQ(last.statistics().events, 12);
+    }
+}
+
 TEST(Systems, runs_are_read_back_from_their_bytes) {
     const System system = oscillator();
     const SystemRun run = simulate(system, {.until = 3.0});

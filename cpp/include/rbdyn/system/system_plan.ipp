@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rbdyn/event/event.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/system/system_model.hpp"
