@@ -5,11 +5,31 @@
 
 namespace binding {
 
+std::string plain(py::handle text) {
+    const auto bytes =
+        py::reinterpret_steal<py::object>(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace"));
+    if (!bytes) throw py::error_already_set();
+    std::string result = py::reinterpret_borrow<py::bytes>(bytes);
+    // a message ends at a zero
+    for (std::size_t at; (at = result.find('\0')) != std::string::npos;) result.replace(at, 1, "\\x00");
+    return result;
+}
+
 std::string shown(py::handle value) {
     constexpr std::size_t longest = 60;
-    std::string text = py::repr(value);
-    if (text.size() > longest) text = text.substr(0, longest - 3) + "...";
-    return text;
+    std::string text;
+    try {
+        text = plain(py::repr(value));
+    } catch (py::error_already_set& e) {
+        // one that cannot tell what it is; but for an interruption
+        if (!e.matches(PyExc_Exception)) throw;
+        text = "<" + plain(py::str(py::type::handle_of(value).attr("__name__"))) + ">";
+    }
+    if (text.size() <= longest) return text;
+    // not within a letter
+    std::size_t end = longest - 3;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+    return text.substr(0, end) + "...";
 }
 
 std::string shape_of(const py::array& array) { return py::str(array.attr("shape")); }

@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/typing.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -123,6 +124,8 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 // --- arguments: what breaks a rule is an InvalidInput that names object, number, rule and fix ---
 
+/// A string of Python's for messages: what UTF-8 cannot write, and zeros, as Python escapes them.
+std::string plain(py::handle text);
 /// repr(value), shortened.
 std::string shown(py::handle value);
 /// (3,), as Python writes it.
@@ -182,6 +185,8 @@ UserFunction user_curve(const py::object& f, std::optional<bool> trace, const st
 /// f(t) -> a displacement, a rotation matrix, both, or a homogeneous matrix. 1 input, 12 results: the matrix row by
 /// row, then the displacement.
 UserFunction user_motion(const py::object& f, std::optional<bool> trace, const std::string& user);
+/// f(t, x) -> the rates of `variables` numbers. 1 + variables inputs, as many results as variables.
+UserFunction user_rates(const py::object& f, int variables, std::optional<bool> trace, const std::string& user);
 
 /// From f(t), recorded.
 rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user);
@@ -211,6 +216,15 @@ std::string word_for(E member, const Words<E>& words) {
     for (const auto& [name, other] : words)
         if (other == member) return name;
     return {};
+}
+
+/// A member of an enumeration by its place, 0 to that of the last. Throws InvalidInput for any other number.
+template <class E>
+E member(int place, E last, const std::string& object, const std::string& what) {
+    if (place < 0 || place > static_cast<int>(last))
+        throw InvalidInput(object + ": in its data " + what + " is " + std::to_string(place) + "; it is from 0 to " +
+                           std::to_string(static_cast<int>(last)));
+    return static_cast<E>(place);
 }
 
 // --- results ---
@@ -276,6 +290,20 @@ auto over(const ArrayLike& argument, const char* object, const char* what, F&& f
     return py::reinterpret_borrow<Returned>(result);
 }
 
+/// f at two arguments, numbers or arrays that are broadcast.
+template <class F>
+Values over_both(const ArrayLike& first, const ArrayLike& second, const std::string& object, const char* a,
+                 const char* b, F&& f) {
+    const Array x = doubles(first, object, a), y = doubles(second, object, b);
+    for (py::ssize_t i = 1; i <= std::min(x.ndim(), y.ndim()); ++i) {
+        const py::ssize_t m = x.shape(x.ndim() - i), n = y.shape(y.ndim() - i);
+        if (m != n && m != 1 && n != 1)
+            throw InvalidInput(object + ": " + a + " has shape " + shape_of(x) + " and " + b + " " + shape_of(y) +
+                               "; give two of one shape, or a number and an array");
+    }
+    return py::reinterpret_borrow<Values>(py::object(py::vectorize(f)(x, y)));
+}
+
 /// What operator<< writes, without its last end of line.
 template <class T>
 std::string printed(const T& value) {
@@ -310,6 +338,7 @@ void bind_scene(py::module_& m);
 void bind_plan(py::module_& m);
 void bind_statics(py::module_& m);
 void bind_trajectory(py::module_& m);
+void bind_system(py::module_& m);
 void bind_tree_joints(py::module_& m);
 void bind_euler_top(py::module_& m);
 void bind_cost(py::module_& m);

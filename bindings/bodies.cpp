@@ -29,7 +29,7 @@ Inertia inertia(const ArrayLike& value) {
 template <class F>
 auto about(const RigidBody& body, const PoleLike& pole, F&& f) {
     if (!py::isinstance<py::str>(pole)) return f(vector3(pole, body_name, "about"));
-    const bool is_com = one_of(pole.cast<std::string>(), poles, body_name, "about") == InertiaAbout::com;
+    const bool is_com = one_of(plain(pole), poles, body_name, "about") == InertiaAbout::com;
     return f(is_com ? body.com() : Vector3(0, 0, 0));
 }
 

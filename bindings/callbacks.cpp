@@ -51,11 +51,16 @@ class PythonFunction {
 public:
     PythonFunction(const py::object& f, Signature signature, bool spread, std::string user)
         : f_(f), signature_(std::move(signature)), user_(std::move(user)), name_(name_of(f)) {
-        for (const int size : signature_.arguments) {
-            if (size > 1 && !spread)
+        for (std::size_t k = 0; k < signature_.arguments.size(); ++k) {
+            const std::vector<py::ssize_t> shape = signature_.shape(k);
+            const auto size = static_cast<std::size_t>(signature_.arguments[k]);
+            if (!shape.empty() && !spread) {
+                shapes_.push_back(shape);
                 sizes_.push_back(size);
-            else
-                sizes_.insert(sizes_.end(), static_cast<std::size_t>(size), 1);
+            } else {
+                shapes_.insert(shapes_.end(), size, {});
+                sizes_.insert(sizes_.end(), size, 1);
+            }
         }
         arrays_.resize(sizes_.size());
     }
@@ -90,21 +95,16 @@ public:
 private:
     /// A new reference to argument i.
     PyObject* argument(std::size_t i, const double* x) {
-        if (sizes_[i] == 1) {
+        if (shapes_[i].empty()) {
             PyObject* const value = PyFloat_FromDouble(*x);
             if (value == nullptr) throw py::error_already_set();
             return value;
         }
         py::object& array = arrays_[i];
         // nobody else holds it: neither what the function kept, nor a call that is still under way
-        if (!array || Py_REFCNT(array.ptr()) != 1) array = fresh(sizes_[i]);
-        std::memcpy(py::detail::array_proxy(array.ptr())->data, x,
-                    static_cast<std::size_t>(sizes_[i]) * sizeof(double));
+        if (!array || Py_REFCNT(array.ptr()) != 1) array = py::array_t<double>(shapes_[i]);
+        std::memcpy(py::detail::array_proxy(array.ptr())->data, x, sizes_[i] * sizeof(double));
         return array.inc_ref().ptr();
-    }
-    static py::array fresh(int size) {
-        if (size == 9) return py::array_t<double>(std::vector<py::ssize_t>{3, 3});
-        return py::array_t<double>(size);
     }
 
     void read(const py::object& returned, double* y) const {
@@ -116,7 +116,7 @@ private:
         }
         PyObject* const value = returned.ptr();
         const int wanted = signature_.results;
-        if (wanted == 1) {
+        if (wanted == 1 && (!signature_.is_state || PyFloat_Check(value) != 0)) {
             if (!plain(value, *y)) *y = number(returned, user_, "what function " + name_ + " returns");
             return;
         }
@@ -129,7 +129,7 @@ private:
             }
         }
         const Array array = doubles(returned, user_, "what function " + name_ + " returns");
-        if (array.ndim() != 1 || array.size() != wanted)
+        if (!signature_.fits(array))
             throw InvalidInput(user_ + ": function " + name_ + " returns " + form_of(returned, array) + "; " +
                                signature_.rule);
         std::copy_n(array.data(), wanted, y);
@@ -148,7 +148,8 @@ private:
     Held f_;
     Signature signature_;
     std::string user_, name_;
-    std::vector<int> sizes_;
+    std::vector<std::vector<py::ssize_t>> shapes_;  // of the arguments; empty: a number
+    std::vector<std::size_t> sizes_;
     std::vector<py::object> arrays_;  // the last arguments
 };
 
@@ -157,9 +158,10 @@ private:
 /// C's way to write the signature, without blanks: void(double,double*,double*,double*)
 std::string c_signature(const Signature& signature) {
     std::string arguments;
-    for (const int size : signature.arguments)
-        arguments += std::string(arguments.empty() ? "" : ",") + (size == 1 ? "double" : "double*");
-    return signature.results == 1 ? "double(" + arguments + ")" : "void(" + arguments + ",double*)";
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k)
+        arguments += std::string(arguments.empty() ? "" : ",") + (signature.shape(k).empty() ? "double" : "double*");
+    return signature.results == 1 && !signature.is_state ? "double(" + arguments + ")"
+                                                         : "void(" + arguments + ",double*)";
 }
 
 std::string without_blanks(std::string text) {
@@ -253,6 +255,12 @@ std::function<void(const double*, double*)> caller(const std::string& kind, cons
                 std::array<double, 3> a{x[0], x[1], x[2]};
                 *y = f(a.data(), tail...);
             };
+    if (kind == "void(double,double*,double*)")
+        return [f = reinterpret_cast<void (*)(double, double*, double*, Tail...)>(address), held,
+                count = signature.inputs(), tail...](const double* x, double* y) {
+            std::vector<double> a(x + 1, x + count);
+            f(*x, a.data(), y, tail...);
+        };
     if (kind == "void(double,double*)")
         return [f = reinterpret_cast<void (*)(double, double*, Tail...)>(address), held, tail...](
                    const double* x, double* y) { f(*x, y, tail...); };

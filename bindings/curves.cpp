@@ -113,9 +113,7 @@ where it began, in r and r', and its parameter counts on; domain is one round.)"
         .def(
             "length",
             [](const Curve& c, const ArrayLike& u0, const ArrayLike& u1) {
-                auto f = py::vectorize([&](double a, double b) { return c.length(a, b); });
-                return py::reinterpret_borrow<Values>(
-                    py::object(f(doubles(u0, "Curve", "u0"), doubles(u1, "Curve", "u1"))));
+                return over_both(u0, u1, "Curve", "u0", "u1", [&](double a, double b) { return c.length(a, b); });
             },
             py::arg("u0"), py::arg("u1"), "Arc length from u0 to u1, negative if u1 < u0 [m]. Arrays are broadcast.")
         .def(

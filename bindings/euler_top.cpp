@@ -1,5 +1,4 @@
 // The heavy body in Euler angles, and the run of its state; simulate() of it is in verbs.cpp.
-#include <algorithm>
 #include <rbdyn/model/euler_top.hpp>
 #include <rbdyn/own_motion.hpp>
 #include <rbdyn/trajectory/run_bytes.hpp>
@@ -12,16 +11,9 @@ using rbdyn::EulerTop, rbdyn::StateRun;
 
 namespace {
 
-/// States at a time or at an array of them; the variables come last.
 Vectors states(const StateRun& run, const ArrayLike& times, const SideName& name) {
     const rbdyn::Side side = side_of(name);
-    const Array t = doubles(times, "StateRun", "time");
-    std::vector<py::ssize_t> shape(t.shape(), t.shape() + t.ndim());
-    shape.push_back(run.variables());
-    py::array_t<double> result(shape);
-    double* out = result.mutable_data();
-    for (py::ssize_t i = 0; i < t.size(); ++i) out = std::ranges::copy(run.state(t.data()[i], side), out).out;
-    return py::reinterpret_borrow<Vectors>(result);
+    return states_over(times, run.variables(), "StateRun", [&](double t) { return run.state(t, side); });
 }
 
 }  // namespace

@@ -15,10 +15,6 @@ using rbdyn::Parameter;
 
 namespace {
 
-std::vector<py::ssize_t> shape_of_argument(int size) {
-    return size == 9 ? std::vector<py::ssize_t>{3, 3} : std::vector<py::ssize_t>{size};
-}
-
 /// One result of a function.
 Expression result(py::handle value, const std::string& user, const std::string& name) {
     const auto y = operand(value);
@@ -41,7 +37,7 @@ std::vector<Expression> results_of(const py::object& returned, const Signature& 
     if (signature.results == 1 && !is_list && !py::isinstance<py::array>(returned))
         return {result(returned, user, name)};
     const py::array array = py::module_::import("numpy").attr("asarray")(returned, py::arg("dtype") = "object");
-    if (array.ndim() != (signature.results == 1 ? 0 : 1) || array.size() != signature.results)
+    if (!signature.fits(array))
         throw InvalidInput(user + ": function " + name + " returns " + form_of(returned, array) + "; " +
                            signature.rule);
     for (const py::handle item : array.attr("ravel")().cast<py::array>()) y.push_back(result(item, user, name));
@@ -51,11 +47,13 @@ std::vector<Expression> results_of(const py::object& returned, const Signature& 
 py::tuple arguments_of(Recording& recording, const Signature& signature, bool spread) {
     py::list given;
     int first = 0;
-    for (const int size : signature.arguments) {
-        if (size == 1 || spread)
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const int size = signature.arguments[k];
+        const std::vector<py::ssize_t> shape = signature.shape(k);
+        if (shape.empty() || spread)
             for (int i = 0; i < size; ++i) given.append(recording.input(first + i));
         else
-            given.append(recording.inputs(first, shape_of_argument(size)));
+            given.append(recording.inputs(first, shape));
         first += size;
     }
     return given;
@@ -195,6 +193,18 @@ Function with_inputs(const Function& f, int inputs) {
     return Function::from_data(inputs, nodes, f.output_nodes(), f.names(), f.parameters());
 }
 
+std::vector<py::ssize_t> Signature::shape(std::size_t argument) const {
+    const int size = arguments[argument];
+    if (is_state && argument + 1 == arguments.size()) return {size};
+    if (size == 9) return {3, 3};
+    return size == 1 ? std::vector<py::ssize_t>{} : std::vector<py::ssize_t>{size};
+}
+
+bool Signature::fits(const py::array& array) const {
+    const bool is_list = array.ndim() == 1, is_number = array.ndim() == 0;
+    return array.size() == results && (results > 1 ? is_list : is_number || (is_list && is_state));
+}
+
 int Signature::inputs() const {
     int sum = 0;
     for (const int size : arguments) sum += size;
@@ -216,12 +226,13 @@ bool takes_numbers(const py::object& f, const Signature& signature, const std::s
     if (range.empty()) return false;
     const int least = range[0].cast<int>(), most = range[1].cast<int>();
     if (least <= few && few <= most) return false;
-    const bool has_matrix = std::count(signature.arguments.begin(), signature.arguments.end(), 9) > 0;
-    if (!has_matrix && least <= many && many <= most) return true;
+    const bool stays_whole =
+        signature.is_state || std::count(signature.arguments.begin(), signature.arguments.end(), 9) > 0;
+    if (!stays_whole && least <= many && many <= most) return true;
     const auto plural = [](int n) { return std::to_string(n) + (n == 1 ? " argument" : " arguments"); };
     throw InvalidInput(
         user + ": function " + name + " takes " + plural(least) + "; it is called with " + std::to_string(few) +
-        (many != few && !has_matrix ? ", or with each of the " + std::to_string(many) + " numbers" : ""));
+        (many != few && !stays_whole ? ", or with each of the " + std::to_string(many) + " numbers" : ""));
 }
 
 UserFunction user_function(const py::object& f, std::optional<bool> trace, const std::string& user,
@@ -297,6 +308,12 @@ UserFunction user_curve(const py::object& f, std::optional<bool> trace, const st
 }
 UserFunction user_motion(const py::object& f, std::optional<bool> trace, const std::string& user) {
     return user_function(f, trace, user, {{1}, 12, "a motion is a displacement, a rotation matrix, or both", true});
+}
+
+UserFunction user_rates(const py::object& f, int variables, std::optional<bool> trace, const std::string& user) {
+    const std::string rule = "it returns the rates of " + std::to_string(variables) +
+                             (variables == 1 ? " variable" : " variables") + ", as many as x0 has";
+    return user_function(f, trace, user, {{1, variables}, variables, rule, false, true});
 }
 
 rbdyn::TimeFunction recorded_time_function(const py::object& f, const std::string& user) {

@@ -22,6 +22,104 @@ void describe(const pybind11::object& function, const std::string& signature) {
     method->ml_doc = kept;
 }
 
+/// What a call is that no overload takes, in one sentence (python/rbdyn/bad_calls.py).
+bool explain(PyObject* const* arguments, std::size_t count, PyObject* names) {
+    namespace py = pybind11;
+    py::object type, value, trace;
+    PyErr_Fetch(&type.ptr(), &value.ptr(), &trace.ptr());
+    PyErr_NormalizeException(&type.ptr(), &value.ptr(), &trace.ptr());
+    try {
+        const py::str text(value);
+        const py::object contains = text.attr("find")(" arguments. The following argument types are supported:");
+        if (contains.cast<int>() >= 0) {
+            const auto positional = static_cast<std::size_t>(PyVectorcall_NARGS(count));
+            py::list given;
+            for (std::size_t i = 0; i < positional; ++i) given.append(py::handle(arguments[i]));
+            py::dict named;
+            if (names != nullptr)
+                for (py::ssize_t i = 0; i < PyTuple_GET_SIZE(names); ++i)
+                    named[PyTuple_GET_ITEM(names, i)] = py::handle(arguments[positional + static_cast<std::size_t>(i)]);
+            const py::object sentence = py::module_::import("rbdyn.bad_calls").attr("sentence")(text, given, named);
+            PyErr_SetObject(PyExc_TypeError, sentence.ptr());
+            return true;
+        }
+    } catch (py::error_already_set& e) {
+        // what cannot be told is told as it was, but for an interruption
+        if (!e.matches(PyExc_Exception)) {
+            e.restore();
+            return true;
+        }
+    } catch (const std::exception&) {
+    }
+    PyErr_Restore(type.release().ptr(), value.release().ptr(), trace.release().ptr());
+    return false;
+}
+
+using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject*);
+FastCall dispatch = nullptr;  // pybind11's own, one for all functions
+
+PyObject* explained(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
+    PyObject* const result = dispatch(self, arguments, count, names);
+    if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError))
+        explain(arguments, static_cast<std::size_t>(count), names);
+    return result;
+}
+
+/// The same of __setstate__: what is raised where data are not as they were pickled says whose they are.
+PyObject* explained_state(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
+    namespace py = pybind11;
+    PyObject* const result = dispatch(self, arguments, count, names);
+    if (result != nullptr || PyVectorcall_NARGS(static_cast<std::size_t>(count)) < 1) return result;
+    for (PyObject* const type : {PyExc_LookupError, PyExc_TypeError, PyExc_AttributeError, PyExc_OverflowError}) {
+        if (PyErr_ExceptionMatches(type) == 0) continue;
+        py::object raised[3];
+        PyErr_Fetch(&raised[0].ptr(), &raised[1].ptr(), &raised[2].ptr());
+        PyErr_NormalizeException(&raised[0].ptr(), &raised[1].ptr(), &raised[2].ptr());
+        PyErr_Format(py::module_::import("rbdyn.errors").attr("InvalidInput").ptr(),
+                     "%s: its data are not as they were pickled (%S); give them unchanged",
+                     Py_TYPE(arguments[0])->tp_name, raised[1].ptr());
+        break;
+    }
+    return result;
+}
+
+/// Functions of the module say in one sentence what is wrong with a call.
+void explain_calls(const pybind11::handle& function) {
+    PyObject* f = function.ptr();
+    if (PyInstanceMethod_Check(f)) f = PyInstanceMethod_GET_FUNCTION(f);
+    if (PyObject_TypeCheck(f, &PyStaticMethod_Type)) return explain_calls(pybind11::handle(f).attr("__func__"));
+    if (!PyCFunction_Check(f)) return;
+    PyMethodDef* const method = reinterpret_cast<PyCFunctionObject*>(f)->m_ml;
+    if (method->ml_flags != (METH_FASTCALL | METH_KEYWORDS)) return;
+    const auto known = reinterpret_cast<FastCall>(reinterpret_cast<void (*)()>(method->ml_meth));
+    if (known == &explained || known == &explained_state || (dispatch != nullptr && known != dispatch)) return;
+    dispatch = known;
+    const bool is_state = std::strcmp(method->ml_name, "__setstate__") == 0;
+    method->ml_meth =
+        reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(is_state ? &explained_state : &explained));
+}
+
+/// An object that __new__ made and nothing else has no value: pybind11 would give it raw memory for one.
+void* refuse_raw(std::size_t) {
+    throw pybind11::type_error(
+        "an object of rbdyn's was made by __new__ alone and has no value; make it by calling its class");
+}
+
+/// Both for all that a module holds.
+void guard(const pybind11::module_& m) {
+    namespace py = pybind11;
+    for (const auto& [name, thing] : py::dict(m.attr("__dict__"))) {
+        if (!PyType_Check(thing.ptr())) {
+            explain_calls(thing);
+            continue;
+        }
+        py::detail::type_info* const info = py::detail::get_type_info(reinterpret_cast<PyTypeObject*>(thing.ptr()));
+        if (info == nullptr || !thing.attr("__module__").equal(m.attr("__name__"))) continue;
+        info->operator_new = &refuse_raw;
+        for (const auto& [word, function] : py::dict(thing.attr("__dict__"))) explain_calls(function);
+    }
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, m) {
@@ -38,6 +136,11 @@ PYBIND11_MODULE(_core, m) {
             raise("InvalidInput", e);
         } catch (const rbdyn::Error& e) {
             raise("Error", e);
+        } catch (const py::cast_error&) {
+            // of data that was changed, say, or half a character in a word
+            py::set_error(py::module_::import("rbdyn.errors").attr("InvalidInput"),
+                          "rbdyn: a value given, or in the data of a state, is of a kind that is not taken there; give "
+                          "what the documentation names, and data as they were pickled");
         }
     });
     binding::bind_expressions(m);
@@ -61,7 +164,9 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_trajectory(m);
     binding::bind_euler_top(m);
     binding::bind_cost(m);
+    binding::bind_system(m);
     binding::bind_verbs(m);
     binding::bind_many(m);
     m.def("_describe", &describe, py::arg("function"), py::arg("signature"));
+    guard(m);
 }

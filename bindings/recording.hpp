@@ -126,7 +126,12 @@ struct Signature {
     int results;
     std::string rule;        // what it returns, for messages: "a force has three components, in N"
     bool is_motion = false;  // what is returned is a rigid motion in any of its forms
+    bool is_state = false;   // the last argument, and what is returned, are arrays however many numbers they have
     int inputs() const;
+    /// Of an argument; empty: a number.
+    std::vector<py::ssize_t> shape(std::size_t argument) const;
+    /// Whether numbers come as it wants them, in an array of a shape.
+    bool fits(const py::array& array) const;
 };
 
 /// How many of the function's arguments it is called with: those of the signature, or each number by itself.

@@ -5,7 +5,19 @@
 
 namespace binding {
 
+namespace {
+
+int& nested() {
+    static thread_local int value = 0;
+    return value;
+}
+
+}  // namespace
+
 Watch::Watch(const py::object& progress) {
+    if (nested() >= most_nested)
+        throw InvalidInput("simulate: it is called within itself " + std::to_string(nested()) +
+                           " deep, by functions that it calls back; simulate beforehand what they need");
     if (PyBool_Check(progress.ptr())) {
         if (progress.is(py::bool_(true))) show_ = py::module_::import("rbdyn.progress").attr("Bar")();
     } else if (PyCallable_Check(progress.ptr()) != 0) {
@@ -14,9 +26,11 @@ Watch::Watch(const py::object& progress) {
         throw InvalidInput("simulate: progress is " + shown(progress) +
                            "; it is True, False, or a function of the fraction done");
     }
+    ++nested();
 }
 
 Watch::~Watch() {
+    --nested();
     if (!show_ || !py::hasattr(show_, "close")) return;
     try {
         show_.attr("close")();
@@ -43,6 +57,25 @@ void Watch::look(double fraction) {
     } catch (py::error_already_set& e) {
         raised_.emplace(e);
     }
+}
+
+rbdyn::KeepEvents events_of(const py::object& events, const std::shared_ptr<const Handles>& handles) {
+    using What = rbdyn::KeepEvents::What;
+    if (py::isinstance<py::str>(events))
+        return {one_of<What>(plain(events), {{"all", What::all}, {"last", What::last}}, "simulate", "events"), {}};
+    if (PyCallable_Check(events.ptr()) == 0)
+        throw InvalidInput("simulate: events is " + shown(events) +
+                           "; it is \"all\", \"last\", or a function of an Event");
+    // any thread may drop it
+    const std::shared_ptr<const py::object> f(new py::object(events), [](const py::object* one) {
+        if (Py_IsInitialized() == 0) return;
+        const py::gil_scoped_acquire lock;
+        delete one;
+    });
+    return {What::all, [f, handles](const rbdyn::Event& e) {
+                const py::gil_scoped_acquire lock;
+                (*f)(bound(e, *handles));
+            }};
 }
 
 rbdyn::Keep keep_of(const KeepLike& keep) {
@@ -84,23 +117,21 @@ bool calls_python(const rbdyn::Scene& scene) {
            std::any_of(scene.watches().begin(), scene.watches().end(), is_called);
 }
 
-py::object failure_of(const rbdyn::Attempt& attempt, const BoundTrajectory& run) {
-    using Outcome = rbdyn::simulating::Outcome;
-    switch (attempt.outcome) {
-        case Outcome::good: return py::none();
-        case Outcome::inaccurate: return error_with(run, "AccuracyError", attempt.message);
-        case Outcome::broken: return error_with(run, "IntegrationError", attempt.message);
-        case Outcome::thrown: break;
-    }
+py::object failure_of(const std::exception_ptr& thrown, const py::object& run) {
+    const auto with_run = [&](const char* type, const char* what) {
+        const py::object raised = py::module_::import("rbdyn.errors").attr(type)(what);
+        raised.attr("run") = run;
+        return raised;
+    };
     try {
-        std::rethrow_exception(attempt.thrown);
+        std::rethrow_exception(thrown);
     } catch (py::error_already_set& e) {
-        if (PyObject_SetAttrString(e.value().ptr(), "run", py::cast(run).ptr()) != 0) PyErr_Clear();
+        if (PyObject_SetAttrString(e.value().ptr(), "run", run.ptr()) != 0) PyErr_Clear();
         return e.value();
     } catch (const InvalidInput& e) {
-        return error_with(run, "InvalidInput", e.what());
+        return with_run("InvalidInput", e.what());
     } catch (const rbdyn::Error& e) {
-        return error_with(run, "Error", e.what());
+        return with_run("Error", e.what());
     }
 }
 

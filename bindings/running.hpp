@@ -17,6 +17,9 @@ namespace binding {
 /// has come. What Python raises there stops the run, and is kept.
 class Watch {
 public:
+    // runs within runs that callbacks may start: each takes some ten kilobytes of the stack
+    static constexpr int most_nested = 20;
+
     explicit Watch(const py::object& progress);
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
@@ -51,6 +54,9 @@ private:
     Clock::time_point last_ = Clock::now();
 };
 
+/// What of events is kept: "all", "last", or a function that is called with each.
+rbdyn::KeepEvents events_of(const py::object& events, const std::shared_ptr<const Handles>& handles);
+
 using KeepLike = std::variant<std::string, ArrayLike>;
 
 rbdyn::Keep keep_of(const KeepLike& keep);
@@ -70,9 +76,22 @@ py::object error_with(const Run& run, const char* type_name, const std::string& 
     return raised;
 }
 
-/// What went wrong with an attempt, with its run: an error of the library, or what a function of the user's threw,
-/// unchanged but for the run it broke off. None if nothing did.
-py::object failure_of(const rbdyn::Attempt& attempt, const BoundTrajectory& run);
+/// What a function of the user's threw, unchanged but for the run it broke off.
+py::object failure_of(const std::exception_ptr& thrown, const py::object& run);
+
+/// What went wrong with an attempt, with its run: an error of the library, or what a function of the user's threw. None
+/// if nothing did.
+template <class Attempt, class Run>
+py::object failure_of(const Attempt& attempt, const Run& run) {
+    using Outcome = rbdyn::simulating::Outcome;
+    switch (attempt.outcome) {
+        case Outcome::good: return py::none();
+        case Outcome::inaccurate: return error_with(run, "AccuracyError", attempt.message);
+        case Outcome::broken: return error_with(run, "IntegrationError", attempt.message);
+        case Outcome::thrown: break;
+    }
+    return failure_of(attempt.thrown, py::cast(run));
+}
 
 /// Raises it.
 [[noreturn]] void raise(const py::object& error);

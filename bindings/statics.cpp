@@ -147,6 +147,12 @@ free, and small turns about the body's axes [rad].)")
                                           rbdyn::SquareMatrix()};
                             const auto entries = d[2].cast<std::vector<double>>();
                             const int size = static_cast<int>(n.squares.size());
+                            if (n.frequencies.size() != n.squares.size() ||
+                                entries.size() != n.squares.size() * n.squares.size())
+                                throw InvalidInput("NormalModes: its data have " + std::to_string(size) + " squares, " +
+                                                   std::to_string(n.frequencies.size()) + " frequencies and " +
+                                                   std::to_string(entries.size()) +
+                                                   " numbers of shapes; there are as many of each, and their square");
                             n.shapes = rbdyn::SquareMatrix(size);
                             for (int i = 0; i < size * size; ++i)
                                 n.shapes(i / size, i % size) = entries[static_cast<std::size_t>(i)];
@@ -222,9 +228,8 @@ shape.)")
         .def(
             "energy",
             [](const BoundPotential& p, const ArrayLike& u, const ArrayLike& speed) {
-                auto f = py::vectorize([&](double x, double v) { return p.energy(x, v); });
-                return py::reinterpret_borrow<Values>(
-                    py::object(f(doubles(u, "RailPotential", "parameter"), doubles(speed, "RailPotential", "speed"))));
+                return over_both(u, speed, "RailPotential", "parameter", "speed",
+                                 [&](double x, double v) { return p.energy(x, v); });
             },
             py::arg("u"), py::arg("speed") = 0.0, "m speed^2/2 - U [J] (eq. 7.20). Arrays are broadcast.")
         .def(

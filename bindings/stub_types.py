@@ -44,6 +44,8 @@ _Of13: typing.TypeAlias = collections.abc.Callable[
 _Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
 _Pole: typing.TypeAlias = numpy.typing.ArrayLike | _Of1 | Function | BodyHandle | BodyPoint
 _Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
+_WatchedState: typing.TypeAlias = collections.abc.Callable[[SystemNow], typing.Any]
+_Of2: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any], typing.Any]
 _Engine: typing.TypeAlias = typing.Literal[{engines}]
 """
 
@@ -87,7 +89,7 @@ def _present(text: str) -> str:
         kind = "numpy.typing.NDArray[numpy.float64]" if is_array else "float"
         return f"{found[1]}{kind}:{found[2]}"
 
-    for name in ("BodyNow", "CouplingNow", "Now"):
+    for name in ("BodyNow", "CouplingNow", "Now", "SystemNow"):
         text = _of_class(text, name, (r'(def \w+\(self\) -> )typing\.Any:(\n\s*"""\n[^"]*""")', typed))
     return text
 
@@ -139,8 +141,19 @@ def typed(text: str) -> str:
     text = re.sub(r"(def apply\(.*?)handle: Handle", r"\1handle: BodyHandle", text)
     text = re.sub(r"(def (?:watch|integral)\(self, name: str, function: )typing\.Any", r"\1_Watched", text)
     text = re.sub(r"(def parameter\(value: )typing\.Any(.*\) -> )typing\.Any", r"\1float\2Parameter", text)
+    text = _of_class(text, "System", (r"\b_Watched\b", "_WatchedState"))
+    text = _of_class(text, "System", (r"f: typing\.Any", "f: _Of2 | _Compiled"))
+    text = re.sub(
+        r"(def simulate\(system: .*initial: )typing\.Any",
+        r"\1numpy.typing.ArrayLike | collections.abc.Mapping[str | int, float] | None",
+        text,
+    )
+    for name in ("SystemNow", "SystemRun"):
+        text = _of_class(text, name, (r"variable: typing\.Any", "variable: str | int"))
     initial = "collections.abc.Mapping[tuple[BodyHandle, str], typing.Any]"
     text = re.sub(r"initial: typing\.Any", f"initial: {initial} | None", text)
+    handed_on = f"{_literal(('all', 'last'))} | collections.abc.Callable[[Event], typing.Any]"
+    text = re.sub(r"events: typing\.Any", f"events: {handed_on}", text)
     text = re.sub(r"progress: typing\.Any", "progress: bool | collections.abc.Callable[[float], typing.Any]", text)
     text = re.sub(r"(def plot\(self, path: )typing\.Any", r"\1str | os.PathLike[str] | None", text)
     text = re.sub(r"(def plot\(self, path: .*?, handle: )typing\.Any", r"\1BodyHandle | None", text)

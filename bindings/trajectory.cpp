@@ -24,12 +24,7 @@ struct BoundEvents {
           handles(std::make_shared<Handles>(std::move(known))) {}
 
     const Events& list() const { return *events; }
-    BoundEvent at(std::size_t i) const {
-        const Event& e = list()[i];
-        if (e.contact >= 0) return {e, handles->contacts[static_cast<std::size_t>(e.contact)]};
-        if (e.subject < 0) return {e, std::nullopt};
-        return {e, handles->bodies[static_cast<std::size_t>(e.subject)]};
-    }
+    BoundEvent at(std::size_t i) const { return bound(list()[i], *handles); }
 };
 
 struct BoundMotion {
@@ -148,21 +143,22 @@ std::vector<double> times_of(const BoundEvents& self, const std::string& kind_or
 
 py::tuple data_of(const Event& e) {
     return py::make_tuple(e.time, static_cast<int>(e.kind), e.subject, e.name, static_cast<int>(e.direction), e.impulse,
-                          e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push), e.note);
+                          e.instant.hi, e.instant.lo, e.contact, tuple_of(e.push), e.note, e.count);
 }
 Event event_from(const py::handle& data) {
-    const auto d = py::reinterpret_borrow<py::tuple>(data);
+    const auto d = data.cast<py::tuple>();
     Event e;
     e.time = d[0].cast<double>();
-    e.kind = static_cast<rbdyn::EventKind>(d[1].cast<int>());
+    e.kind = member(d[1].cast<int>(), rbdyn::EventKind::singular, "Event", "kind");
     e.subject = d[2].cast<int>();
     e.name = d[3].cast<std::string>();
-    e.direction = static_cast<rbdyn::Direction>(d[4].cast<int>());
+    e.direction = member(d[4].cast<int>(), rbdyn::Direction::falling, "Event", "direction");
     e.impulse = d[5].cast<double>();
     e.instant = {d[6].cast<double>(), d[7].cast<double>()};
     if (d.size() > 8) e.contact = d[8].cast<int>();
     if (d.size() > 9) e.push = vector_from(d[9]);
     if (d.size() > 10) e.note = d[10].cast<std::string>();
+    if (d.size() > 11) e.count = d[11].cast<std::int64_t>();
     return e;
 }
 bool same(const BoundEvent& a, const BoundEvent& b) {
@@ -230,6 +226,9 @@ void bind_events(py::module_& m) {
             "note", [](const BoundEvent& e) { return e.event.note; },
             "What else is to be said of it (that restitution was lowered, lest friction gain energy); empty if "
             "nothing.")
+        .def_property_readonly(
+            "count", [](const BoundEvent& e) { return e.event.count; },
+            "With events=\"last\": how many of its kind, name and subject there were.")
         .def("__eq__",
              [](const BoundEvent& a, const py::object& b) {
                  return py::isinstance<BoundEvent>(b) && same(a, b.cast<const BoundEvent&>());
@@ -298,7 +297,7 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
             [](const BoundEvents& e) {
                 py::list all;
                 for (const Event& event : e.list()) all.append(data_of(event));
-                return py::make_tuple(all, e.handles->bodies, e.handles->watches);
+                return py::make_tuple(all, e.handles->bodies, e.handles->watches, e.handles->contacts);
             },
             [](const py::tuple& d) {
                 Events all;
@@ -306,6 +305,12 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
                 Handles known;
                 known.bodies = d[1].cast<std::vector<BodyHandle>>();
                 known.watches = d[2].cast<std::vector<WatchHandle>>();
+                if (d.size() > 3) known.contacts = d[3].cast<std::vector<ContactHandle>>();
+                for (const Event& e : all)
+                    if (e.subject < -1 || e.subject >= static_cast<int>(known.bodies.size()) || e.contact < -1 ||
+                        e.contact >= static_cast<int>(known.contacts.size()))
+                        throw InvalidInput("Events: in its data subject " + std::to_string(e.subject) + " or contact " +
+                                           std::to_string(e.contact) + " is none of its handles");
                 return BoundEvents(std::move(all), std::move(known));
             }))
         .def("__repr__", [](const BoundEvents& e) { return "<Events: " + std::to_string(e.list().size()) + ">"; });
@@ -624,10 +629,17 @@ double kinetic_energy(const BoundTrajectory& self, double t, bool of_center, Pol
 }  // namespace
 
 Side side_of(const SideName& side) {
-    const auto name = side.cast<std::string>();
+    const std::string name = plain(side);
     if (name == "after") return Side::after;
     if (name == "before") return Side::before;
     throw InvalidInput("Trajectory: side is \"" + name + "\"; it is \"after\" or \"before\"");
+}
+
+py::object events_object(const rbdyn::Events& events, const std::vector<std::string>& watches) {
+    Handles names;
+    for (const std::string& name : watches)
+        names.watches.push_back({{Handle::Of::watch, static_cast<int>(names.watches.size()), 0, name}});
+    return py::cast(BoundEvents(events, std::move(names)));
 }
 
 SideName after() { return py::reinterpret_steal<SideName>(PyUnicode_FromString("after")); }

@@ -7,6 +7,7 @@
 #include "rows.hpp"
 #include "running.hpp"
 #include "starts.hpp"
+#include "system.hpp"
 
 namespace binding {
 
@@ -27,7 +28,8 @@ BoundTrajectory finished(const rbdyn::Attempt& result, const std::shared_ptr<con
 
 BoundTrajectory simulate(const BoundScene& scene, double until, double start, std::optional<double> error,
                          std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
-                         std::int64_t max_steps, const py::object& progress, const py::object& initial) {
+                         std::int64_t max_steps, const py::object& progress, const py::object& initial,
+                         const py::object& events) {
     // copies, since other threads may change the scene while this one runs without the lock
     rbdyn::Scene copy = scene.scene;
     if (!initial.is_none()) {
@@ -39,6 +41,7 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
     const auto handles = std::make_shared<const Handles>(scene.handles);
     Watch watch(progress);
     rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
+    options.events = events_of(events, handles);
     options.monitor = watch.monitor(start, until);
 
     std::optional<rbdyn::Attempt> result;
@@ -53,11 +56,12 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
 BoundTrajectory simulate_on(const BoundTrajectory& before, double until, std::optional<double> error,
                             std::optional<double> rtol, const std::optional<std::string>& engine,
                             const std::optional<KeepLike>& keep, std::optional<std::int64_t> max_steps,
-                            const py::object& progress) {
+                            const py::object& progress, const py::object& events) {
     const double start = before.run.end();
     Watch watch(progress);
     rbdyn::ContinueOptions options{.until = until, .error = error, .rtol = rtol, .engine = engine};
     if (keep) options.keep = keep_of(*keep);
+    options.events = events_of(events, before.handles);
     options.max_steps = max_steps;
     options.monitor = watch.monitor(start, until);
     std::optional<rbdyn::Attempt> result;
@@ -92,6 +96,27 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
     if (failure.empty()) return *run;
     const bool inaccurate = run->status() == rbdyn::Status::accuracy_not_reached;
     raise(error_with(*run, inaccurate ? "AccuracyError" : "IntegrationError", failure));
+}
+
+rbdyn::SystemRun simulate_system(const BoundSystem& system, double until, double start, std::optional<double> error,
+                                 std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
+                                 std::int64_t max_steps, const py::object& progress, const py::object& initial,
+                                 const py::object& events) {
+    const rbdyn::System copy = started(system.system, initial, "simulate");
+    Watch watch(progress);
+    rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
+    options.monitor = watch.monitor(start, until);
+    options.events = events_of(events, std::make_shared<const Handles>());
+    std::optional<rbdyn::SystemAttempt> result;
+    {
+        std::optional<py::gil_scoped_release> free;
+        if (!copy.calls_python()) free.emplace();
+        result = rbdyn::attempt(copy, options);
+    }
+    watch.look((result->run.end() - start) / (until - start));
+    watch.raise_if_raised(std::optional(result->run));
+    if (result->outcome != rbdyn::simulating::Outcome::good) raise(failure_of(*result, result->run));
+    return result->run;
 }
 
 EffectTable effects(const BoundScene& scene, double until, double start, std::optional<double> error,
@@ -171,7 +196,7 @@ void bind_verbs(py::module_& m) {
     m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
           py::arg("error") = py::none(), py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,
           py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps, py::arg("progress") = false,
-          py::arg("initial") = py::none(),
+          py::arg("initial") = py::none(), py::arg("events") = "all",
           R"(Runs a scene, as accurately as asked for.
 
 until, start: times [s]. error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the
@@ -181,6 +206,9 @@ way. engine: "auto", "closed form",
 integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
 initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
 and the scene stays as it is.
+events: "all" are kept; the "last" of each kind, name and subject with its count; or a function that is called with each
+Event of the run that is returned, once and in order, of which only those that end the run are kept then: with rtol while it
+runs, so that long runs with keep="end" take no more memory, else when it is judged.
 Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
 Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
@@ -188,7 +216,7 @@ cannot be continued; the last two, KeyboardInterrupt and what `progress` raises 
 Other threads run meanwhile.)");
     m.def("simulate", &simulate_on, py::arg("run"), py::arg("until"), py::kw_only(), py::arg("error") = py::none(),
           py::arg("rtol") = py::none(), py::arg("engine") = py::none(), py::arg("keep") = py::none(),
-          py::arg("max_steps") = py::none(), py::arg("progress") = false,
+          py::arg("max_steps") = py::none(), py::arg("progress") = false, py::arg("events") = "all",
           R"(Goes on with a run: from its end, or from run.certain_until if the error asked for was not reached.
 
 The options are those of the run where none are given; its scene and its numbers are as it had them. The motion, what
@@ -203,6 +231,16 @@ Raises what simulate() of a scene does, and InvalidInput where there is nothing 
           R"(Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
 
 The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.)");
+    m.def("simulate", &simulate_system, py::arg("system"), py::arg("until"), py::kw_only(),
+          py::arg("start") = defaults.start, py::arg("error") = py::none(), py::arg("rtol") = py::none(),
+          py::arg("engine") = defaults.engine, py::arg("keep") = "all", py::arg("max_steps") = defaults.max_steps,
+          py::arg("progress") = false, py::arg("initial") = py::none(), py::arg("events") = "all",
+          R"(Runs first-order equations of one's own, as accurately as asked for: a System.
+
+The options are those of a scene; "auto" is "taylor", or "dop853" where f is called back. error: of each variable relative
+to its largest size. initial: the state this run starts in, (n,) or {name or place: number}.
+
+Raises what simulate() of a scene does; the errors carry the partial run as `.run`.)");
     m.def(
         "effects", &effects, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
         py::arg("error") = py::none(), py::arg("rtol") = py::none(), py::arg("engine") = defaults.engine,

@@ -83,13 +83,6 @@ auto with_present(Asked asked, const Handles& handles, F&& f) {
     return f(py::cast(now));
 }
 
-double one_number(const py::object& value, const std::string& user) {
-    const py::array array = py::array::ensure(value);
-    if (!array || array.size() != 1)
-        throw InvalidInput(user + ": its function returns " + shown(value) + "; it returns one number");
-    return number(array.attr("reshape")(py::tuple()), user, "what its function returns");
-}
-
 std::vector<rbdyn::StateChange> changes(const py::object& returned, const Handles& handles, const std::string& user) {
     std::vector<rbdyn::StateChange> result;
     if (returned.is_none()) return result;
@@ -187,6 +180,22 @@ void try_out(const Called& c) {
 
 }  // namespace
 
+double one_number(const py::object& returned, const std::string& user) {
+    const py::array array = py::array::ensure(returned);
+    if (!array || array.size() != 1)
+        throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
+    return number(array.attr("reshape")(py::tuple()), user, "what its function returns");
+}
+
+Expression one_expression(const py::object& returned, const std::string& user) {
+    py::object value = returned;
+    if (py::isinstance<py::array>(value) && value.cast<py::array>().size() == 1)
+        value = value.attr("reshape")(py::tuple()).attr("item")();
+    const auto y = operand(value);
+    if (!y) throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
+    return *y;
+}
+
 WatchFunction watched_function(const py::object& f, const BoundScene& scene, std::optional<bool> trace,
                                const std::string& user) {
     if (PyCallable_Check(f.ptr()) == 0)
@@ -219,15 +228,7 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
                 };
                 return py::make_tuple(now);
             },
-            [&](const py::object& returned) {
-                py::object value = returned;
-                if (py::isinstance<py::array>(value) && value.cast<py::array>().size() == 1)
-                    value = value.attr("reshape")(py::tuple()).attr("item")();
-                const auto y = operand(value);
-                if (!y)
-                    throw InvalidInput(user + ": its function returns " + shown(returned) + "; it returns one number");
-                return std::vector<Expression>{*y};
-            });
+            [&](const py::object& returned) { return std::vector<Expression>{one_expression(returned, user)}; });
         now->ask = nullptr;
         if (a.function) return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
         if (refused) std::rethrow_exception(refused);
@@ -249,7 +250,7 @@ rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, 
     const std::string user = "watch \"" + name + "\"";
     if (py::isinstance<py::str>(action)) {
         static const std::vector<std::pair<std::string, Kind>> words = {{"record", Kind::record}, {"stop", Kind::stop}};
-        return {one_of(action.cast<std::string>(), words, user, "action"), {}};
+        return {one_of(plain(action), words, user, "action"), {}};
     }
     if (PyCallable_Check(action.ptr()) == 0)
         throw InvalidInput(user + ": action is " + shown(action) +
@@ -271,11 +272,12 @@ py::tuple watch_data(const WatchFunction& function, const std::string& user) {
 }
 
 WatchFunction watch_from(const py::handle& data) {
-    const auto d = py::reinterpret_borrow<py::tuple>(data);
+    const auto d = data.cast<py::tuple>();
     std::vector<Observable> asked;
     for (const py::handle item : d[1]) {
         const auto o = item.cast<std::tuple<int, int, int>>();
-        asked.push_back({static_cast<Quantity>(std::get<0>(o)), std::get<1>(o), std::get<2>(o)});
+        asked.push_back(
+            {member(std::get<0>(o), Quantity::coupling_force, "watch", "a quantity"), std::get<1>(o), std::get<2>(o)});
     }
     return {d[0].cast<rbdyn::Function>(), asked};
 }

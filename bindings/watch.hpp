@@ -18,6 +18,10 @@ rbdyn::WatchFunction watched_function(const py::object& f, const BoundScene& sce
 /// "record", "stop", or a function that changes the state.
 rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, const std::string& name);
 
+/// The one number that a watched function returns, recorded, and in numbers. Throws InvalidInput for anything else.
+rbdyn::Expression one_expression(const py::object& returned, const std::string& user);
+double one_number(const py::object& returned, const std::string& user);
+
 /// A recorded watched function as data, and from it.
 py::tuple watch_data(const rbdyn::WatchFunction& function, const std::string& user);
 rbdyn::WatchFunction watch_from(const py::handle& data);

@@ -79,6 +79,11 @@ from rbdyn._core import (
     Spring,
     StateRun,
     Statistics,
+    System,
+    SystemNow,
+    SystemPlan,
+    SystemRun,
+    SystemVariable,
     Torque,
     TorsionSpring,
     Trajectory,
@@ -105,6 +110,7 @@ from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
 from rbdyn.many import Many
 from rbdyn.sample import Sample
 from rbdyn.sweep import simulate_many
+from rbdyn.system_sample import SystemSample
 
 __all__ = [
     "AccuracyError",
@@ -192,6 +198,12 @@ __all__ = [
     "Spring",
     "StateRun",
     "Statistics",
+    "System",
+    "SystemNow",
+    "SystemPlan",
+    "SystemRun",
+    "SystemSample",
+    "SystemVariable",
     "Torque",
     "TorsionSpring",
     "Trajectory",

@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -41,6 +41,8 @@ _Of13: typing.TypeAlias = collections.abc.Callable[
 _Compiled: typing.TypeAlias = Function | _HasAddress | tuple[typing.Any, ...]
 _Pole: typing.TypeAlias = numpy.typing.ArrayLike | _Of1 | Function | BodyHandle | BodyPoint
 _Watched: typing.TypeAlias = collections.abc.Callable[[Now], typing.Any]
+_WatchedState: typing.TypeAlias = collections.abc.Callable[[SystemNow], typing.Any]
+_Of2: typing.TypeAlias = collections.abc.Callable[[typing.Any, typing.Any], typing.Any]
 _Engine: typing.TypeAlias = typing.Literal['auto', 'closed form', 'taylor', 'dop853', 'cvode-adams', 'cvode-bdf']
 class Condition:
     """
@@ -2780,6 +2782,11 @@ class Event:
     def __str__(self) -> str:
         ...
     @property
+    def count(self) -> int:
+        """
+        With events="last": how many of its kind, name and subject there were.
+        """
+    @property
     def direction(self) -> str:
         """
         In which the watched quantity passed zero: rising, falling or either.
@@ -2827,7 +2834,7 @@ class Events:
     @typing.overload
     def __getitem__(self, slice: slice) -> list[Event]:
         ...
-    def __getstate__(self) -> tuple[list[typing.Any], list[BodyHandle], list[WatchHandle]]:
+    def __getstate__(self) -> tuple[list[typing.Any], list[BodyHandle], list[WatchHandle], list[ContactHandle]]:
         ...
     def __iter__(self) -> collections.abc.Iterator[Event]:
         ...
@@ -3497,6 +3504,233 @@ class StateRun:
         """
         reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or inconsistent.
         """
+class SystemNow:
+    """
+    The present moment of a System: what its watched functions are called with.
+    """
+    def __getattr__(self, arg0: str) -> typing.Any:
+        ...
+    def __getitem__(self, variable: str | int) -> typing.Any:
+        """
+        A variable by its name or place.
+        """
+    @property
+    def time(self) -> float:
+        """
+        The time.
+        """
+    @property
+    def x(self) -> float:
+        """
+        The state (n,).
+        """
+class System:
+    """
+    First-order equations of one's own, x' = f(t, x), simulated like a scene.
+
+        pendulum = rb.System(lambda t, x: [x[1], -9.81 * np.sin(x[0])], [1.0, 0.0], names=["angle", "rate"])
+        pendulum.watch("lowest point", lambda now: now["angle"])
+        run = rb.simulate(pendulum, until=10.0)
+        run.x(5.0), run["angle"].value(5.0), run.events.times("lowest point")
+
+    Units are the user's; errors are relative to the largest size of each variable in the motion.
+    """
+    def __copy__(self) -> System:
+        ...
+    def __deepcopy__(self, memo: dict[typing.Any, typing.Any]) -> System:
+        ...
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __init__(self, f: _Of2 | _Compiled, x0: numpy.typing.ArrayLike, *, names: collections.abc.Sequence[str] = [], trace: bool | None = None) -> None:
+        """
+        f: f(t, x) -> the rates (n,) of the variables x (n,), an array or a list; x0: the state to start in (n,).
+
+        names: of the variables. f is recorded, with the cases it distinguishes, and runs at native speed; what cannot be recorded
+        is called back (trace as for Force), and so is a compiled function, void (double t, double *x, double *rates). Raises
+        InvalidInput for what is no state, and for rates that are not as many.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def watch(self, name: str, function: _WatchedState, *, direction: typing.Literal['either', 'rising', 'falling'] = 'either', action: typing.Literal['record', 'stop'] | _WatchedState = 'record', trace: bool | None = None) -> None:
+        """
+        Watches a function of the motion: where it passes zero is an event of kind "watch".
+
+        function: function(now) -> number, with now.time, now.x (n,) and now["angle"] or now[0]. direction: "rising", "falling" or
+        "either". action: "record" it, "stop" the run there, or a function of now (numbers) that returns the state after it: all of
+        it (n,), or {name or place: number}. trace as for Force. Raises InvalidInput for a name that is taken.
+        """
+    @property
+    def f(self) -> UserFunction:
+        """
+        f as it is run: recorded, or called back and why.
+        """
+    @property
+    def names(self) -> list[str]:
+        """
+        Of the variables; empty if they have none.
+        """
+    @property
+    def parameters(self) -> list[typing.Any]:
+        """
+        The numbers by reference that it uses: each Parameter once.
+        """
+    @property
+    def x0(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The state it starts in (n,).
+        """
+class SystemPlan:
+    """
+    The decisions made from a System before anything is computed. print() shows them.
+    """
+    def __repr__(self) -> str:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def engine(self) -> str:
+        """
+        The automatic choice.
+        """
+    @property
+    def functions(self) -> list[str]:
+        """
+        The user's own: traced, or called back and why.
+        """
+    @property
+    def guards(self) -> list[str]:
+        """
+        What is watched for where the motion begins.
+        """
+    @property
+    def reason(self) -> str:
+        """
+        Why that engine.
+        """
+    @property
+    def size(self) -> Size:
+        """
+        Of the equations that a motion from time 0 begins with.
+        """
+    @property
+    def variables(self) -> list[str]:
+        """
+        Their names.
+        """
+class SystemVariable:
+    """
+    A variable of a run of a System, each quantity a method of time.
+    """
+    def __repr__(self) -> str:
+        ...
+    @typing.overload
+    def rate(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def rate(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        Its derivative in time there.
+        """
+    @typing.overload
+    def value(self, t: _Numbers, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        ...
+    @typing.overload
+    def value(self, t: _Number, side: typing.Literal['after', 'before'] = 'after') -> float:
+        """
+        At a time, a number or an array.
+        """
+    @property
+    def name(self) -> str:
+        """
+        Its name, or "x[2]".
+        """
+class SystemRun:
+    """
+    The motion of a System: its state at any time. print() shows it.
+
+    run.x(t) is the state, run["theta"] or run[0] one variable. It owns all it needs and outlives its system.
+    """
+    def __getitem__(self, variable: str | int) -> SystemVariable:
+        ...
+    def __getstate__(self) -> tuple[System, bytes]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    def rate(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Its derivative in time, (n,) or (k, n): f on the side of each case distinction that the motion is on.
+        """
+    def sample(self, times: typing.Any = None) -> typing.Any:
+        """
+        A SystemSample: all variables at times (k,), by default at run.t; with tables of them.
+        """
+    def x(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The state at a time (n,), or at an array of k times (k, n).
+
+        side: at a jump the state "after" it, or "before". Raises InvalidInput for a time the run does not hold.
+        """
+    @property
+    def advice(self) -> str:
+        """
+        What to do about the status.
+        """
+    @property
+    def certain_until(self) -> float:
+        """
+        The time up to which the motion is as accurate as asked for.
+        """
+    @property
+    def end(self) -> float:
+        """
+        Its last time.
+        """
+    @property
+    def engine(self) -> str:
+        """
+        What computed it.
+        """
+    @property
+    def error(self) -> float | None:
+        """
+        Estimated global error, each variable relative to its largest size in this motion; None with rtol.
+        """
+    @property
+    def events(self) -> typing.Any:
+        """
+        What happened, in order of time: Events.
+        """
+    @property
+    def names(self) -> list[str]:
+        """
+        Of the variables; empty if they have none.
+        """
+    @property
+    def start(self) -> float:
+        """
+        Its first time.
+        """
+    @property
+    def statistics(self) -> Statistics:
+        """
+        What it cost.
+        """
+    @property
+    def status(self) -> str:
+        """
+        reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or inconsistent.
+        """
+    @property
+    def t(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        The ends of the integrator's pieces (k,).
+        """
 class CostRow:
     """
     One engine at one tolerance: a row of cost().
@@ -3910,11 +4144,17 @@ def parameter(value: float, name: str | None = None) -> Parameter:
     """
     A number that functions use by reference: changing its .value changes what they do from the next run on.
     """
+@typing.overload
 def plan(scene: Scene) -> Plan:
     """
     What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
 
     Raises InvalidInput for a scene without bodies.
+    """
+@typing.overload
+def plan(system: System) -> SystemPlan:
+    """
+    The same of a System: variables, guards, functions, engine.
     """
 def points(masses: numpy.typing.ArrayLike, positions: numpy.typing.ArrayLike) -> RigidBody:
     """
@@ -3940,7 +4180,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None) -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 
@@ -3951,6 +4191,9 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
     initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
     and the scene stays as it is.
+    events: "all" are kept; the "last" of each kind, name and subject with its count; or a function that is called with each
+    Event of the run that is returned, once and in order, of which only those that end the run are kept then: with rtol while it
+    runs, so that long runs with keep="end" take no more memory, else when it is judged.
     Bodies that nothing joins are solved apart (plan(scene).parts), and the run is one.
 
     Raises InvalidInput for what breaks a rule, AccuracyError if the error is out of reach, IntegrationError if the motion
@@ -3958,7 +4201,7 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     Other threads run meanwhile.
     """
 @typing.overload
-def simulate(run: Trajectory, until: typing.SupportsFloat | typing.SupportsIndex, *, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine | None = None, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike | None = None, max_steps: typing.SupportsInt | typing.SupportsIndex | None = None, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Trajectory:
+def simulate(run: Trajectory, until: typing.SupportsFloat | typing.SupportsIndex, *, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine | None = None, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike | None = None, max_steps: typing.SupportsInt | typing.SupportsIndex | None = None, progress: bool | collections.abc.Callable[[float], typing.Any] = False, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
     """
     Goes on with a run: from its end, or from run.certain_until if the error asked for was not reached.
 
@@ -3974,6 +4217,16 @@ def simulate(model: EulerTop, state: numpy.typing.ArrayLike, until: typing.Suppo
     Runs a model of its own from a state, as accurately as asked for: an EulerTop, and its six variables.
 
     The options are those of a scene; "auto" is "taylor". error: of each variable relative to its own scale.
+    """
+@typing.overload
+def simulate(system: System, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: numpy.typing.ArrayLike | collections.abc.Mapping[str | int, float] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> SystemRun:
+    """
+    Runs first-order equations of one's own, as accurately as asked for: a System.
+
+    The options are those of a scene; "auto" is "taylor", or "dop853" where f is called back. error: of each variable relative
+    to its largest size. initial: the state this run starts in, (n,) or {name or place: number}.
+
+    Raises what simulate() of a scene does; the errors carry the partial run as `.run`.
     """
 def solid(density: float | _Of3, bounds: collections.abc.Sequence[typing.Any], *, error: typing.SupportsFloat | typing.SupportsIndex = 1e-12) -> RigidBody:
     """

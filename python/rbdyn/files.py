@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import os
@@ -144,9 +145,17 @@ def _load_npz(file: io.BytesIO) -> dict[str, Any]:
         return {**texts, "state": _bytes(archive["state"])}
 
 
+# what is before an HDF5 file's own content: the library that reads it does not bear every change of a byte
+_BLOCK = 512
+
+
+def _seal(content: bytes) -> bytes:
+    return f"{RUN_FORMAT} {hashlib.sha256(content).hexdigest()}\n".encode().ljust(_BLOCK, b"\0")
+
+
 def _save_h5(file: io.BytesIO, contents: dict[str, Any]) -> None:
     h5py = _h5py()
-    with h5py.File(file, "w", libver="latest") as h5:
+    with h5py.File(file, "w", libver="latest", userblock_size=_BLOCK) as h5:
         for name, value in contents.items():
             if isinstance(value, str):
                 h5.create_dataset(name, data=value, dtype=h5py.string_dtype())
@@ -158,10 +167,17 @@ def _save_h5(file: io.BytesIO, contents: dict[str, Any]) -> None:
                 h5.create_dataset(name, data=value)
         for name, value in json.loads(contents["about"]).items():
             h5.attrs[name] = np.nan if value is None else value
+    seal = _seal(file.getvalue()[_BLOCK:])
+    file.seek(0)
+    file.write(seal)
 
 
 def _load_h5(file: io.BytesIO) -> dict[str, Any]:
-    with _h5py().File(file, "r") as h5:
+    h5py = _h5py()
+    content = file.getvalue()
+    if content[:_BLOCK] != _seal(content[_BLOCK:]):
+        raise InvalidInput("it was changed or cut short: its checksum is not that of what is in it")
+    with h5py.File(file, "r") as h5:
         texts = {name: h5[name].asstr()[()] for name in ("about", "scene", "handles")}
         return {**texts, "state": _bytes(h5["state"][()])}
 

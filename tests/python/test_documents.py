@@ -26,6 +26,7 @@ DOCUMENTS = [
     "docs/mechanisms.md",
     "docs/plan.md",
     "docs/systems.md",
+    "docs/systems_of_equations.md",
 ]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 MARK = "\x01"

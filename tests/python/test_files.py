@@ -312,7 +312,7 @@ def test_a_state_with_a_checksum_of_its_own_does_no_harm_either():
     for scene_of in (hoop, switching, oscillator):
         run = rb.simulate(scene_of(), until=2.0)
         scene, data = run.__getstate__()
-        head = data.index(b"rbdyn run") + len(b"rbdyn run 3")
+        head = data.index(b"rbdyn run") + len(b"rbdyn run 4")
         payload = data[head + 8 :]
         assert zlib.crc32(payload) == int.from_bytes(data[head + 4 : head + 8], "little")
         chance = random.Random(2)

@@ -44,7 +44,7 @@ def test_every_function_and_method_has_a_signature():
 def test_signatures_are_those_of_the_verbs():
     assert str(inspect.signature(rb.simulate)) == (
         "(scene, until, *, start=0.0, error=None, rtol=None, engine='auto', keep='all', max_steps=100000000, "
-        "progress=False, initial=None)"
+        "progress=False, initial=None, events='all')"
     )
     assert str(inspect.signature(rb.simulate_many)).startswith(
         "(scene: 'Scene', vary: 'Mapping[Any, Any]', until: 'float', *, start: 'float' = 0.0"

@@ -48,6 +48,9 @@ inline constexpr int other_order = 19;
 /// step of both. No power of two, whose steps round alike.
 inline constexpr double other_stride = 0.7;
 
+/// Whether events are handed on while a run goes on: nothing is held against it.
+inline bool streams_events(const SimulateOptions& options) { return options.rtol.has_value(); }
+
 struct Timed {
     Record record;
     double seconds = 0.0;
@@ -91,6 +94,10 @@ std::string broken_off(const HybridModel& model, const Record& record);
 Keep compared_pieces(const SimulateOptions& options);
 /// What is kept of one that a run is held against.
 Keep held_against(const Record& run, const Keep& compared);
+
+/// Hands on the events of a motion of one part that is judged, or leaves the last of each; what a function of the
+/// user's throws there is the outcome.
+void settle_events(Solution& solution, const SimulateOptions& options);
 
 /// What a run left behind is the result's.
 void take(Solution& result, Timed&& timed);

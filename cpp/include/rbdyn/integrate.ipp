@@ -71,6 +71,7 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin),
                   o.rtol.has_value());
     driver.pass_stops(beginning.stops_from);
+    if (streams_events(o)) driver.keep_events(o.events);
     Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
                                            : driver.run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -116,6 +117,18 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
 RBDYN_INLINE Keep held_against(const Record& run, const Keep& compared) {
     const bool has_all = compared.what == Keep::What::all;
     return {.what = Keep::What::times, .times = has_all ? AccuracyCheck::places(run) : compared.times, .winds = false};
+}
+
+RBDYN_INLINE void settle_events(Solution& solution, const SimulateOptions& options) {
+    Record& record = solution.record;
+    if (streams_events(options)) return;
+    const bool ends = record.status == Status::stopped_by_event;
+    try {
+        settle(record.events, options.events, ends ? std::optional(record.end.hi) : std::nullopt);
+    } catch (...) {
+        solution.outcome = Outcome::thrown;
+        solution.thrown = std::current_exception();
+    }
 }
 
 RBDYN_INLINE void take(Solution& result, Timed&& timed) {

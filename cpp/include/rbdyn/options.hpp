@@ -18,6 +18,7 @@ struct SimulateOptions {
     std::optional<double> rtol = std::nullopt;  // local tolerance only, no estimate: the cheap way
     std::string engine = "auto";                // "closed form", "taylor", "dop853", "cvode-adams", "cvode-bdf"
     Keep keep = {};
+    KeepEvents events = {};
     std::int64_t max_steps = 100'000'000;
     Monitor monitor = {};  // called now and then with the time reached; false stops the run
 };
@@ -28,6 +29,7 @@ struct ContinueOptions {
     std::optional<double> error = std::nullopt, rtol = std::nullopt;
     std::optional<std::string> engine = std::nullopt;
     std::optional<Keep> keep = std::nullopt;  // else all of it, or its end if that was asked for
+    KeepEvents events = {};
     std::optional<std::int64_t> max_steps = std::nullopt;
     Monitor monitor = {};
 };

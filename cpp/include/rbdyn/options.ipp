@@ -24,6 +24,7 @@ RBDYN_INLINE SimulateOptions continued(const SimulateOptions& asked, const Conti
     o.engine = options.engine.value_or(asked.engine);
     if (o.keep.what == Keep::What::times) o.keep = {};
     if (options.keep) o.keep = *options.keep;
+    o.events = options.events;
     o.max_steps = options.max_steps.value_or(asked.max_steps);
     o.monitor = options.monitor;
     return o;

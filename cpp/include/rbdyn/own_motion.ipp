@@ -38,7 +38,7 @@ RBDYN_INLINE std::vector<double> StateRun::state(double t, Side side) const {
 
 RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const StateRun& run) {
     out << "Run: " << name_of(run.status()) << " at t = " << text(run.end()) << " s";
-    if (run.status() == Status::stopped_by_event) out << ", " << run.events().back().name;
+    if (run.status() == Status::stopped_by_event && !run.events().empty()) out << ", " << run.events().back().name;
     out << ". " << advice(run.status()) << "\n  engine " << run.engine() << ", " << run.work().steps << " steps, "
         << run.events().size() << " events, ";
     if (!run.error()) return out << "no estimate of the global error (rtol)\n";
@@ -62,6 +62,7 @@ RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<d
     Solution solution = solve(model, state, options, {.origin = options.start}, engine, "taylor");
     // those of the model, which the run outlives
     for (Mode& mode : solution.record.modes) mode.equations = nullptr;
+    settle_events(solution, options);
     solution.record.halt = nullptr;
     solution.course.reset();
     solution.judge.reset();

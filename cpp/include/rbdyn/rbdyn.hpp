@@ -18,6 +18,8 @@
 #include "rbdyn/statics/equilibria.hpp"
 #include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/rail_potential.hpp"
+#include "rbdyn/system/system_plan.hpp"
+#include "rbdyn/system/system_run.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 

@@ -53,6 +53,26 @@ inline std::atomic<bool> sizes_are_checked = false;
 
 RBDYN_INLINE void check_sizes(bool wanted) { sizes_are_checked = wanted; }
 
+/// Hands on the events of a run that is judged, or leaves the last of each.
+RBDYN_INLINE void settle_events(Solved& result, const SimulateOptions& options, bool goes_on) {
+    if (options.events.keeps_all()) return;
+    RunData& data = result.data;
+    const bool is_done = streams_events(options) && data.parts.empty() && !goes_on;
+    const bool ends = data.record.status == Status::stopped_by_event;
+    try {
+        if (!is_done)
+            settle(data.record.events, options.events, ends ? std::optional(data.record.end.hi) : std::nullopt);
+        for (RunData& part : data.parts) {
+            keep_last_of_each(part.record.events);
+            part.events = Events(part.record.events);
+        }
+    } catch (...) {
+        result.outcome = Outcome::thrown;
+        result.thrown = std::current_exception();
+    }
+    data.events = Events(data.record.events);
+}
+
 /// What there is of a scene that is planned.
 RBDYN_INLINE Attempt attempted(PlannedScene planned, const SimulateOptions& options, double planning_seconds,
                                const RunData* before) {
@@ -70,6 +90,7 @@ RBDYN_INLINE Attempt attempted(PlannedScene planned, const SimulateOptions& opti
     // what is returned is little work beside
     if (!options.rtol) s.judging_seconds = std::max(solving - s.integration_seconds, 0.0);
     if (sizes_are_checked && before == nullptr) check_size(result, options.start);
+    settle_events(result, options, before != nullptr);
     return {result.outcome, std::move(result.message), result.thrown, Trajectory(std::move(result.data))};
 }
 

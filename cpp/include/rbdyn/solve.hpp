@@ -16,6 +16,7 @@
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
+#include "rbdyn/trajectory/statistics.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -23,6 +24,9 @@ namespace simulating {
 
 /// The engine for a scene. Throws InvalidInput if the one asked for cannot do it.
 std::string engine_for(const Plan& plan, const std::string& wanted);
+
+/// What a motion cost, as far as its solution tells.
+Statistics statistics_of(const Solution& solution);
 
 /// What there is of the motion of a scene, and what went wrong if anything did.
 struct Solved {

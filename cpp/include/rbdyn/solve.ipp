@@ -62,14 +62,8 @@ RBDYN_INLINE std::string engine_for(const Plan& plan, const std::string& wanted)
     return engine;
 }
 
-RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution) {
-    Solved result{solution.outcome, std::move(solution.message), solution.thrown, {}};
-    RunData& data = result.data;
-    data.scene = std::move(scene);
-    data.plan = std::move(plan);
-    data.model = data.plan.model;
-    data.engine = std::move(engine);
-    Statistics& s = data.statistics;
+RBDYN_INLINE Statistics statistics_of(const Solution& solution) {
+    Statistics s;
     const Work& w = solution.record.work;
     s.integration_seconds = solution.integration_seconds;
     s.steps = w.steps;
@@ -77,19 +71,34 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     s.right_hand_sides = w.right_hand_sides;
     s.jacobians = w.jacobians;
     s.guard_evaluations = w.guard_evaluations;
-    s.events = static_cast<std::int64_t>(solution.record.events.size());
+    s.events = solution.record.handed_on;
+    for (const Event& e : solution.record.events) s.events += e.count;
     s.runs = solution.runs;
     if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
+    return s;
+}
+
+/// Events of a contact or a body have its name.
+RBDYN_INLINE void name(Event& e, const Scene& scene) {
+    if (e.contact >= 0) e.name = scene.contacts()[static_cast<std::size_t>(e.contact)].name;
+    if (e.name.empty() && e.subject >= 0) e.name = scene.bodies()[static_cast<std::size_t>(e.subject)].name;
+}
+
+RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution) {
+    Solved result{solution.outcome, std::move(solution.message), solution.thrown, {}};
+    RunData& data = result.data;
+    data.scene = std::move(scene);
+    data.plan = std::move(plan);
+    data.model = data.plan.model;
+    data.engine = std::move(engine);
+    data.statistics = statistics_of(solution);
     data.error = solution.error;
     data.course = std::move(solution.course);
     data.judge = std::move(solution.judge);
     data.scales = std::move(solution.scales);
     data.certain_until = solution.certain_until;
     data.record = std::move(solution.record);
-    for (Event& e : data.record.events)
-        if (e.contact >= 0) e.name = data.scene.contacts()[static_cast<std::size_t>(e.contact)].name;
-    for (Event& e : data.record.events)
-        if (e.name.empty() && e.subject >= 0) e.name = data.scene.bodies()[static_cast<std::size_t>(e.subject)].name;
+    for (Event& e : data.record.events) name(e, data.scene);
     data.events = Events(data.record.events);
     return result;
 }
@@ -127,12 +136,22 @@ RBDYN_INLINE std::vector<double> winding_at(const SceneModel& model, const RunDa
 RBDYN_INLINE void set_origin(Solved& result, const SimulateOptions& options, const RunData* before) {
     result.data.asked = options;
     result.data.asked.monitor = {};
+    result.data.asked.events = {};
     result.data.origin = before != nullptr ? before->origin : options.start;
     if (before != nullptr) result.data.first_angles = angles_at(*before, options.start);
 }
 
-RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before) {
-    std::string engine = engine_for(plan, options.engine);
+RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& asked, const RunData* before) {
+    std::string engine = engine_for(plan, asked.engine);
+    SimulateOptions options = asked;
+    // what goes on may be computed anew from where it began
+    if (before != nullptr)
+        options.events = {};
+    else if (asked.events.each)
+        options.events.each = [&](Event e) {
+            name(e, scene);
+            asked.events.each(e);
+        };
     const SceneModel& model = *plan.model;
     const auto begun = [&] {
         const std::vector<double> x = model.start(options.start);
@@ -282,6 +301,8 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     bool goes_on = true;
     int runs = 0;
     SimulateOptions own = options;
+    // of several parts they are handed on in the order of all
+    own.events.each = {};
     const auto ends_by_event = [&](const Solved& part) {
         const Status status = part.data.record.status;
         return status == Status::stopped_by_event || status == Status::accuracy_not_reached;
@@ -332,7 +353,7 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     if (!options.rtol) data.error = 0.0;
     Statistics& s = data.statistics;
     s.runs = runs;
-    s.events = static_cast<std::int64_t>(data.events.size());
+    for (const Event& e : data.events) s.events += e.count;
     for (Solved& part : parts) {
         const Statistics& w = part.data.statistics;
         s.integration_seconds += w.integration_seconds;

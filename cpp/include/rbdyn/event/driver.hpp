@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -35,6 +36,8 @@ public:
     Record run(double start, std::vector<double> x, double until);
     /// Goes on from where a run of the same model came to, as if it had not ended there.
     Record go_on(const Halt& halt, double until);
+    /// What of the events is kept; by default all of them. They are handed on, or forgotten, while it runs.
+    void keep_events(KeepEvents events) { keep_events_ = std::move(events); }
     /// Events up to then do not end the run.
     void pass_stops(double until) { stops_from_ = until; }
 
@@ -61,6 +64,9 @@ private:
 
     void finish(Record& record, Instant t, Status status);
 
+    /// Hands on, or forgets, those of the events that nothing looks at any more; at the end of a run all.
+    void let_go(Record& record, bool is_over);
+
     /// A guard is not finite any more.
     void break_off(Record& record, Instant t);
 
@@ -86,6 +92,9 @@ private:
     Engine& engine_;
     std::int64_t max_steps_;
     Keep keep_;
+    KeepEvents keep_events_;
+    Instant looked_;        // where it was when events were let go last
+    std::size_t few_ = 64;  // events that are not worth looking through
     Monitor monitor_;
     EventSearch search_;
     std::int64_t changes_ = 0;  // of modes, so far

@@ -42,6 +42,7 @@ Record Driver::made(const Begin& begin, double until) {
     try {
         begin(record);
         proceed(record, until);
+        let_go(record, true);
     } catch (...) {
         record.thrown = std::current_exception();
         // also the start that could not be left has its state
@@ -110,6 +111,7 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
     // less than this from the end is the end
     const double least = 2.0 * epsilon * std::abs(until);
     while (until - t > least) {
+        let_go(record, false);
         if (now_.mode.still) {
             if (search_.examine_still(record, now_.mode, t, x)) return finish(record, t, Status::stopped_by_event);
             if (search_.broken() != nullptr) return break_off(record, t);
@@ -240,7 +242,7 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         }
         chattered_ = t;
     }
-    if (now_.crowded > max_crowded || static_cast<std::int64_t>(record.events.size()) > max_steps_) {
+    if (now_.crowded > max_crowded || record.handed_on + static_cast<std::int64_t>(record.events.size()) > max_steps_) {
         finish(record, t, Status::inconsistent);
         return false;
     }
@@ -279,6 +281,26 @@ RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
     if (!now_.mode.still) now_.engine = engine_.memory();
     now_.winding = winding_;
     record.halt = std::make_shared<const Halt>(now_);
+}
+
+RBDYN_INLINE void Driver::let_go(Record& record, bool is_over) {
+    if (keep_events_.keeps_all()) return;
+    std::vector<Event>& events = record.events;
+    if (keep_events_.what == KeepEvents::What::last && !keep_events_.each) {
+        if (!is_over && events.size() < few_) return;
+        keep_last_of_each(events);
+        few_ = std::max<std::size_t>(64, 2 * events.size());
+        return;
+    }
+    // those of one instant may still change places, and what is found once more is known by those just before
+    const Instant seen = std::exchange(looked_, now_.at);
+    std::size_t done = 0;
+    while (done < events.size() && (is_over || seen - events[done].instant > 8.0 * epsilon * std::abs(seen.hi)))
+        keep_events_.each(events[done++]);
+    if (is_over && record.status == Status::stopped_by_event)
+        while (done > 0 && events[done - 1].time == record.end.hi) --done;
+    events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(done));
+    record.handed_on += static_cast<std::int64_t>(done);
 }
 
 RBDYN_INLINE void Driver::break_off(Record& record, Instant t) {
@@ -325,8 +347,11 @@ RBDYN_INLINE void Driver::store(Record& record, const Piece& piece, double lengt
         if (wanted != keep_.times.end() && *wanted <= hi) kept_ = record.entries().size();
         return;
     }
-    if (keep_.what == Keep::What::end) record.clear();
-    record.append(piece, length, mode, fresh);
+    if (keep_.what != Keep::What::end) return record.append(piece, length, mode, fresh);
+    record.clear();
+    // nor are modes kept, but for the first one and that of the piece
+    if (mode > 1) record.modes.erase(record.modes.begin() + 1, record.modes.end() - 1);
+    record.append(piece, length, std::min(mode, 1), fresh);
 }
 
 RBDYN_INLINE bool Driver::pass(Record& record, double until) {

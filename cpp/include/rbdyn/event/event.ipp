@@ -5,9 +5,13 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
+#include <optional>
 #include <ostream>
 #include <string_view>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "rbdyn/basics/direction.hpp"
 #include "rbdyn/basics/error.hpp"
@@ -35,6 +39,32 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Event& event) {
     if (!event.name.empty()) out << "  (" << event.name << ")";
     if (!event.note.empty()) out << "  " << event.note;
     return out;
+}
+
+RBDYN_INLINE void keep_last_of_each(std::vector<Event>& events) {
+    std::map<std::tuple<EventKind, int, int, std::string_view>, std::size_t> last;
+    const auto key = [](const Event& e) { return std::tuple(e.kind, e.subject, e.contact, std::string_view(e.name)); };
+    std::vector<bool> stays(events.size(), false);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+        const auto [place, is_first] = last.try_emplace(key(events[i]), i);
+        if (!is_first) {
+            stays[place->second] = false;
+            events[i].count += events[place->second].count;
+            place->second = i;
+        }
+        stays[i] = true;
+    }
+    std::vector<Event> kept;
+    for (std::size_t i = 0; i < events.size(); ++i)
+        if (stays[i]) kept.push_back(events[i]);
+    events = std::move(kept);
+}
+
+RBDYN_INLINE void settle(std::vector<Event>& events, const KeepEvents& wanted, std::optional<double> end) {
+    if (wanted.keeps_all()) return;
+    if (!wanted.each) return keep_last_of_each(events);
+    for (const Event& e : events) wanted.each(e);
+    std::erase_if(events, [&](const Event& e) { return !end || e.time != *end; });
 }
 
 RBDYN_INLINE std::string_view name_of(Status status) {

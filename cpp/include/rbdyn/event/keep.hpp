@@ -1,4 +1,4 @@
-// What is asked of a run: what is kept of it, and which side of a jump a value is of.
+// What is asked of a run: what is kept of it and of its events, and which side of a jump a value is of.
 #pragma once
 
 #include <functional>
@@ -16,6 +16,19 @@ struct Keep {
     enum class What { all, end, times } what = What::all;
     std::vector<double> times = {};  // increasing
     bool winds = true;               // and, of times, what no state says (HybridModel::winding)
+};
+
+struct Event;  // event/event.hpp
+
+/// What of the events of a run is kept.
+struct KeepEvents {
+    /// all; or the last of each kind, name and subject, with the count of those it stands for.
+    enum class What { all, last } what = What::all;
+    /// Called with each event of the run that is returned, once and in order; then those alone are kept that end it.
+    /// While it runs where nothing is held against it (`rtol`) and it is one part, else when it is judged.
+    std::function<void(const Event&)> each = {};
+
+    bool keeps_all() const { return what == What::all && !each; }
 };
 
 /// Called now and then with the time reached; false stops the run.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -38,6 +39,7 @@ public:
     std::string not_finite;  // what is not finite, or has no motion, if it is known where it came up
     std::vector<Mode> modes;
     std::vector<Event> events;
+    std::int64_t handed_on = 0;    // events that were there and are not kept
     std::optional<Instant> doubt;  // from there on rounding alone decided which events follow
     Work work;
     int variables = 0;

@@ -193,6 +193,25 @@ RBDYN_INLINE std::vector<Expression> Function::differentiated(const std::vector<
     return result;
 }
 
+/// How many nodes an operation computes with.
+RBDYN_INLINE int operands_of(Operation operation) {
+    switch (operation) {
+        case Operation::constant:
+        case Operation::input:
+        case Operation::time:
+        case Operation::parameter:
+        case Operation::cell:
+        case Operation::call: return 0;
+        case Operation::add:
+        case Operation::multiply:
+        case Operation::divide:
+        case Operation::angle: return 2;
+        case Operation::norm:
+        case Operation::select: return 3;
+        default: return 1;
+    }
+}
+
 RBDYN_INLINE Function Function::from_data(int inputs, const std::vector<Node>& nodes,
                                           const std::vector<std::int32_t>& outputs,
                                           const std::vector<std::string>& names,
@@ -201,29 +220,41 @@ RBDYN_INLINE Function Function::from_data(int inputs, const std::vector<Node>& n
         require(good, "Function", "index in its data", number,
                 "a node uses earlier nodes, inputs, names and parameters");
     };
+    require(inputs >= 0, "Function", "count of inputs in its data", inputs, "it is not negative");
     auto recorder = std::make_shared<Recorder>(Recorder::Purpose::function);
-    for (const std::string& name : names) recorder->name_index(name);
-    for (const Parameter& p : parameters) recorder->cell(p);
+    // of each where it is in the new recording, which has none twice
+    std::vector<std::int32_t> named, cells;
+    for (const std::string& name : names) named.push_back(recorder->name_index(name));
+    for (const Parameter& p : parameters) cells.push_back(recorder->node(recorder->cell(p).node()).a);
     // nodes of cells come first in the new recording, so that the others move
     std::vector<std::int32_t> moved;
     for (Node node : nodes) {
         switch (node.operation) {
             case Operation::constant:
             case Operation::input: break;
-            case Operation::cell: check(node.a >= 0 && at(node.a) < parameters.size(), node.a); break;
+            case Operation::cell:
+                check(node.a >= 0 && at(node.a) < cells.size(), node.a);
+                node.a = cells[at(node.a)];
+                break;
             case Operation::time:
             case Operation::parameter:
             case Operation::call: check(false, static_cast<double>(moved.size())); break;
             case Operation::sign:
             case Operation::select:
-            case Operation::whole: check(node.d >= 0 && at(node.d) < names.size(), node.d); break;
+            case Operation::whole:
+                check(node.d >= 0 && at(node.d) < named.size(), node.d);
+                node.d = named[at(node.d)];
+                break;
             default: break;
         }
         if (node.operation == Operation::input) check(node.a >= 0 && node.a < inputs, node.a);
         const auto used = node.operands();
         for (std::size_t i = 0; i < 3; ++i) {
-            if (used[i] < 0) continue;
-            check(at(used[i]) < moved.size(), used[i]);
+            if (static_cast<int>(i) >= operands_of(node.operation)) {
+                check(used[i] < 0, used[i]);
+                continue;
+            }
+            check(used[i] >= 0 && at(used[i]) < moved.size(), used[i]);
             (i == 0 ? node.a : i == 1 ? node.b : node.c) = moved[at(used[i])];
         }
         moved.push_back(recorder->record(node).node());

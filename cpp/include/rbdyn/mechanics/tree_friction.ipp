@@ -144,11 +144,13 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
                 const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning,
                            is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
                 if (is_least) memory.least = std::max(memory.least, slip.norm());
-                // where nothing is left of it the last direction is all there is
-                if (slip.norm() > 1e-3 * memory.least) memory.axis = touching.normal.cross(slip).normalized();
+                // where nothing is left of it the last direction is all there is, and of what starts the slip so far is
+                // rounding beside its first acceleration
+                const bool starts = mode.slip[at(k)] == mechanics::contact_state::starts;
+                if (!starts && slip.norm() > 1e-3 * memory.least)
+                    memory.axis = touching.normal.cross(slip).normalized();
                 memory.put(mode.memory, k);
-                mode.slip[at(k)] = mode.slip[at(k)] == mechanics::contact_state::starts
-                                       ? mechanics::contact_state::straight
+                mode.slip[at(k)] = starts     ? mechanics::contact_state::straight
                                    : is_least ? mechanics::contact_state::brief
                                               : mechanics::contact_state::turning;
             }

@@ -14,6 +14,7 @@
 #include "rbdyn/mechanics/accelerate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/watch_role.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
@@ -269,11 +270,8 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
 RBDYN_INLINE void TreeWriter::watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const {
     for (std::size_t k = 0; k < watches.size(); ++k) {
         const Scene::Watch& w = watches[k];
-        const GuardRole role = w.options.action.kind == WatchAction::Kind::record ? GuardRole::record
-                               : w.options.action.kind == WatchAction::Kind::stop ? GuardRole::stop
-                                                                                  : GuardRole::mode;
         Guard g{.kind = EventKind::watch,
-                .role = role,
+                .role = role_of(w.options.action.kind),
                 .direction = w.options.direction,
                 .name = w.name,
                 .watch = static_cast<int>(k)};

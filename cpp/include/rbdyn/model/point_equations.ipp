@@ -38,6 +38,7 @@
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/model/sliding.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/model/watch_role.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
@@ -157,11 +158,8 @@ RBDYN_INLINE void PointsWriter::watch(EquationsWriter& write, const std::vector<
     for (int i = 0; i < count_; ++i) now.parameters.push_back(q_[at(laws_.body(i).first)]);
     for (std::size_t k = 0; k < watches.size(); ++k) {
         const Scene::Watch& w = watches[k];
-        const GuardRole role = w.options.action.kind == WatchAction::Kind::record ? GuardRole::record
-                               : w.options.action.kind == WatchAction::Kind::stop ? GuardRole::stop
-                                                                                  : GuardRole::mode;
         Guard g{.kind = EventKind::watch,
-                .role = role,
+                .role = role_of(w.options.action.kind),
                 .direction = w.options.direction,
                 .name = w.name,
                 .watch = static_cast<int>(k)};

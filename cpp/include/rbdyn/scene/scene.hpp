@@ -191,6 +191,9 @@ private:
     static bool has(const Things& things, const std::string& name) {
         return std::any_of(things.begin(), things.end(), [&](const auto& thing) { return thing.name == name; });
     }
+    /// Results are found by names: of bodies, watches, constraints and contacts no two are alike.
+    bool is_taken(const std::string& name) const;
+    void require_new_name(const std::string& name, const std::string& verb) const;
     /// The name of a new body: its own, for results are found by it.
     std::string named(std::string name, const std::string& kind) const;
 

@@ -243,14 +243,9 @@ RBDYN_INLINE ConstraintHandle Scene::constrain(Constraint constraint, End a, std
                             std::holds_alternative<Universal>(constraint);
     if (needs_axes && !(turns(a) && (!b || turns(*b))))
         throw InvalidInput("constrain: a particle has no axes to be held; Ball() holds two points together");
-    const auto taken = [&](const std::string& n) {
-        return has(constraints_, n) || has(bodies_, n) || has(watches_, n);
-    };
-    if (!name.empty() && taken(name))
-        throw InvalidInput("constrain: there is a body, a watch or a constraint named \"" + name +
-                           "\" already; names differ");
+    require_new_name(name, "constrain");
     std::size_t number = constraints_.size();
-    while (name.empty() || taken(name)) name = "constraint " + std::to_string(++number);
+    while (name.empty() || is_taken(name)) name = "constraint " + std::to_string(++number);
     constraints_.push_back({std::move(constraint), std::move(a), b.value_or(End(BodyHandle{})), std::move(name)});
     plan_.forget();
     return {static_cast<int>(constraints_.size()) - 1};
@@ -306,14 +301,9 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
         bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
         throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
                            " is a particle, which has no plane");
-    const auto taken = [&](const std::string& n) {
-        return has(contacts_, n) || has(constraints_, n) || has(bodies_, n) || has(watches_, n);
-    };
-    if (!name.empty() && taken(name))
-        throw InvalidInput("contact: there is a body, a watch, a constraint or a contact named \"" + name +
-                           "\" already; names differ");
+    require_new_name(name, "contact");
     std::size_t number = contacts_.size();
-    while (name.empty() || taken(name)) name = "contact " + std::to_string(++number);
+    while (name.empty() || is_taken(name)) name = "contact " + std::to_string(++number);
     contacts_.push_back({std::move(a), std::move(b), std::move(options), std::move(name)});
     plan_.forget();
     return {static_cast<int>(contacts_.size()) - 1};
@@ -321,10 +311,7 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
 
 RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, WatchOptions options) {
     if (name.empty()) throw InvalidInput("watch: name is empty; events are found by the name of their watch");
-    if (has(watches_, name)) throw InvalidInput("watch: there is one named \"" + name + "\" already; names differ");
-    if (has(bodies_, name))
-        throw InvalidInput("watch: there is a body named \"" + name +
-                           "\", and events are found by either name; names differ");
+    require_new_name(name, "watch");
     require_observables(function, "watch " + name);
     watches_.push_back({std::move(name), std::move(function), std::move(options)});
     plan_.forget();
@@ -487,15 +474,22 @@ RBDYN_INLINE void Scene::require_body(BodyHandle body, const std::string& verb) 
             "a handle comes from add() of the same scene, which has " + std::to_string(bodies_.size()) + " bodies");
 }
 
+RBDYN_INLINE bool Scene::is_taken(const std::string& name) const {
+    return body_names_.contains(name) || has(watches_, name) || has(constraints_, name) || has(contacts_, name);
+}
+
+RBDYN_INLINE void Scene::require_new_name(const std::string& name, const std::string& verb) const {
+    if (!name.empty() && is_taken(name))
+        throw InvalidInput(verb + ": there is a body, a watch, a constraint or a contact named \"" + name +
+                           "\" already; names differ");
+}
+
 RBDYN_INLINE std::string Scene::named(std::string name, const std::string& kind) const {
-    const auto taken = [&] { return body_names_.contains(name) || has(watches_, name); };
-    if (!name.empty()) {
-        if (taken()) throw InvalidInput("add: there is a body or a watch named \"" + name + "\" already; names differ");
-        return name;
-    }
+    require_new_name(name, "add");
+    if (!name.empty()) return name;
     std::size_t number = bodies_.size();
     do name = kind + " " + std::to_string(++number);
-    while (taken());
+    while (is_taken(name));
     return name;
 }
 

@@ -23,6 +23,7 @@
 #include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/own_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
@@ -33,7 +34,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace run_bytes {
 
-inline constexpr std::string_view head = "rbdyn run 3", state_head = "rbdyn state run 3";
+inline constexpr std::string_view head = "rbdyn run 4", state_head = "rbdyn state run 4";
 
 /// CRC-32 (ISO 3309), as zlib has it.
 [[gnu::cold]] std::uint32_t checksum(std::string_view bytes);
@@ -125,7 +126,7 @@ private:
 
 /// What a run is of: the limits of what its bytes may say.
 struct Limits {
-    const SceneModel* model = nullptr;  // none: one of the user's own
+    const RecordedModel* model = nullptr;  // none: one of the user's own, made of a functor
     std::shared_ptr<const ClosedForm> closed = nullptr;
     int bodies = 0, contacts = 0;
 };
@@ -144,7 +145,7 @@ struct Choice {
 
 void put(Writer& w, const Mode& mode);
 /// A mode that a motion is in at a time, at a state. No model: one that was put without its equations.
-Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x);
+Mode take_mode(Reader& r, const RecordedModel* model, double t, std::span<const double> x);
 
 /// Where it has come to; with `model` that of a scene.
 void put(Writer& w, const Halt& halt);
@@ -165,8 +166,27 @@ void each_field(Entry& e, const Visit& visit) {
 void put(Writer& w, const Record& record);
 Record take_record(Reader& r, const Limits& limits);
 
+/// How accurate a run is.
+template <class Run>
+void put_accuracy(Writer& w, const Run& run) {
+    w.put(run.error.has_value());
+    w.put(run.error.value_or(0.0));
+    w.put(run.certain_until);
+}
+template <class Run>
+void take_accuracy(Reader& r, Run& run) {
+    const bool has_error = r.take<bool>();
+    const auto error = r.take<double>();
+    if (has_error) run.error = error;
+    r.take(run.certain_until);
+}
+
 void put(Writer& w, const RunData& data);
 RunData take_run(Reader& r, Scene scene, Plan plan);
+
+/// Puts a head and a checksum before bytes, and reads behind them: those of what a text tells from others.
+std::string sealed(std::string_view title, std::string_view text, std::string bytes);
+Reader opened(std::string_view title, std::string_view text, std::string_view bytes);
 
 }  // namespace run_bytes
 

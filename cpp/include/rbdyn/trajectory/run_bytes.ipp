@@ -109,6 +109,7 @@ RBDYN_INLINE void put(Writer& w, const Event& e) {
     for (int i = 0; i < 3; ++i) w.put(e.push[i]);
     w.put(e.instant);
     w.put(std::string_view(e.note));
+    w.put(e.count);
 }
 
 RBDYN_INLINE Event take_event(Reader& r, const Limits& limits) {
@@ -123,6 +124,7 @@ RBDYN_INLINE Event take_event(Reader& r, const Limits& limits) {
     for (int i = 0; i < 3; ++i) r.take(e.push[i]);
     r.take(e.instant);
     e.note = r.text();
+    e.count = r.whole(std::int64_t{1}, std::numeric_limits<std::int64_t>::max());
     return e;
 }
 
@@ -140,7 +142,7 @@ RBDYN_INLINE void put(Writer& w, const Mode& mode) {
     w.put(std::vector<std::uint64_t>(mode.equations->sliding.begin(), mode.equations->sliding.end()));
 }
 
-RBDYN_INLINE Mode take_mode(Reader& r, const SceneModel* model, double t, std::span<const double> x) {
+RBDYN_INLINE Mode take_mode(Reader& r, const RecordedModel* model, double t, std::span<const double> x) {
     Mode mode;
     mode.slip = r.list<signed char>();
     mode.parameters = r.list<double>();
@@ -338,21 +340,6 @@ RBDYN_INLINE Record take_record(Reader& r, const Limits& limits) {
     return record;
 }
 
-/// How accurate a run is.
-template <class Run>
-void put_accuracy(Writer& w, const Run& run) {
-    w.put(run.error.has_value());
-    w.put(run.error.value_or(0.0));
-    w.put(run.certain_until);
-}
-template <class Run>
-void take_accuracy(Reader& r, Run& run) {
-    const bool has_error = r.take<bool>();
-    const auto error = r.take<double>();
-    if (has_error) run.error = error;
-    r.take(run.certain_until);
-}
-
 RBDYN_INLINE void put(Writer& w, const RunData& data) {
     put(w, data.record);
     w.put(std::string_view(data.engine));
@@ -421,7 +408,6 @@ RBDYN_INLINE RunData take_run(Reader& r, Scene scene, Plan plan) {
     return data;
 }
 
-/// Puts a head and a checksum before bytes; and reads behind them.
 RBDYN_INLINE std::string sealed(std::string_view title, std::string_view text, std::string bytes) {
     Writer w;
     w.put(title);

@@ -39,6 +39,10 @@ RBDYN_INLINE bool covers(const Record& record, double t0, double t1) {
 }
 
 RBDYN_INLINE std::vector<double> jumps(const RunData& run, double t0, double t1) {
+    if (run.statistics.events != static_cast<std::int64_t>(run.record.events.size()))
+        throw InvalidInput(
+            "Trajectory: work is asked for, and this run did not keep its events (events=), at which "
+            "velocities jump; use events \"all\"");
     std::vector<double> times;
     const auto changes = [&](const Event& e) {
         if (e.kind == EventKind::land || e.kind == EventKind::impact) return true;

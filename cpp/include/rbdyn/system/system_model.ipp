@@ -1,0 +1,147 @@
+// Definitions of rbdyn/system/system_model.hpp.
+#pragma once
+
+#include "rbdyn/system/system_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/recording.hpp"
+#include "rbdyn/model/sliding.hpp"
+#include "rbdyn/model/watch_role.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+/// A function of a system at a moment.
+RBDYN_INLINE std::vector<double> value_of(const OwnFunction& f, double t, std::span<const double> x) {
+    std::vector<double> moment{t};
+    moment.insert(moment.end(), x.begin(), x.end());
+    return f(std::span<const double>(moment));
+}
+
+RBDYN_INLINE SystemModel::SystemModel(System system) : RecordedModel(system.numbers()), system_(std::move(system)) {}
+
+RBDYN_INLINE Mode SystemModel::begin(double t, std::span<double> x) const {
+    Mode mode;
+    choose(mode, t, x, {});
+    return mode;
+}
+
+RBDYN_INLINE Mode SystemModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+                                    std::vector<Happening>& happenings) const {
+    Mode after = mode;
+    std::vector<int> flipped;
+    bool is_new = false;
+    // changes of the user's own come first
+    for (const int index : fired) {
+        const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
+        if (guard.kind != EventKind::watch) continue;
+        happenings.push_back({EventKind::watch, -1, guard.direction, guard.name});
+        change(system_.watches()[static_cast<std::size_t>(guard.watch)], t, x);
+        is_new = true;
+        ++after.jumps;
+    }
+    for (const int index : fired) {
+        const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
+        if (guard.kind == EventKind::watch) continue;
+        flipped.push_back(index);
+        // a variable that switches is zero, exactly, unless the user's change has set it
+        if (!is_new && mode.equations->is_variable(guard))
+            x[static_cast<std::size_t>(mode.equations->program.output(guard.output))] = 0.0;
+        if (guard.name.empty()) continue;
+        const double sign =
+            guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
+        const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
+        happenings.push_back({guard.kind, -1, rises ? Direction::rising : Direction::falling, guard.name});
+    }
+    choose(after, t, x, flipped, is_new);
+    if (!is_new && same_motion(mode, after, flipped)) happenings.clear();
+    return after;
+}
+
+RBDYN_INLINE void SystemModel::change(const System::Watch& watch, double t, std::span<double> x) const {
+    const std::vector<double> changed = watch.options.action.change(t, x);
+    const std::string user = "watch \"" + watch.name + "\"";
+    require(changed.size() == x.size(), user, "count of numbers its action returns",
+            static_cast<double>(changed.size()), "the state has " + std::to_string(x.size()) + " variables");
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        require(std::isfinite(changed[i]), user, system_.name(static_cast<int>(i)) + " after its action", changed[i],
+                "a state is finite");
+        x[i] = changed[i];
+    }
+}
+
+RBDYN_INLINE void SystemModel::observe(const Mode& mode, double t, std::span<const double> x,
+                                       std::vector<Observed>& observed) const {
+    HybridModel::observe(mode, t, x, observed);
+    for (Observed& o : observed) o.alike = whole;
+}
+
+RBDYN_INLINE double SystemModel::guard_value(const Guard& guard, const Mode& /*mode*/, double t,
+                                             std::span<const double> x) const {
+    return value_of(system_.watches()[static_cast<std::size_t>(guard.watch)].function, t, x)[0];
+}
+
+RBDYN_INLINE std::string SystemModel::not_finite(const Mode& mode, double t, std::span<const double> x) const {
+    for (int i = 0; i < variables(); ++i)
+        if (!std::isfinite(x[static_cast<std::size_t>(i)])) return system_.name(i) + " itself";
+    const std::vector<double> rates = rate(mode, t, x);
+    for (int i = 0; i < variables(); ++i)
+        if (const double value = rates[static_cast<std::size_t>(i)]; !std::isfinite(value))
+            return "the rate of " + system_.name(i) + ", which is " + text(value);
+    return {};
+}
+
+RBDYN_INLINE std::vector<double> SystemModel::rate(const Mode& mode, double t, std::span<const double> x) const {
+    if (mode.equations == nullptr) return value_of(system_.function(), t, x);
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    std::vector<double> result;
+    for (int i = 0; i < variables(); ++i) result.push_back(values.output(i));
+    return result;
+}
+
+RBDYN_INLINE std::unique_ptr<Structure> SystemModel::record(const Mode&, const RecordedFor& state) const {
+    const recording::WideFolding all_digits;
+    Recorder r;
+    r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
+    const recording::Active active(r);
+    const int n = variables();
+    std::vector<Expression> inputs{r.time()};
+    for (int i = 0; i < n; ++i) inputs.push_back(r.input(i));
+    const std::span<const Expression> now(inputs);
+    return written(
+        r, n, state.decided.sliding, [&] { return system_.function()(now); },
+        [&](EquationsWriter& write, std::span<const Expression> rates) {
+            for (int i = 0; i < n; ++i) write.rate(i) = rates[static_cast<std::size_t>(i)];
+            for (std::size_t k = 0; k < system_.watches().size(); ++k) {
+                const System::Watch& w = system_.watches()[k];
+                Guard g{.kind = EventKind::watch,
+                        .role = role_of(w.options.action.kind),
+                        .direction = w.options.direction,
+                        .name = w.name,
+                        .watch = static_cast<int>(k)};
+                // nobody knows what a function that is called back depends on
+                if (w.function.callback())
+                    write.outside(std::move(g));
+                else
+                    write.watch(std::move(g), w.function(now)[0]);
+            }
+            std::vector<VariableGroup> groups;
+            for (int i = 0; i < n; ++i) groups.push_back({i, 1, false, 0.0, whole});
+            return groups;
+        });
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

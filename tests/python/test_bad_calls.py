@@ -1,0 +1,183 @@
+"""No call, whatever it is given, crashes, hangs, or ends in anything but an exception that says what."""
+
+import pickle
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+HERE = Path(__file__).resolve().parent
+
+
+def made_up(program, seed, count, seconds=120):
+    """A program of its own, so that a crash is a failure here, with what was under way."""
+    done = subprocess.run(
+        [sys.executable, HERE / program, str(seed), str(count)], capture_output=True, text=True, timeout=seconds
+    )
+    last = done.stderr.strip().splitlines()[-1:]
+    assert done.returncode == 0, f"seed {seed} ended with {done.returncode} in {last}"
+    return done.stdout
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_made_up_calls_end_in_an_exception_that_says_what(seed):
+    told = made_up("bad_calls.py", seed, 8000)
+    assert told.strip().endswith("WRONG 0"), told
+    counts = {
+        kind: int(number)
+        for number, kind in (line.split() for line in told.splitlines() if "WRONG" not in line and line)
+    }
+    assert sum(counts.values()) == 8000 and counts["InvalidInput"] > 300
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_states_that_were_changed_do_no_harm(seed):
+    told = made_up("tampered.py", seed, 1200)
+    assert told.strip().endswith("WRONG 0"), told
+    counts = {
+        kind: int(number)
+        for number, kind in (line.split() for line in told.splitlines() if "WRONG" not in line and line)
+    }
+    assert sum(counts.values()) == 1200 and counts["InvalidInput"] > 300
+
+
+def classes():
+    return sorted(
+        name for name in rb.__all__ if isinstance(getattr(rb, name), type) and "_core" in getattr(rb, name).__module__
+    )
+
+
+def test_what_new_alone_made_has_no_value_and_says_so():
+    """In a program of its own: each class, each of its methods and properties."""
+    program = """
+import copy, pickle, rbdyn as rb, sys
+for name in sys.argv[1:]:
+    made = getattr(rb, name)
+    thing = made.__new__(made)
+    words = [w for w in dir(made) if not w.startswith("__")]
+    for look in [repr, str, hash, copy.copy, pickle.dumps, *(lambda x, w=w: getattr(x, w)() for w in words)]:
+        try:
+            look(thing)
+        except (TypeError, AttributeError, rb.Error) as error:
+            if "__new__ alone" in str(error):
+                print(name)
+    for use in (lambda: rb.simulate(thing, 1.0), lambda: rb.Scene().add(thing), lambda: rb.Scene().apply(thing, thing)):
+        try:
+            use()
+        except (TypeError, rb.Error):
+            pass
+"""
+    names = classes()
+    assert len(names) > 70
+    done = subprocess.run([sys.executable, "-c", program, *names], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr[-2000:]
+    # what has neither a text nor a property of its own has nothing to be asked for
+    assert len(set(done.stdout.split())) > len(names) - 8
+
+
+def test_half_pickled_things_say_so_too():
+    data = pickle.dumps(rb.Spring(3.0), protocol=2)
+    made = data[: data.index(b"\x81") + 1] + b"."  # up to where __new__ was called
+    with pytest.raises(TypeError, match="__new__ alone"):
+        print(pickle.loads(made).stiffness)
+
+
+def test_a_run_within_a_run_within_a_run_ends_with_a_reason():
+    depth = 0
+
+    def within(t, x):
+        nonlocal depth
+        depth += 1
+        rb.simulate(rb.System(within, [1.0], trace=False), 1.0, rtol=1e-3)
+        return [1.0]
+
+    for runs in (lambda f: f(), lambda f: in_a_thread(f)):
+        depth = 0
+        with pytest.raises(rb.InvalidInput, match="called within itself 20 deep"):
+            runs(lambda: rb.simulate(rb.System(within, [1.0], trace=False), 1.0, rtol=1e-3))
+        assert depth == 20
+    # and what comes after is as before
+    assert rb.simulate(rb.System(lambda t, x: -x, [1.0]), 1.0).x(1.0) == pytest.approx(np.exp(-1))
+
+
+def in_a_thread(f):
+    raised = []
+
+    def run():
+        try:
+            f()
+        except Exception as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    if raised:
+        raise raised[0]
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda s: rb.Particle(), "Particle: mass is missing; it is a number or a Parameter"),
+        (lambda s: s.add(3), "Scene.add: body is 3; it is a Particle or a RigidBody"),
+        (lambda s: s.add(rb.Particle(1.0), name=3), "Scene.add: name is 3; it is a string or None"),
+        (lambda s: rb.simulate(s, until="x"), "simulate: until is 'x'; it is a number"),
+        (lambda s: rb.simulate(s, 1.0, 2.0), "simulate: 3 arguments are given by place, and it takes 2 arguments so"),
+        (lambda s: rb.simulate(s, 1.0, tol=2), "simulate: there is no argument 'tol'; it takes scene, until, start="),
+        (lambda s: rb.simulate(s, 1.0, until=2.0), "simulate: until is given twice, by its place and by its name"),
+        (lambda s: rb.simulate(s, 1.0, max_steps=2**70), "which is out of range; it is a whole number below 2**63"),
+        (lambda s: rb.plan(3), "plan: scene is 3; it is a Scene or a System"),
+        (lambda s: rb.cost(s, 1.0, engines=[3]), "cost: engines is [3]; it is a list, each item"),
+        (lambda s: s.watch("a\ud800", print), "half a character (a surrogate) in it; give text that UTF-8 can write"),
+        (lambda s: s.connect(1, 2, 3), "Scene.connect: coupling is 1; it is a Spring, a Gravitation"),
+    ],
+)
+def test_a_call_that_no_signature_takes_names_argument_rule_and_fix(call, sentence):
+    with pytest.raises(TypeError) as caught:
+        call(rb.Scene())
+    assert sentence in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_arrays_that_cannot_be_broadcast_are_refused_with_their_shapes():
+    line = rb.Line([1, 0, 0])
+    assert line.length([0.0, 1.0], 2.0) == pytest.approx([2.0, 1.0])
+    with pytest.raises(rb.InvalidInput, match=r"u0 has shape \(3,\) and u1 \(0,\)"):
+        line.length([0, 0, 1], [])
+
+
+def test_words_with_half_a_character_are_refused_as_others_are():
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0))
+    run = rb.simulate(scene, 1.0)
+    with pytest.raises(rb.InvalidInput, match=r'side is "\\ud800"; it is "after" or "before"'):
+        run[ball].position(0.5, side="\ud800")
+
+
+@pytest.mark.parametrize(
+    ("nodes", "outputs", "names"),
+    [
+        ([("input", 0, -1, -1, -1, 0.0), ("add", 0, -1, -1, -1, 0.0)], [1], []),
+        ([("input", 0, -1, -1, -1, 0.0), ("sin", -1, -1, -1, -1, 0.0)], [1], []),
+        ([("input", 0, -1, -1, -1, 0.0), ("norm", 0, 0, -1, -1, 0.0)], [1], []),
+        ([("input", 0, -1, -1, -1, 0.0), ("sin", 0, 0, -1, -1, 0.0)], [1], []),
+        ([("input", 1, -1, -1, -1, 0.0)], [0], []),
+        ([("input", 0, -1, -1, -1, 0.0)], [-1], []),
+        ([("input", 0, -1, -1, -1, 0.0), ("sign", 0, -1, -1, 1, 0.0)], [1], ["a"]),
+        ([("cell", 0, -1, -1, -1, 0.0)], [0], []),
+    ],
+)
+def test_operations_that_read_what_is_not_there_are_refused(nodes, outputs, names):
+    with pytest.raises(rb.InvalidInput, match="a node uses earlier nodes, inputs, names and parameters"):
+        rb._core._function(1, nodes, outputs, names, [])
+
+
+def test_names_and_numbers_that_are_given_twice_are_one():
+    nodes = [("input", 0, -1, -1, -1, 0.0), ("sign", 0, -1, -1, 1, 0.0)]
+    assert rb._core._function(1, nodes, [1], ["a", "a"], [])(-2.0) == -1.0
+    k = rb.parameter(3.0, "k")
+    assert rb._core._function(0, [("cell", 1, -1, -1, -1, 0.0)], [0], [], [k, k])() == 3.0
