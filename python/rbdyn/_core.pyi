@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -3504,6 +3504,221 @@ class StateRun:
         """
         reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or inconsistent.
         """
+class CostRow:
+    """
+    One engine at one tolerance: a row of cost().
+    """
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def engine(self) -> str:
+        """
+        What computed it.
+        """
+    @property
+    def error(self) -> float:
+        """
+        Global, relative: the larger of those of the motion and of the events.
+        """
+    @property
+    def event_error(self) -> float:
+        """
+        Of the times of events, over the time since the start, up to one that differs.
+        """
+    @property
+    def events(self) -> int:
+        """
+        How many were found.
+        """
+    @property
+    def events_expected(self) -> int:
+        """
+        How many the reference has.
+        """
+    @property
+    def has_all_events(self) -> bool:
+        """
+        Whether those found are those expected.
+        """
+    @property
+    def motion_error(self) -> float:
+        """
+        Of the motion, measured against the reference, in the scales of the motion; after an event that differs of places alone. Of a closed form the estimate of its rounding.
+        """
+    @property
+    def right_hand_sides(self) -> int:
+        """
+        For Taylor series: orders computed.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Of the integration alone, processor time, least of the repeats; of a closed form its set-up and one state [s].
+        """
+    @property
+    def spread(self) -> float:
+        """
+        Median of the repeats over the least, less 1; nan if there was time for one only.
+        """
+    @property
+    def steps(self) -> int:
+        """
+        Of the integration.
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        Local, the rtol= of simulate(); 0 of a closed form.
+        """
+    @property
+    def total(self) -> float:
+        """
+        Of the whole call, simulate() with error= what this row reaches and its engine, planned before, processor time; nan if that was not reached or not in time [s].
+        """
+class MissingEngine:
+    """
+    An engine that is missing from a list of prices, or from its end.
+    """
+    def __getstate__(self) -> tuple[str, float, str, float]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def engine(self) -> str:
+        """
+        Its name.
+        """
+    @property
+    def reason(self) -> str:
+        """
+        Why: begins with "cannot", "floor reached", "no time left" or "stiff".
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        What it would have taken; nan if that is not known [s].
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        The first that there was no time for, or the last before its floor; 0 if it cannot do the scene.
+        """
+class Prediction:
+    """
+    What an accuracy will cost that no row has. print() shows it.
+    """
+    def __getstate__(self) -> tuple[str, float, float, float, str]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def basis(self) -> str:
+        """
+        The rows it is read from.
+        """
+    @property
+    def engine(self) -> str:
+        """
+        The quickest there.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Of the integration alone [s].
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        The rtol= that leads to the error; 0 of a closed form.
+        """
+    @property
+    def total(self) -> float:
+        """
+        Of simulate() with this error=; nan if that is not known [s].
+        """
+class Price:
+    """
+    What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.
+    """
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
+        ...
+    def __getstate__(self) -> tuple[list[CostRow], list[MissingEngine], str, str, float]:
+        ...
+    def __iter__(self) -> collections.abc.Iterator[CostRow]:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    def _repr_html_(self) -> typing.Any:
+        ...
+    def cheapest(self, error: typing.SupportsFloat | typing.SupportsIndex) -> CostRow:
+        """
+        The quickest row that reaches an error and has all events. Raises InvalidInput if none does.
+        """
+    def front(self) -> list[CostRow]:
+        """
+        The rows than which none is as accurate and quicker, from loose to tight.
+        """
+    def plot(self, path: str | os.PathLike[str] | None = None) -> typing.Any:
+        """
+        The work-precision diagram: time over achieved error, written to `path` if given.
+
+        A line an engine, dashed for the whole call; the errors of the events' times apart; the front of what is cheapest, and
+        what simulate() takes by itself, are marked. Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    def predict(self, error: typing.SupportsFloat | typing.SupportsIndex) -> Prediction:
+        """
+        What an error will cost that no row has, with the engine that is quickest there.
+
+        Between two rows of an engine, errors, times and tolerances are interpolated in their logarithms; an error looser than an
+        engine's loosest row costs what that row does. Raises InvalidInput where no engine has a row as accurate.
+        """
+    def to_pandas(self) -> typing.Any:
+        """
+        A pandas.DataFrame: a row a row, with `on_front` and `is_automatic`; what is missing is in its attrs.
+
+        Raises ImportError if pandas is missing.
+        """
+    @property
+    def automatic(self) -> str:
+        """
+        What simulate() takes by itself.
+        """
+    @property
+    def missing(self) -> list[MissingEngine]:
+        """
+        Engines without a row, or without one as tight as asked for.
+        """
+    @property
+    def reference(self) -> str:
+        """
+        What errors are measured against, and how sure that is.
+        """
+    @property
+    def rows(self) -> list[CostRow]:
+        """
+        All of them, in order.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Spent on the list, by the clock [s].
+        """
 class SystemNow:
     """
     The present moment of a System: what its watched functions are called with.
@@ -3730,221 +3945,6 @@ class SystemRun:
     def t(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         The ends of the integrator's pieces (k,).
-        """
-class CostRow:
-    """
-    One engine at one tolerance: a row of cost().
-    """
-    def __getstate__(self) -> tuple[typing.Any, ...]:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    @property
-    def engine(self) -> str:
-        """
-        What computed it.
-        """
-    @property
-    def error(self) -> float:
-        """
-        Global, relative: the larger of those of the motion and of the events.
-        """
-    @property
-    def event_error(self) -> float:
-        """
-        Of the times of events, over the time since the start, up to one that differs.
-        """
-    @property
-    def events(self) -> int:
-        """
-        How many were found.
-        """
-    @property
-    def events_expected(self) -> int:
-        """
-        How many the reference has.
-        """
-    @property
-    def has_all_events(self) -> bool:
-        """
-        Whether those found are those expected.
-        """
-    @property
-    def motion_error(self) -> float:
-        """
-        Of the motion, measured against the reference, in the scales of the motion; after an event that differs of places alone. Of a closed form the estimate of its rounding.
-        """
-    @property
-    def right_hand_sides(self) -> int:
-        """
-        For Taylor series: orders computed.
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        Of the integration alone, processor time, least of the repeats; of a closed form its set-up and one state [s].
-        """
-    @property
-    def spread(self) -> float:
-        """
-        Median of the repeats over the least, less 1; nan if there was time for one only.
-        """
-    @property
-    def steps(self) -> int:
-        """
-        Of the integration.
-        """
-    @property
-    def tolerance(self) -> float:
-        """
-        Local, the rtol= of simulate(); 0 of a closed form.
-        """
-    @property
-    def total(self) -> float:
-        """
-        Of the whole call, simulate() with error= what this row reaches and its engine, planned before, processor time; nan if that was not reached or not in time [s].
-        """
-class MissingEngine:
-    """
-    An engine that is missing from a list of prices, or from its end.
-    """
-    def __getstate__(self) -> tuple[str, float, str, float]:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    @property
-    def engine(self) -> str:
-        """
-        Its name.
-        """
-    @property
-    def reason(self) -> str:
-        """
-        Why: begins with "cannot", "floor reached", "no time left" or "stiff".
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        What it would have taken; nan if that is not known [s].
-        """
-    @property
-    def tolerance(self) -> float:
-        """
-        The first that there was no time for, or the last before its floor; 0 if it cannot do the scene.
-        """
-class Prediction:
-    """
-    What an accuracy will cost that no row has. print() shows it.
-    """
-    def __getstate__(self) -> tuple[str, float, float, float, str]:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    def __str__(self) -> str:
-        ...
-    @property
-    def basis(self) -> str:
-        """
-        The rows it is read from.
-        """
-    @property
-    def engine(self) -> str:
-        """
-        The quickest there.
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        Of the integration alone [s].
-        """
-    @property
-    def tolerance(self) -> float:
-        """
-        The rtol= that leads to the error; 0 of a closed form.
-        """
-    @property
-    def total(self) -> float:
-        """
-        Of simulate() with this error=; nan if that is not known [s].
-        """
-class Price:
-    """
-    What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.
-    """
-    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
-        ...
-    def __getstate__(self) -> tuple[list[CostRow], list[MissingEngine], str, str, float]:
-        ...
-    def __iter__(self) -> collections.abc.Iterator[CostRow]:
-        ...
-    def __len__(self) -> int:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    def __str__(self) -> str:
-        ...
-    def _repr_html_(self) -> typing.Any:
-        ...
-    def cheapest(self, error: typing.SupportsFloat | typing.SupportsIndex) -> CostRow:
-        """
-        The quickest row that reaches an error and has all events. Raises InvalidInput if none does.
-        """
-    def front(self) -> list[CostRow]:
-        """
-        The rows than which none is as accurate and quicker, from loose to tight.
-        """
-    def plot(self, path: str | os.PathLike[str] | None = None) -> typing.Any:
-        """
-        The work-precision diagram: time over achieved error, written to `path` if given.
-
-        A line an engine, dashed for the whole call; the errors of the events' times apart; the front of what is cheapest, and
-        what simulate() takes by itself, are marked. Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
-        """
-    def predict(self, error: typing.SupportsFloat | typing.SupportsIndex) -> Prediction:
-        """
-        What an error will cost that no row has, with the engine that is quickest there.
-
-        Between two rows of an engine, errors, times and tolerances are interpolated in their logarithms; an error looser than an
-        engine's loosest row costs what that row does. Raises InvalidInput where no engine has a row as accurate.
-        """
-    def to_pandas(self) -> typing.Any:
-        """
-        A pandas.DataFrame: a row a row, with `on_front` and `is_automatic`; what is missing is in its attrs.
-
-        Raises ImportError if pandas is missing.
-        """
-    @property
-    def automatic(self) -> str:
-        """
-        What simulate() takes by itself.
-        """
-    @property
-    def missing(self) -> list[MissingEngine]:
-        """
-        Engines without a row, or without one as tight as asked for.
-        """
-    @property
-    def reference(self) -> str:
-        """
-        What errors are measured against, and how sure that is.
-        """
-    @property
-    def rows(self) -> list[CostRow]:
-        """
-        All of them, in order.
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        Spent on the list, by the clock [s].
         """
 class EffectRow:
     """
