@@ -426,7 +426,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                      : strokes.pushed[at(k)];
         if (comes && strokes.lowered < 1.0)
             h.note = "restitution lowered to " + text(strokes.lowered * conditions_->contacts()[at(k)].restitution) +
-                     ": more would gain energy";
+                     ": more would gain energy, or ask what no impulses do";
         if (last) h.later = remaining;
         happenings.push_back(std::move(h));
     }

@@ -447,10 +447,12 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     };
     for (int k = 0; k < contacts(); ++k) {
         ContactReport c = state.contacts[at(k)];
-        // a direction that turns is that of the slip, whose velocities are judged themselves
+        // a direction that turns is that of the slip, whose velocities are judged themselves; what depends on it, as
+        // far as there is a slip
         if (mode.slip[at(k)] == mechanics::contact_state::turning ||
             mode.slip[at(k)] == mechanics::contact_state::brief)
-            c.force = c.normal * c.normal.dot(c.force);
+            c.force = c.normal * (c.normal.dot(c.force) *
+                                  std::min(1.0, c.slip.norm() / (1e-3 * speed_of(k, state.moving) + 1e-300)));
         // what is not unique is one of many
         if (shares_load(mode)) c.force = Vector3::Zero();
         const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];

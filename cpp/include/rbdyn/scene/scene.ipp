@@ -479,9 +479,12 @@ RBDYN_INLINE bool Scene::is_taken(const std::string& name) const {
 }
 
 RBDYN_INLINE void Scene::require_new_name(const std::string& name, const std::string& verb) const {
-    if (!name.empty() && is_taken(name))
-        throw InvalidInput(verb + ": there is a body, a watch, a constraint or a contact named \"" + name +
-                           "\" already; names differ");
+    if (name.empty() || !is_taken(name)) return;
+    const std::string kind = body_names_.contains(name) ? "body"
+                             : has(watches_, name)      ? "watch"
+                             : has(constraints_, name)  ? "constraint"
+                                                        : "contact";
+    throw InvalidInput(verb + ": there is a " + kind + " named \"" + name + "\" already; names differ");
 }
 
 RBDYN_INLINE std::string Scene::named(std::string name, const std::string& kind) const {
