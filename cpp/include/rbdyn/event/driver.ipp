@@ -243,6 +243,9 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         chattered_ = t;
     }
     if (now_.crowded > max_crowded || record.handed_on + static_cast<std::int64_t>(record.events.size()) > max_steps_) {
+        record.not_finite = now_.crowded > max_crowded
+                                ? "it goes on switching without getting on, a hundred times at one instant"
+                                : "it has more events than max_steps";
         finish(record, t, Status::inconsistent);
         return false;
     }

@@ -153,30 +153,46 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
 
 RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double t, std::span<const double> x,
                                                       const std::vector<int>& closed, double& remaining) const {
+    // those that bounce, then those that are as near as that and would strike next
     std::vector<int> bouncing, group;
+    const auto is_struck = [&](int k) { return std::find(closed.begin(), closed.end(), k) != closed.end(); };
     for (const int k : closed)
         if (after.slip[at(k)] == flies) bouncing.push_back(k);
     if (bouncing.empty()) return group;
-    const auto [w, noise] = opening(after, t, x, bouncing);
     const auto all = moving(t, x);
     const auto rows = conditions_->rows<double>(*tree_, all);
+    const auto gaps = conditions_->gaps<double>(*tree_, all);
     RoundingSizes sizes(after.equations->program);
     sizes.set_parameters(after.parameters);
     sizes(t, x);
-    for (std::size_t i = 0; i < bouncing.size(); ++i) {
-        const int k = bouncing[i];
-        const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
-        if (u <= 0.0 || w[i] >= -noise[i]) return {};
+    const auto lowest = [&](int k) {
         double gap_size = 0.0;
         for (const Guard& guard : after.equations->guards)
             if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
-        const double height = 0.5 * u * u / -w[i], next = 2.0 * u / -w[i];
-        if (height > lowest_bounce * epsilon * gap_size && next > 64.0 * epsilon * std::abs(t)) return {};
+        return lowest_bounce * epsilon * gap_size;
+    };
+    for (int k = 0; k < contacts(); ++k)
+        if (after.slip[at(k)] == flies && !is_struck(k) && gaps[at(conditions_->constraint_rows() + k)] <= lowest(k))
+            bouncing.push_back(k);
+    const auto [w, noise] = opening(after, t, x, bouncing);
+    for (std::size_t i = 0; i < bouncing.size(); ++i) {
+        const int k = bouncing[i];
+        const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
+        const bool falls = w[i] < -noise[i];
+        const double height = 0.5 * u * u / -w[i];
+        if (!is_struck(k)) {
+            if (falls && height <= lowest(k)) group.push_back(k);
+            continue;
+        }
+        if (u <= 0.0 || !falls) return {};
+        const double next = 2.0 * u / -w[i];
+        if (height > lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
         // bounces get shorter by the coefficient of restitution, or as the last one did
         const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
-        const double ratio = e > 0.0 ? e : last > 0.0 ? next / last : 1.0;
-        if (ratio >= 1.0) return {};
-        remaining = std::max(remaining, next / (1.0 - ratio));
+        const double ratio = e > 0.0 && e < 1.0 ? e : last > 0.0 ? next / last : 1.0;
+        // those that do not are no bounces once they are far below rounding
+        if (ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
+        remaining = std::max(remaining, next / (1.0 - std::min(ratio, 0.9)));
         group.push_back(k);
     }
     return group;
