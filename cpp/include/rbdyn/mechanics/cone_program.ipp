@@ -102,7 +102,7 @@ inline std::optional<std::vector<double>> least_in_cones(const Scaled& p, const 
         }
         return sum;
     };
-    for (double weight = 1.0; weight > 1e-13; weight *= 0.1)
+    for (double weight = 1.0; weight > 1e-19; weight *= 0.1)
         for (int pass = 0; pass < 50; ++pass) {
             Square bend = p.a;
             std::vector<double> down(n);

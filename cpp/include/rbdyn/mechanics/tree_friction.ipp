@@ -425,7 +425,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
             const double middle = 0.5 * (low + high);
             (gains_nothing(solved(middle), 0.0) ? low : high) = middle;
         }
-        strokes.lowered = low > 1e-9 ? low : 0.0;
+        strokes.lowered = low > 1e-6 ? low : 0.0;
         found = solved(strokes.lowered);
     }
     if (!found.is_solved) {
