@@ -47,7 +47,7 @@ RBDYN_INLINE double first_tolerance(const std::string& engine, double error) {
 }
 
 RBDYN_INLINE double judging_tolerance(const std::string& engine, double tolerance) {
-    return std::max((engine == "taylor" ? 0.01 : 0.02) * tolerance, 0.1 * least_tolerance(engine));
+    return std::max((engine == "taylor" ? 1e-2 : 1e-3) * tolerance, 0.1 * least_tolerance(engine));
 }
 
 RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner) {

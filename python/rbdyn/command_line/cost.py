@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Prices it. Returns the exit code."""
+    output.require_picture(arguments.plot)
     scene, until = scene_of(arguments.file)
     names = ("start", "errors", "engines", "budget")
     options: dict[str, Any] = {name: getattr(arguments, name) for name in names}

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from rbdyn.errors import InvalidInput
 
 
 def as_json(value: Any) -> str:
@@ -31,3 +34,12 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+PICTURES = (".png", ".svg", ".pdf", ".eps", ".jpg", ".jpeg", ".webp")
+
+
+def require_picture(path: str | None) -> None:
+    """Raises InvalidInput for a file that no picture is written to, before time is spent on it."""
+    if path is not None and Path(path).suffix.lower() not in PICTURES:
+        raise InvalidInput(f"--plot {path}: a picture is written to a file that ends in {', '.join(PICTURES)}")

@@ -10,7 +10,7 @@ from typing import Any
 from rbdyn._core import Scene, Trajectory, simulate
 from rbdyn.command_line import output
 from rbdyn.command_line.scene_file import add_file, add_json, add_times, end_of, read
-from rbdyn.errors import AccuracyError, IntegrationError, InvalidInput
+from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.files import RUNS
 
 HELP = "runs a scene, or goes on with a run, and tells what happens"
@@ -56,6 +56,7 @@ def execute(arguments: argparse.Namespace) -> int:
         # before hours are spent on it
         if Path(path).suffix.lower() not in RUNS + TABLES:
             raise InvalidInput(f"--save {path}: a run is written to a file that ends in .npz, .h5, .hdf5 or .csv")
+    output.require_picture(arguments.plot)
     found = read(arguments.file)
     until = end_of(arguments, found.until)
     names = ("start", "error", "rtol", "engine", "keep", "max_steps")
@@ -75,7 +76,9 @@ def execute(arguments: argparse.Namespace) -> int:
             _deliver(problem.run, arguments)  # type: ignore[union-attr]
         raise
     _deliver(made, arguments)
-    return 0
+    if made.status in ("reached end", "stopped by event"):
+        return 0
+    raise Error(f"{made.status} at t = {made.end:.10g} s. {made.advice}")
 
 
 def _deliver(run: Trajectory, arguments: argparse.Namespace) -> None:

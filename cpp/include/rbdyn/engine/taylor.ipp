@@ -73,7 +73,12 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         length = is_finite ? step_length(span) * unevenness() : 0.0;
         natural_ = length;
         if (length * unit_ > span) length = span / unit_;
-        const bool capped = is_finite && length * unit_ >= span;
+        bool capped = is_finite && length * unit_ >= span;
+        if (capped && natural_ * unit_ > 4.0 * span && may_hide(equations_->program)) {
+            const double part = borne_out(length, natural_ * unit_ > 1024.0 * span);
+            capped = part == 1.0;
+            length *= part;
+        }
         // a polynomial may be of any length, but its powers are numbers
         if (is_finite && (capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) break;
         // the unit of time was far from the step: measure again in a better one
@@ -250,6 +255,43 @@ RBDYN_INLINE double TaylorEngine::step_length(double span) {
         if (check == 0.0) log_length = std::min(log_length, log_guard < least ? least + 4.0 : log_guard);
     }
     return std::exp2(log_length);
+}
+
+RBDYN_INLINE bool TaylorEngine::may_hide(const Program& program) {
+    const auto& all = program.instructions();
+    // a norm goes on past its zero with another sign, where a switch takes it up
+    if (std::any_of(all.begin(), all.end(), [](const Instruction& i) { return i.code == Code::norm; })) return false;
+    return std::any_of(all.begin(), all.end(), [](const Instruction& i) { return i.code != Code::combine; });
+}
+
+RBDYN_INLINE double TaylorEngine::borne_out(double length, bool many) const {
+    const int places = many ? 64 : 16, n = equations_->variables();
+    Evaluator<double> values(equations_->program);
+    values.set_parameters(parameters_, rounding_);
+    const double duration = length * unit_;
+    double widest = 0.0;
+    for (const VariableGroup& group : equations_->groups) widest = std::max(widest, scales_.scale(group));
+    std::vector<double> x(at(n)), slope(at(n));
+    for (int k = 1; k <= places; ++k) {
+        const double tau = length * k / places;
+        for (int i = 0; i < n; ++i) {
+            const double* c = series_->coefficients(i);
+            x[at(i)] = series::value(c, order_, tau);
+            double rate = 0.0;
+            for (int j = order_; j >= 1; --j) rate = rate * tau + j * c[j];
+            slope[at(i)] = rate / unit_;
+        }
+        values(t_.hi + tau * unit_, x);
+        for (const VariableGroup& group : equations_->groups)
+            for (int i = group.first; i < group.first + group.count; ++i) {
+                const double rate = values.output(i), size = std::max(std::abs(rate), std::abs(slope[at(i)])),
+                             scale = std::max(scales_.scale(group), widest / duration),
+                             allowed = 1e-3 * size + 1e-6 * scale / duration + 1e-12 * values.magnitude(i);
+                if (std::abs(rate - slope[at(i)]) <= allowed) continue;
+                return k > 1 ? static_cast<double>(k - 1) / places : 0.5 / (places * places);
+            }
+    }
+    return 1.0;
 }
 
 RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) const {

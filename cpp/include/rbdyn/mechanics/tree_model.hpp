@@ -228,7 +228,7 @@ private:
     std::vector<mechanics::Moving<double>> moving(double t, std::span<const double> x) const;
     /// All that is known at a state of a mode.
     mechanics::TreeState look(const Mode& mode, double t, std::span<const double> x) const;
-    bool has_angles(int body) const { return tree_->node(body).joint.attitude() >= 0; }
+    bool has_angles(int body) const { return !tree_->node(body).is_point; }
     /// All variables as the scene starts, on its constraints.
     std::vector<DoubleDouble> exact_start(double t) const;
 

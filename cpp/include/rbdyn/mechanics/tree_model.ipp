@@ -495,7 +495,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     if (!result) return result;
     result->equations.drives = tree.drives();
     bool turns = false;
-    for (int i = 0; i < bodies(); ++i) turns = turns || has_angles(i);
+    for (int i = 0; i < bodies(); ++i) turns = turns || tree_->node(i).joint.attitude() >= 0;
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));
     if ((turns || !rows.empty() || !closed.empty()) && !stands_still)
         result->equations.projection = [tree = tree_, conditions = conditions_, rows, closed](std::span<const double>,
