@@ -1,0 +1,17 @@
+"""Gives runs their pictures that move: Trajectory.view() and Trajectory.animate()."""
+
+from __future__ import annotations
+
+import inspect
+
+from rbdyn._core import Trajectory
+from rbdyn.animation import animate
+from rbdyn.view import view
+
+
+def give() -> None:
+    """Makes them methods of runs, with the names that messages and pickles call them by."""
+    for method in (animate, view):
+        method.__doc__ = inspect.cleandoc(method.__doc__ or "")
+        method.__qualname__ = f"Trajectory.{method.__name__}"
+        setattr(Trajectory, method.__name__, method)
