@@ -106,6 +106,6 @@ class _Stage:
             feet, tips = drawing.arrow_tips(kind, frame)
             kept = np.isfinite(tips).all(axis=1)
             collection.set_segments(np.stack([feet[kept], tips[kept]], axis=1))
-        now = drawing.times[frame]
-        past = [label for time, label in drawing.events if time <= now]
-        self.axes.set_title(f"t = {now:.6g} s" + (f"; last event {past[-1]}" if past else ""), fontsize="small")
+        last = drawing.last_event(frame)
+        title = f"t = {drawing.times[frame]:.6g} s" + (f"; last event: {last}" if last else "")
+        self.axes.set_title(title, fontsize="small")

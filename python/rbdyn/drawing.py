@@ -7,6 +7,7 @@ from the run.
 
 from __future__ import annotations
 
+import bisect
 import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -26,8 +27,8 @@ Array = npt.NDArray[np.float64]
 
 # frames of one picture, how many are played in a second, and the least time that is played [s]
 MOST_FRAMES, FRAMES_A_SECOND, SHORTEST = 600, 25.0, 4.0
-# points of a rail
-POINTS = 200
+# points of a rail, at least, and at most where it winds
+POINTS, MOST_POINTS = 200, 4000
 # the longest arrow, and what is drawn of planes, relative to the size of all
 ARROW, PATCH = 0.25, 0.75
 CURVES: dict[str, Any] = {
@@ -108,6 +109,11 @@ class Drawing:
         feet = np.array([one.feet[frame] for one in chosen]).reshape(-1, 3)
         vectors = np.array([one.vectors[frame] for one in chosen]).reshape(-1, 3)
         return feet, feet + self.newton * vectors
+
+    def last_event(self, frame: int) -> str:
+        """What happened last before a frame, or at it; empty if nothing has."""
+        past = bisect.bisect_right(self.events, self.times[frame], key=lambda event: event[0])
+        return self.events[past - 1][1] if past else ""
 
     def flat_axis(self) -> int | None:
         """The axis of the world that all motion is across: the one to look along."""
@@ -220,7 +226,11 @@ class _Reader:
             # one without ends: as far as the body goes, and a bit further
             margin = max(0.1 * float(np.ptp(along)), 0.1)
             first, last = max(first, along.min() - margin), min(last, along.max() + margin)
-        u = np.linspace(first, last, POINTS)
+        if made is not None and made.closed:
+            # all of it, however far the body goes
+            first, last = 0.0, len(made.points) if isinstance(made, _core.Spline) else 2 * np.pi
+        turns = (last - first) / (2 * np.pi) if curve["kind"] in ("helix", "cycloid") else 1.0
+        u = np.linspace(first, last, int(min(max(POINTS * turns, POINTS), MOST_POINTS)))
         points = made.position(u) if made is not None else evaluated(curve["function"], self.parameters, u)
         placed = points[None]
         if "motion" in joint:

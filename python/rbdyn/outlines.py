@@ -31,7 +31,7 @@ class Outline:
         return Outline(np.vstack([self.vertices, other.vertices]), np.vstack([self.triangles, moved]))
 
 
-def ellipsoid(semi_axes: Any, center: Any = (0, 0, 0), axes: Any = None, around: int = 12, up: int = 6) -> Outline:
+def ellipsoid(semi_axes: Any, center: Any = (0, 0, 0), axes: Any = None, around: int = 16, up: int = 8) -> Outline:
     """An ellipsoid; the columns of axes (3, 3) are its own."""
     latitudes = np.linspace(-np.pi / 2, np.pi / 2, up + 1)[1:-1]
     longitudes = np.arange(around) * 2 * np.pi / around

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 KINDS = {"force": COLORS[2], "reaction": COLORS[1], "contact": COLORS[3]}
 SPEEDS = (1.0, 0.25, 0.5, 2.0, 4.0)
+# the longest edge of the box that all is in, as the camera takes lengths
+STAGE = 1.4
 # of numbers that only pictures are made of
 DIGITS = 6
 
@@ -192,9 +194,8 @@ def _xyz(points: Array, digits: int | None = DIGITS) -> dict[str, list[float | N
 
 
 def _title(drawing: Drawing, frame: int) -> str:
-    now = drawing.times[frame]
-    past = [name for time, name in drawing.events if time <= now]
-    return f"t = {now:.6g} s" + (f"; last event: {past[-1]}" if past else "")
+    last = drawing.last_event(frame)
+    return f"t = {drawing.times[frame]:.6g} s" + (f"; last event: {last}" if last else "")
 
 
 def _layout(drawing: Drawing) -> dict[str, Any]:
@@ -209,6 +210,8 @@ def _layout(drawing: Drawing) -> dict[str, Any]:
         f"{axis}axis": {"range": [float(low), float(high)], "title": {"text": f"{axis} [m]"}, "autorange": False}
         for axis, low, high in zip("xyz", drawing.low, drawing.high, strict=True)
     }
+    spans = (drawing.high - drawing.low) / drawing.size
+    ratio = {axis: STAGE * float(span) for axis, span in zip("xyz", spans, strict=True)}
     camera: dict[str, Any] = {"eye": eye, "up": up}
     if flat is not None:
         camera["projection"] = {"type": "orthographic"}
@@ -217,10 +220,10 @@ def _layout(drawing: Drawing) -> dict[str, Any]:
         notes.append(f"longest arrow {_longest(drawing):.4g} N")
     return {
         "title": {"text": _title(drawing, 0), "font": {"size": 14}},
-        "scene": {"domain": {"y": [0.14, 1]}, "aspectmode": "data", "camera": camera, **axes},
+        "scene": {"domain": {"y": [0.14, 1]}, "aspectmode": "manual", "aspectratio": ratio, "camera": camera, **axes},
         "xaxis": {"range": [float(drawing.times[0]), float(drawing.times[-1])], "title": {"text": "t [s]"}},
         "yaxis": {"domain": [0.0, 0.06], "visible": False, "range": [-1, 1], "fixedrange": True},
-        "margin": {"l": 40, "r": 20, "t": 40, "b": 110},
+        "margin": {"l": 40, "r": 20, "t": 40, "b": 180},
         "uirevision": "kept",
         "annotations": [
             {
@@ -257,7 +260,7 @@ def _buttons(drawing: Drawing) -> dict[str, Any]:
         for factor in SPEEDS
     ]
     buttons.insert(1, {"label": "pause", "method": "animate", "args": [[None], _playing(0)]})
-    place = {"x": 0, "y": -0.1, "xanchor": "left", "yanchor": "top"}
+    place = {"x": 0, "y": 0, "xanchor": "left", "yanchor": "top", "pad": {"t": 48}}
     return {"type": "buttons", "direction": "right", "showactive": False, "buttons": buttons, **place}
 
 
@@ -267,4 +270,4 @@ def _slider(drawing: Drawing) -> dict[str, Any]:
         for k, time in enumerate(drawing.times)
     ]
     shown = {"prefix": "t = ", "suffix": " s", "visible": True, "xanchor": "right"}
-    return {"steps": steps, "currentvalue": shown, "x": 0.42, "len": 0.58, "y": -0.06, "pad": {"t": 10}}
+    return {"steps": steps, "currentvalue": shown, "x": 0, "len": 1, "y": 0, "pad": {"t": 86}}
