@@ -3308,11 +3308,30 @@ class Trajectory:
         """
         [kg m/s]
         """
+    def phase_portrait(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> typing.Any:
+        """
+        A figure of the rate of a body's coordinate over it: on a rail speed over parameter, on a hinge or a slide over what
+        it has turned or moved by.
+
+        handle: the first body that has one by default. The line is broken where the rate jumps, as at an impact; a dot is
+        where it ends. Written to `path`, if given. Returns the matplotlib figure.
+
+        Raises ImportError if matplotlib is missing, InvalidInput for what has no such coordinate.
+        """
     def plot(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> typing.Any:
         """
         A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
 
         Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    def plot_path(self, path: str | os.PathLike[str] | None = None, *, plane: str | None = None) -> typing.Any:
+        """
+        A figure of where the bodies go, in space, or in a plane of the world, "xy", "xz" and so on.
+
+        Of a rigid body, where its centre of mass goes; a dot is where each ends. Axes are equal. Written to `path`, if
+        given. Returns the matplotlib figure.
+
+        Raises ImportError if matplotlib is missing, InvalidInput for what is no plane.
         """
     @typing.overload
     def potential(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:

@@ -21,9 +21,8 @@ needs_matplotlib = pytest.mark.skipif(not find_spec("matplotlib"), reason="matpl
 def bouncing():
     """A ball that bounces on a plane, on a spring to a box that a hinge holds, and a bead on a rail that moves."""
     scene = rb.Scene(gravity=[0, 0, -9.81])
-    door = scene.add(
-        rb.shapes.box(2.0, [0.4, 0.6, 0.8]), rb.Revolute([0, 0, 1], at=[2, 0, 1], point=[-0.2, 0, 0]), rate=1.0
-    )
+    body = rb.shapes.box(2.0, [0.4, 0.6, 0.8]).shifted([0.05, -0.1, 0.2])
+    door = scene.add(body, rb.Revolute([0, 0, 1], at=[2, 0, 1], point=[-0.2, 0, 0]), rate=1.0)
     ball = scene.add(rb.shapes.sphere(1.0, 0.1), position=[0, 0, 0.6], velocity=[0.1, 0, 0], name="ball")
     spring = scene.connect(rb.Spring(3.0), ball, door.point([0.2, 0.3, 0]))
     floor = scene.contact(ball.sphere(0.1), rb.Plane([0, 0, 1]), restitution=0.7)
@@ -339,3 +338,42 @@ def test_the_command_line_writes_views(tmp_path, capsys, monkeypatch):
     assert "leave out --until" in capsys.readouterr().err
     assert main(["view", "fall.py", "--output", "fall.txt"]) == 2
     assert "ends in .html, .gif or .mp4" in capsys.readouterr().err
+
+
+@needs_matplotlib
+def test_paths_are_where_the_bodies_go(bouncing, tmp_path):
+    run, door, ball, bead, *_ = bouncing
+    (axes,) = run.plot_path(tmp_path / "space.png").axes
+    times = np.linspace(0.0, 2.0, len(axes.lines[0].get_data_3d()[0]))
+    assert_array_equal(np.transpose(axes.lines[0].get_data_3d()), run[door].center_of_mass(times))
+    assert_array_equal(np.transpose(axes.lines[4].get_data_3d()), run[bead].position(times))
+    (axes,) = run.plot_path(plane="zx").axes
+    assert_array_equal(axes.lines[2].get_xydata(), run[ball].center_of_mass(times)[:, [2, 0]])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("z [m]", "x [m]")
+    assert (tmp_path / "space.png").stat().st_size > 10_000
+    for plane in ("xx", "xw", "xyz", "", 3):
+        with pytest.raises(rb.InvalidInput, match="plot_path: plane is"):
+            run.plot_path(plane=plane)
+
+
+@needs_matplotlib
+def test_a_phase_portrait_is_an_ellipse_of_an_oscillator_and_is_broken_where_the_rate_jumps():
+    scene = rb.Scene()
+    slide = scene.add(rb.shapes.sphere(2.0, 0.1), rb.Prismatic([1, 0, 0]), displacement=0.3)
+    scene.connect(rb.Spring(8.0), slide, [0, 0, 0])
+    (axes,) = rb.simulate(scene, 4.0).phase_portrait().axes
+    x, v = axes.lines[0].get_xydata().T
+    assert_allclose(x**2 + (v / 2) ** 2, 0.09, rtol=1e-8)
+    assert np.isfinite(x).all() and v.max() > 0.59 and v.min() < -0.59
+
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    slide = scene.add(rb.shapes.sphere(1.0, 0.1), rb.Prismatic([0, 0, 1]), displacement=1.0)
+    scene.contact(slide.sphere(0.1), rb.Plane([0, 0, 1]), restitution=0.5)
+    run = rb.simulate(scene, 0.8)
+    (impact,) = run.events.times("impact")
+    z, v = run.phase_portrait(handle=slide).axes[0].lines[0].get_xydata().T
+    (gap,) = np.flatnonzero(np.isnan(v))
+    assert v[gap - 1] == run[slide].rate(impact, side="before") and v[gap + 1] == run[slide].rate(impact)
+    assert v[gap + 1] == pytest.approx(-0.5 * v[gap - 1], rel=1e-9)
+    with pytest.raises(rb.InvalidInput, match="no body of this run is on a rail"):
+        rb.simulate(falling(), 1.0).phase_portrait()
