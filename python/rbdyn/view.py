@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 KINDS = {"force": COLORS[2], "reaction": COLORS[1], "contact": COLORS[3]}
 SPEEDS = (1.0, 0.25, 0.5, 2.0, 4.0)
 # the longest edge of the box that all is in, as the camera takes lengths
-STAGE = 1.4
+STAGE = 1.1
 # of numbers that only pictures are made of
 DIGITS = 6
 
