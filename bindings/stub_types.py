@@ -166,6 +166,6 @@ def typed(text: str) -> str:
     text = _overloads(_present(text))
     aliases = ALIASES.format(engines=", ".join(f"'{word}'" for word in WORDS["engine"]))
     text = text.replace("import scipy.spatial.transform\n", "")
-    text = text.replace("import numpy.typing\n", "import numpy.typing\nimport os\n", 1)
+    text = text.replace("import os\n", "").replace("import numpy.typing\n", "import numpy.typing\nimport os\n", 1)
     aliases = aliases.replace("Rotation", "typing.Any")
     return re.sub(r"(?m)^(__all__: .*\n)", lambda found: found[1] + aliases.lstrip("\n"), text, count=1)

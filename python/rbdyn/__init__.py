@@ -3,7 +3,7 @@
 SI units, radians, world axes unless a name says otherwise. A scene is data; simulate() runs it.
 """
 
-from rbdyn import shapes, signatures
+from rbdyn import pictures, shapes, signatures
 from rbdyn._core import (
     Ball,
     BodyHandle,
@@ -229,5 +229,6 @@ __all__ = [
     "where",
 ]
 
+pictures.give()
 signatures.give()
-del signatures
+del pictures, signatures

@@ -3243,6 +3243,17 @@ class Trajectory:
         pole: a point of the world (3,), or one for each time (n, 3) [m]; a function of time; the handle of a body, for its centre
         of mass, or a point of a body.
         """
+    def animate(self, path: str | os.PathLike[str], *, fps: float = 25.0, speed: float | None = None) -> None:
+        """
+        Writes the motion as pictures that follow each other, a .gif, or an .mp4, which needs ffmpeg.
+
+        fps: frames a second of playing. speed: seconds of motion in one of playing; by default 1, but for what is shorter
+        than 4 s or longer than 24 s: it is played in that time. There are at most 600 frames, uniform in time. Bodies are
+        drawn as what touches of them, or as the box or ball of their inertia.
+
+        Raises ImportError if matplotlib is missing, InvalidInput for another suffix, a run without length, and where the
+        system refuses.
+        """
     def cardinal_residuals(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
         """
         (R - dQ/dt, M - dK/dt - v x Q), v the velocity of the pole [N, N m] (7.38, 7.39).
@@ -3297,11 +3308,30 @@ class Trajectory:
         """
         [kg m/s]
         """
+    def phase_portrait(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> typing.Any:
+        """
+        A figure of the rate of a body's coordinate over it: on a rail speed over parameter, on a hinge or a slide over what
+        it has turned or moved by.
+
+        handle: the first body that has one by default. The line is broken where the rate jumps, as at an impact; a dot is
+        where it ends. Written to `path`, if given. Returns the matplotlib figure.
+
+        Raises ImportError if matplotlib is missing, InvalidInput for what has no such coordinate.
+        """
     def plot(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> typing.Any:
         """
         A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
 
         Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    def plot_path(self, path: str | os.PathLike[str] | None = None, *, plane: str | None = None) -> typing.Any:
+        """
+        A figure of where the bodies go, in space, or in a plane of the world, "xy", "xz" and so on.
+
+        Of a rigid body, where its centre of mass goes; a dot is where each ends. Axes are equal. Written to `path`, if
+        given. Returns the matplotlib figure.
+
+        Raises ImportError if matplotlib is missing, InvalidInput for what is no plane.
         """
     @typing.overload
     def potential(self, t: _Numbers, of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
@@ -3341,6 +3371,20 @@ class Trajectory:
         Writes the run with its scene to a file, by its suffix .npz, or .h5, which needs h5py; load() reads it.
 
         Raises InvalidInput if a function of its scene is called back, and where the system refuses.
+        """
+    def view(self, path: str | os.PathLike[str] | None = None, *, fps: float = 25.0, speed: float | None = None) -> typing.Any:
+        """
+        The motion in space, to be turned, played and scrubbed: one HTML file that needs no network, if `path` is given.
+
+        Shows bodies, rails, springs, what contacts are with, forces, reactions and forces of contacts as arrows of one
+        scale, and the events on a line of time. Bodies are drawn as what touches of them, or as the box or ball of their
+        inertia.
+
+        fps: frames a second of playing. speed: seconds of motion in one of playing; by default 1, but for what is shorter
+        than 4 s or longer than 24 s: it is played in that time. There are at most 600 frames, uniform in time.
+
+        Returns the plotly figure, which notebooks show. Raises ImportError if plotly is missing, InvalidInput for a run
+        without length, and where the system refuses.
         """
     def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
         """

@@ -109,7 +109,7 @@ def used(thing):
         except Exception:
             pass
     for name in dir(type(thing)):
-        if name.startswith("_") or name in ("save", "plot", "view", "to_csv"):
+        if name.startswith("_") or name in ("save", "plot", "view", "animate", "plot_path", "phase_portrait", "to_csv"):
             continue
         try:
             part = getattr(thing, name)

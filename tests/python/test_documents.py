@@ -24,6 +24,7 @@ DOCUMENTS = [
     "docs/functions.md",
     "docs/many.md",
     "docs/mechanisms.md",
+    "docs/pictures.md",
     "docs/plan.md",
     "docs/systems.md",
     "docs/systems_of_equations.md",
