@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from rbdyn import __version__
-from rbdyn.command_line import cost, effects, plan, run
+from rbdyn.command_line import cost, effects, plan, run, verify
 from rbdyn.command_line.scene_file import FileFailed
 from rbdyn.errors import Error, InvalidInput
 
 # in the order in which --help lists them
-COMMANDS: dict[str, Any] = {"run": run, "plan": plan, "cost": cost, "effects": effects}
+COMMANDS: dict[str, Any] = {"run": run, "plan": plan, "cost": cost, "effects": effects, "verify": verify}
 
 DONE, MOTION_FAILED, REFUSED, FILE_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
