@@ -29,7 +29,7 @@ def _rectangle(mass: float, half_width: float, half_height: float) -> RigidBody:
 )
 def restarted(solve: Solve) -> Answers:
     """Each flight starts where the last one ended; ten are found one by one."""
-    speed, times = 5.0, []
+    speed, times = 5.0, list[float]()
     for _ in range(10):
         scene = Scene(gravity=[0, 0, -G])
         ball = scene.add(Particle(1.0), position=[0, 0, 0], velocity=[0, 0, speed])
@@ -240,8 +240,10 @@ def housner(solve: Solve) -> Answers:
 def box(solve: Solve) -> Answers:
     """On one corner, then flat."""
     scene = Scene(gravity=[0, -G, 0])
-    start = {"position": [0, 0.75], "velocity": [1, -0.5], "angle": 0.25, "rate": -0.125}
-    block = scene.add(_rectangle(3.0, 0.5, 0.25), Planar(x=[1, 0, 0], y=[0, 1, 0]), **start)
+    plane = Planar(x=[1, 0, 0], y=[0, 1, 0])
+    block = scene.add(
+        _rectangle(3.0, 0.5, 0.25), plane, position=[0, 0.75], velocity=[1, -0.5], angle=0.25, rate=-0.125
+    )
     for side in (-0.5, 0.5):
         scene.contact(block.point([side, -0.25, 0]), FLOOR)
     run = solve(scene, 1.0)
@@ -258,8 +260,10 @@ def box(solve: Solve) -> Answers:
 def rod_falls(solve: Solve) -> Answers:
     """Eight impacts."""
     scene = Scene(gravity=[0, -G, 0])
-    start = {"position": [0, 3], "velocity": [0.5, 0], "angle": 0.75, "rate": 1.0}
-    rod = scene.add(RigidBody(1.0, [1 / 6, 1 / 6, 1 / 3]), Planar(x=[1, 0, 0], y=[0, 1, 0]), **start)
+    plane = Planar(x=[1, 0, 0], y=[0, 1, 0])
+    rod = scene.add(
+        RigidBody(1.0, [1 / 6, 1 / 6, 1 / 3]), plane, position=[0, 3], velocity=[0.5, 0], angle=0.75, rate=1.0
+    )
     for end in (-1.0, 1.0):
         scene.contact(rod.point([end, 0, 0]), FLOOR, restitution=0.5)
     known = [0.64103632169303933128, 1.2409040201275986246, 1.5749070372799699291, 1.7375674836079165588]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
-from rbdyn._core import Force, Line, Particle, Rail, Scene, System
+from rbdyn._core import BodyHandle, Force, Line, Now, Particle, Rail, Scene, System, SystemNow
 from rbdyn.verification.case import STEPS, Answer, Answers, Solve, case, says
 
 G = 9.8125
@@ -24,6 +26,16 @@ def several(solve: Solve) -> Answers:
     yield Answer("roots", run.events.times("root"), [-6.0, -2.0, 2.0], scale=13.0)
 
 
+def above(ball: BodyHandle, level: float) -> Callable[[Now], Any]:
+    """How far a ball is above a level."""
+    return lambda now: now[ball].position[2] - level
+
+
+def after(time: float) -> Callable[[SystemNow], Any]:
+    """What is past of a time."""
+    return lambda now: now[0] - time
+
+
 @event("grazing", row="grazing, 1e-12 either side", hard="a double root is missed or counted twice")
 def grazing(solve: Solve) -> Answers:
     """A ball thrown to 1e-12 above a level, and to 1e-12 below."""
@@ -32,7 +44,7 @@ def grazing(solve: Solve) -> Answers:
         scene = Scene(gravity=[0, 0, -G])
         ball = scene.add(Particle(1.0), velocity=[0, 0, speed])
         level = speed * speed / (2 * G) - off
-        scene.watch("level", lambda now, ball=ball, level=level: now[ball].position[2] - level)
+        scene.watch("level", above(ball, level))
         run = solve(scene, 2 * speed / G)
         top, apart = speed / G, math.sqrt(2 * 1e-12 / G)
         known = [top - apart, top + apart] if off > 0 else []
@@ -58,7 +70,7 @@ def close_together(solve: Solve) -> Answers:
     """Five of them, in order, after 1e6 s."""
     clock = System(lambda t, x: [1.0 + 0.0 * x[0]], [0.0])
     for k in range(1, 6):
-        clock.watch(f"tick {k}", lambda now, k=k: now[0] - (1e6 + 1e-8 * k))
+        clock.watch(f"tick {k}", after(1e6 + 1e-8 * k))
     run = solve(clock, 1e6 + 1.0)
     ticks = [int(one.name[-1]) for one in run.events]
     yield Answer("order", ticks, [1, 2, 3, 4, 5], scale=0.0)

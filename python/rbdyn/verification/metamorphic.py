@@ -85,13 +85,13 @@ def restarted(solve: Solve) -> Answers:
     """A top by one run, and by two."""
     ends = []
     for pieces in (1, 2):
-        start = {"attitude": [1.0, 0.1, 0.2, 0.3] / np.linalg.norm([1.0, 0.1, 0.2, 0.3])}
+        attitude = np.array([1.0, 0.1, 0.2, 0.3]) / np.linalg.norm([1.0, 0.1, 0.2, 0.3])
         omega = np.array([0.5, 1.5, -0.25])
         for _ in range(pieces):
             scene = Scene()
-            body = scene.add(RigidBody(1.1, MOMENTS), Free(), angular_velocity=omega, **start)
+            body = scene.add(RigidBody(1.1, MOMENTS), Free(), attitude=attitude, angular_velocity=omega)
             run = solve(scene, 2.0 / pieces)
-            start, omega = {"attitude": run[body].quaternion(run.end)}, run[body].angular_velocity(run.end)
+            attitude, omega = run[body].quaternion(run.end), run[body].angular_velocity(run.end)
         ends.append(omega)
     yield Answer("omega", ends[1], ends[0], given=10 * (solve.estimate or 0.0))
 

@@ -108,7 +108,7 @@ def bend(solve: Solve) -> Answers:
     yield Answer("speed on a circle", speed, 3 / (1 + 0.25 * 3 * 5 / 2))
     yield Answer("and by its angle", speed, 3 * math.exp(-0.25 * run[round_].parameter(5.0)), scale=3.0)
     scene = Scene()
-    curve = Rail(Polynomial([[0, 0, 0], [1, 0, 0], [0, 0, 0.5]]), friction=Coulomb(0.25))
+    curve = Rail(Polynomial(np.array([[0, 0, 0], [1, 0, 0], [0, 0, 0.5]])), friction=Coulomb(0.25))
     bead = scene.add(Particle(1.0), curve, parameter=0.0, speed=3.0)
     scene.watch("there", lambda now: now[bead].position[0] - 2.0, action="stop")
     run = solve(scene, 50.0)
@@ -121,7 +121,7 @@ def bend(solve: Solve) -> Answers:
 def inflection(solve: Solve) -> Answers:
     """z = u^3/3 from u = -1 to 1 without gravity: turned by pi/4 to the level and back, N = 0 between."""
     scene = Scene()
-    curve = Rail(Polynomial([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 1 / 3]]), friction=Coulomb(0.5, 0.25))
+    curve = Rail(Polynomial(np.array([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 1 / 3]])), friction=Coulomb(0.5, 0.25))
     bead = scene.add(Particle(1.0), curve, parameter=-1.0, speed=2.0)
     scene.watch("there", lambda now: now[bead].position[0] - 1.0, action="stop")
     run = solve(scene, 50.0)
@@ -200,7 +200,7 @@ def loop(solve: Solve) -> Answers:
 def spline(solve: Solve) -> Answers:
     """Without friction the speed at a height is known, at knots of which the curvature jumps too."""
     points = [[0, 0, 0], [1, 0, 0.5], [2, 0, -0.25], [3, 0, 0.25], [4, 0, 0]]
-    curve = Spline(points, slopes={1: [1, 0, 0], 2: [1, 0, 0.1], 3: [1, 0, -0.25]})
+    curve = Spline(np.array(points), slopes={1: [1, 0, 0], 2: [1, 0, 0.1], 3: [1, 0, -0.25]})
     scene = Scene(gravity=[0, 0, -G])
     bead = scene.add(Particle(1.0), Rail(curve), parameter=0.0, speed=5.0)
     scene.watch("knot", lambda now: now[bead].position[0] - 3.0, action="stop")

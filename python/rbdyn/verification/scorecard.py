@@ -21,7 +21,7 @@ class Row:
     """One case with one engine.
 
     known, ours: the answer that is the farthest off, and what the engine gave; error: relative; asked: the error asked
-    for; estimate: the run's own, not a number if it gives none; seconds: of processor and waiting, all runs of the case;
+    for; estimate: the run's own, not a number if it gives none; seconds: of all runs of the case;
     status: "held", "missed" (off by more than was asked or told), "refused" (the engine says that it cannot), "failed".
     """
 

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from rbdyn._core import Free, Gravitation, Line, Particle, Rail, Revolute, RigidBody, Scene, Spring
+from rbdyn._core import BodyHandle, Free, Gravitation, Line, Particle, Rail, Revolute, RigidBody, Scene, Spring
 from rbdyn.verification.case import ALL, STEPS, Answer, Answers, Solve, case
 
 Z = [0.0, 0.0, 1.0]
@@ -52,13 +52,13 @@ def double_pendulum(solve: Solve) -> Answers:
 def triple_rods(solve: Solve) -> Answers:
     """No inertia about their own lines."""
     scene = Scene(gravity=[0, -9.8125, 0])
-    bodies = []
+    bodies: list[BodyHandle] = []
     for mass, length, angle in ((3.0, 1.0, 2.0), (1.5, 1.0, -0.5), (0.75, 2.0, 1.0)):
         moment = mass * length**2 / 12
         at = [0, -1, 0] if bodies else [0, 0, 0]
         body = RigidBody(mass, [moment, 0, moment], com=[0, -length / 2, 0])
-        start = {"parent": bodies[-1]} if bodies else {}
-        bodies.append(scene.add(body, Revolute(Z, at=at), angle=angle, **start))
+        parent = bodies[-1] if bodies else None
+        bodies.append(scene.add(body, Revolute(Z, at=at), parent=parent, angle=angle))
     run = solve(scene, 1.0)
     yield Answer("angle", run[bodies[0]].angle(1.0), -0.14431131095604502807, scale=1.0)
     yield Answer("angle of the third", run[bodies[2]].angle(1.0), -0.71721877949576925078, scale=1.0)
