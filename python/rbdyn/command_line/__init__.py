@@ -23,7 +23,8 @@ DONE, MOTION_FAILED, REFUSED, FILE_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 EXIT_CODES = """exit codes:
   0    done
-  1    the motion did not come to its end as asked; what there is of it is shown and saved
+  1    the motion did not come to its end as asked; what there is of it is shown and saved;
+       of verify: a case is not held
   2    the command line, the file or the scene is refused
   3    the Python file raised an exception of its own
   130  interrupted

@@ -33,7 +33,7 @@ def _flips(small: float, period: float, solve: Solve) -> Answers:
     "flips, omega = (0.1, 1, 0)",
     row="flips about the intermediate axis",
     hard="noise decides the time of a flip",
-    source="4 K(k)/..., elliptic integral to 20 digits",
+    source="elliptic integral, 20 digits",
     holds=ALL,
 )
 def flips_of_a_tenth(solve: Solve) -> Answers:
@@ -45,7 +45,7 @@ def flips_of_a_tenth(solve: Solve) -> Answers:
     "flips, omega = (1e-3, 1, 0)",
     row="flips about the intermediate axis",
     hard="noise decides the time of a flip",
-    source="4 K(k)/..., elliptic integral to 20 digits",
+    source="elliptic integral, 20 digits",
     holds=ALL,
 )
 def flips_of_a_thousandth(solve: Solve) -> Answers:
@@ -57,7 +57,7 @@ def flips_of_a_thousandth(solve: Solve) -> Answers:
     "flips, omega = (1e-6, 1, 0)",
     row="near the separatrix",
     hard="1 - m underflows through k",
-    source="4 K(k)/..., elliptic integral to 20 digits",
+    source="elliptic integral, 20 digits",
     error=1e-8,
     holds=EXACT,
 )

@@ -45,14 +45,14 @@ class Answer:
     @property
     def error(self) -> float:
         """Of ours, relative."""
-        if np.size(self.ours) == np.size(self.known) == 0:
-            return 0.0
-        try:
-            difference = float(np.max(np.abs(np.asarray(self.ours, float) - np.asarray(self.known, float))))
-        except ValueError:
+        ours, known = np.asarray(self.ours, float), np.asarray(self.known, float)
+        if known.ndim and ours.shape != known.shape:
             # another number of them
             return float("inf")
-        scale = float(np.max(np.abs(self.known))) if self.scale is None else self.scale
+        if not ours.size:
+            return 0.0
+        difference = float(np.max(np.abs(ours - known)))
+        scale = float(np.max(np.abs(known))) if self.scale is None else self.scale
         if difference == 0.0:
             return 0.0
         return difference / scale if np.isfinite(difference) and scale > 0.0 else float("inf")

@@ -102,7 +102,10 @@ class Scorecard:
     def _head(self) -> str:
         counts = ", ".join(f"{len(self.of(one))} {one}" for one in ("held", "missed", "failed", "refused"))
         verdict = "interrupted" if self.interrupted else "passed" if self.passed else "NOT passed"
-        return f"Scorecard: {verdict}, {len(self.cases)} cases, rows: {counts}"
+        return f"Scorecard: {verdict}, {self._count()}, rows: {counts}"
+
+    def _count(self) -> str:
+        return "1 case" if len(self.cases) == 1 else f"{len(self.cases)} cases"
 
     def _repr_html_(self) -> str:
         heads = "".join(f"<th>{html.escape(head)}</th>" for head in (*COLUMNS, "status"))
