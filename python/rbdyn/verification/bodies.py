@@ -244,7 +244,8 @@ def kovalevskaya(solve: Solve) -> Answers:
 
 def _period(angle: float) -> Decimal:
     """2 pi/(sqrt(g/L) agm(1, cos(angle/2))) of the doubles, L = 1, to 40 digits."""
-    with localcontext(prec=60):
+    with localcontext() as context:
+        context.prec = 60
         half = Decimal(angle) / 2
         term, cosine, k = Decimal(1), Decimal(0), 0
         while abs(term) > Decimal("1e-55"):
@@ -262,7 +263,8 @@ def _pendulum(turns: int, solve: Solve) -> Answers:
     for angle in (0.05, math.pi / 2, math.radians(179)):
         scene = Scene(gravity=[0, 0, -G])
         swing = scene.add(RigidBody(1.0, [0, 0, 0], com=[0, 0, -1]), Revolute([0, 1, 0]), angle=angle)
-        with localcontext(prec=60):
+        with localcontext() as context:
+            context.prec = 60
             exact = (turns + Decimal("0.25")) * _period(angle)
             t = float(exact)
             late = float(Decimal(t) - exact)
