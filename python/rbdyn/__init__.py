@@ -111,6 +111,7 @@ from rbdyn.many import Many
 from rbdyn.sample import Sample
 from rbdyn.sweep import simulate_many
 from rbdyn.system_sample import SystemSample
+from rbdyn.verification import Scorecard, verify
 
 __all__ = [
     "AccuracyError",
@@ -191,6 +192,7 @@ __all__ = [
     "Rod",
     "Sample",
     "Scene",
+    "Scorecard",
     "Size",
     "Sphere",
     "Spherical",
@@ -226,6 +228,7 @@ __all__ = [
     "shapes",
     "simulate",
     "simulate_many",
+    "verify",
     "where",
 ]
 

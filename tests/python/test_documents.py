@@ -28,6 +28,7 @@ DOCUMENTS = [
     "docs/plan.md",
     "docs/systems.md",
     "docs/systems_of_equations.md",
+    "docs/verification.md",
 ]
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 MARK = "\x01"

@@ -12,18 +12,26 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from rbdyn import __version__
-from rbdyn.command_line import cost, effects, plan, run, view
+from rbdyn.command_line import cost, effects, plan, run, verify, view
 from rbdyn.command_line.scene_file import FileFailed
 from rbdyn.errors import Error, InvalidInput
 
 # in the order in which --help lists them
-COMMANDS: dict[str, Any] = {"run": run, "plan": plan, "cost": cost, "effects": effects, "view": view}
+COMMANDS: dict[str, Any] = {
+    "run": run,
+    "plan": plan,
+    "cost": cost,
+    "effects": effects,
+    "verify": verify,
+    "view": view,
+}
 
 DONE, MOTION_FAILED, REFUSED, FILE_FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 
 EXIT_CODES = """exit codes:
   0    done
-  1    the motion did not come to its end as asked; what there is of it is shown and saved
+  1    the motion did not come to its end as asked; what there is of it is shown and saved;
+       of verify: a case is not held
   2    the command line, the file or the scene is refused
   3    the Python file raised an exception of its own
   130  interrupted

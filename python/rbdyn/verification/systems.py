@@ -1,0 +1,220 @@
+"""Systems: trees of bodies, attraction, springs."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+
+from rbdyn._core import BodyHandle, Free, Gravitation, Line, Particle, Rail, Revolute, RigidBody, Scene, Spring
+from rbdyn.verification.case import ALL, STEPS, Answer, Answers, Solve, case
+
+Z = [0.0, 0.0, 1.0]
+
+system = partial(case, subject="Systems and mechanisms")
+scale = partial(case, subject="Scale and length")
+
+
+@system(
+    "double pendulum",
+    row="double pendulum, chains, trees",
+    hard="wrong reactions",
+    source="reference l_double_pendulum, 25 digits",
+)
+def double_pendulum(solve: Solve) -> Answers:
+    """Two compound bodies, their centres of mass off the line of the hinges."""
+    scene = Scene(gravity=[0, -9.8125, 0])
+    upper = scene.add(
+        RigidBody(2.0, [0.25, 0.25, 0.5], com=[0.125, -0.5, 0]), Revolute(Z, at=[0.25, 1, 0]), angle=1.5, rate=0.5
+    )
+    lower = scene.add(
+        RigidBody(1.25, [0.125, 0.125, 0.1875], com=[0.0625, -0.375, 0]),
+        Revolute(Z, at=[0.125, -1, 0], point=[0, 0.125, 0]),
+        parent=upper,
+        angle=-0.75,
+        rate=2.0,
+    )
+    run = solve(scene, 5.0)
+    yield Answer("angle", run[upper].angle(5.0), 0.18206901231884338060, scale=1.0)
+    size = float(np.max(np.linalg.norm(run[lower].reaction(np.linspace(0, 5, 201)), axis=1)))
+    known = [4.0156239100237069497, 1.5913584435719103311, 0]
+    yield Answer("reaction", run[lower].reaction(5.0), known, scale=size)
+    yield Answer("energy", run.energy(5.0), 32.786377359438500411)
+
+
+@system(
+    "three thin rods",
+    row="thin rods in trees and loops",
+    hard="a body's inertia is inverted",
+    source="reference l_triple_rods, 25 digits",
+)
+def triple_rods(solve: Solve) -> Answers:
+    """No inertia about their own lines."""
+    scene = Scene(gravity=[0, -9.8125, 0])
+    bodies: list[BodyHandle] = []
+    for mass, length, angle in ((3.0, 1.0, 2.0), (1.5, 1.0, -0.5), (0.75, 2.0, 1.0)):
+        moment = mass * length**2 / 12
+        at = [0, -1, 0] if bodies else [0, 0, 0]
+        body = RigidBody(mass, [moment, 0, moment], com=[0, -length / 2, 0])
+        parent = bodies[-1] if bodies else None
+        bodies.append(scene.add(body, Revolute(Z, at=at), parent=parent, angle=angle))
+    run = solve(scene, 1.0)
+    yield Answer("angle", run[bodies[0]].angle(1.0), -0.14431131095604502807, scale=1.0)
+    yield Answer("angle of the third", run[bodies[2]].angle(1.0), -0.71721877949576925078, scale=1.0)
+
+
+def _two(masses: tuple[float, float], speed: float) -> Scene:
+    scene = Scene()
+    one = scene.add(Particle(masses[0]), position=[0, 0, 0])
+    other = scene.add(Particle(masses[1]), position=[1, 0, 0], velocity=[0, speed, 0])
+    scene.connect(Gravitation(1.0), one, other)
+    return scene
+
+
+@system(
+    "Kepler, e = 0.9",
+    row="Kepler, close approaches",
+    hard="a step's length changes by a thousand",
+    source="reference o_kepler_e09, 25 digits",
+    holds=("taylor", "dop853", "cvode-adams", "cvode-bdf"),
+)
+def kepler(solve: Solve) -> Answers:
+    """One turn from pericentre to pericentre, the centre of mass moving."""
+    scene = _two((1.0, 0.5), 1.6881943016134133)
+    t = 162.231147038945067606617
+    run = solve(scene, t)
+    yield Answer("place of the first", run[scene.bodies[0]].position(t), [0, 91.292565991784951740, 0])
+    yield Answer("place of the second", run[scene.bodies[1]].position(t), [1, 91.292565991784932583, 0])
+
+
+@system(
+    "Kepler, e = 0.999",
+    row="Kepler, close approaches",
+    hard="a close approach in a millionth of the period",
+    source="reference o_kepler_e0999, 25 digits",
+    error=1e-4,
+    holds=("taylor",),
+)
+def kepler_close(solve: Solve) -> Answers:
+    """Ten turns and a half."""
+    scene = _two((1.0, 0.5), 1.7316177407268613652746580555685795843601226806640625)
+    t = 1703427.04390835459344089031219482421875
+    run = solve(scene, t)
+    known = [666.66666666651990612, 983228.16308854035169, 0]
+    yield Answer("place of the first", run[scene.bodies[0]].position(t), known)
+
+
+@system(
+    "figure of eight",
+    row="Kepler, close approaches",
+    hard="three bodies",
+    source="reference o_figure_eight, 25 digits",
+)
+def figure_of_eight(solve: Solve) -> Answers:
+    """Three equal masses on one curve."""
+    scene = Scene()
+    place, speed = np.array([0.97000436, -0.24308753, 0]), np.array([0.466203685, 0.43236573, 0])
+    balls = [
+        scene.add(Particle(1.0), position=place, velocity=speed),
+        scene.add(Particle(1.0), position=-place, velocity=speed),
+        scene.add(Particle(1.0), position=[0, 0, 0], velocity=[-0.93240737, -0.86473146, 0]),
+    ]
+    for k in range(3):
+        scene.connect(Gravitation(1.0), balls[k], balls[k - 1])
+    run = solve(scene, 1.0)
+    known = [0.99358291994097784127, 0.21920494711469556273, 0]
+    yield Answer("place of the first", run[balls[0]].position(1.0), known)
+
+
+@system(
+    "chain of 100 masses",
+    row="chain of masses, the first one kicked",
+    hard="masses that do not move yet",
+    holds=STEPS,
+    error=1e-9,
+)
+def chain(solve: Solve) -> Answers:
+    """The first mass is kicked: a sum over the modes of a chain with fixed ends."""
+    n, t = 100, 5.0
+    scene = Scene()
+    line = Rail(Line([1, 0, 0]))
+    balls = [scene.add(Particle(1.0), line, parameter=0.0, speed=1.0 if k == 0 else 0.0) for k in range(n)]
+    for a, b in zip(balls[:-1], balls[1:], strict=True):
+        scene.connect(Spring(1.0), a, b)
+    scene.connect(Spring(1.0), balls[0], [0, 0, 0])
+    scene.connect(Spring(1.0), balls[-1], [0, 0, 0])
+    run = solve(scene, t)
+    angle = np.arange(1, n + 1) * math.pi / (n + 1)
+    rate = 2 * np.sin(angle / 2)
+    for j in (0, 5):
+        terms = np.sin(angle) * np.sin((j + 1) * angle) * np.sin(rate * t) / rate
+        yield Answer(
+            f"place of mass {j + 1}", run[balls[j]].parameter(t), 2 / (n + 1) * float(np.sum(terms)), scale=1.0
+        )
+
+
+@scale(
+    "mass ratio 1e8",
+    row="mass ratios, stiff springs",
+    hard="the small motion of the large mass",
+    holds=ALL,
+)
+def mass_ratio(solve: Solve) -> Answers:
+    """Two free masses and a spring: omega^2 = k (1/m + 1/M)."""
+    heavy, light, k, t = 1e8, 1.0, 4.0, 20.0
+    scene = Scene()
+    one = scene.add(Particle(heavy), position=[0, 0, 0])
+    two = scene.add(Particle(light), position=[1, 0, 0])
+    scene.connect(Spring(k), one, two)
+    run = solve(scene, t)
+    cosine = math.cos(math.sqrt(k * (1 / heavy + 1 / light)) * t)
+    center = light / (heavy + light)
+    yield Answer(
+        "place of the light mass", run[two].position(t)[0], center + cosine * heavy / (heavy + light), scale=1.0
+    )
+    moved = center * (1 - cosine)
+    yield Answer("place of the heavy mass", run[one].position(t)[0], moved, scale=2 * center)
+
+
+@scale(
+    "a spring of 1e9 N/m",
+    row="mass ratios, stiff springs",
+    hard="a fast motion that does not matter shortens each step",
+    source="reference i_stiff, 25 digits",
+    holds=ALL,
+)
+def stiff(solve: Solve) -> Answers:
+    """Frequencies 1.5 and 40132 rad/s."""
+    scene = Scene()
+    line = Rail(Line([1, 0, 0]))
+    one = scene.add(Particle(1.0), line, parameter=1.0, speed=0.25)
+    two = scene.add(Particle(2.0), line, parameter=1.0, speed=0.0)
+    scene.connect(Spring(4.0), one, [0, 0, 0])
+    scene.connect(Spring(3.0), two, [0, 0, 0])
+    scene.connect(Spring(1073741824.0), one, two)
+    t = 0.001000000000000000020816681711721685
+    run = solve(scene, t)
+    yield Answer("x1", run[one].parameter(t), 1.0000848663548789457995640749348)
+    yield Answer("v1", run[one].speed(t), -0.045609109261729861578420502301897, scale=0.25)
+
+
+def _free_spring(unit: float) -> tuple[Scene, object]:
+    scene = Scene(gravity=[0, 0, -9.81 * unit])
+    a = scene.add(Particle(0.3), position=[0, 0, 0], velocity=[0, 0.7 * unit, 0])
+    b = scene.add(RigidBody(1.1, np.array([0.3, 0.4, 0.5]) * unit**2), Free(), position=[1.3 * unit, 0, 0])
+    scene.connect(Spring(3.0, rest_length=0.9 * unit), a, b.point([0.1 * unit, 0.2 * unit, 0]))
+    return scene, b
+
+
+@scale("other units", row="units from 1e-9 to 1e9", hard="absolute constants inside", source="symmetry", holds=STEPS)
+def units(solve: Solve) -> Answers:
+    """Lengths in units of 2^-30 and 2^30 m change no digit; with cvode-bdf, none of twelve."""
+    places = []
+    # cvode-bdf rounds otherwise in other units, by 1e-14 to 1e-13 (most likely by its choice of pivots): to 1e-12
+    scale = 1e-12 / solve.error if solve.engine == "cvode-bdf" else 0.0
+    for unit in (1.0, 2.0**-30, 2.0**30):
+        scene, body = _free_spring(unit)
+        places.append(solve(scene, 2.0)[body].position(2.0) / unit)  # type: ignore[call-overload]
+    yield Answer("place in small units", places[1], places[0], scale=scale)
+    yield Answer("place in large units", places[2], places[0], scale=scale)
