@@ -102,12 +102,9 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
         return b[static_cast<std::size_t>(cone.first)] < -noise[static_cast<std::size_t>(cone.first)];
     };
     if (!result.is_solved || std::none_of(all.begin(), all.end(), pushes)) return result;
-    if (cones::is_symmetric(a)) {
-        auto found = solve_convex(a, b, noise, all);
-        if (found) return *std::move(found);
-        result.is_solved = false;
-        return result;
-    }
+    const bool is_symmetric = cones::is_symmetric(a);
+    if (is_symmetric)
+        if (auto found = solve_convex(a, b, noise, all)) return *std::move(found);
     const auto driven = [&](std::size_t row, std::size_t first, std::size_t count) {
         double sum = b[row];
         for (std::size_t j = 0; j < n; ++j)
@@ -115,7 +112,7 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
         return sum;
     };
     // one contact after the other, until nothing changes
-    constexpr int most = 20000;
+    const int most = is_symmetric ? 500 : 20000;
     double left = 1.0;
     for (int sweep = 0; sweep < most; ++sweep) {
         double change = 0.0, size = 0.0;
@@ -147,7 +144,8 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
         if (left <= 1e-15) break;
     }
     for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
-    result.is_solved = result.is_solved && left <= 1e-9;
+    // what is symmetric and has no exact solution has none
+    result.is_solved = result.is_solved && left <= 1e-9 && !is_symmetric;
     return result;
 }
 
