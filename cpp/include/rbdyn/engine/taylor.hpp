@@ -90,10 +90,9 @@ private:
     /// distance would else be cut shorter and shorter towards its zero).
     bool is_polynomial(const double* c, const Guard& guard) const;
 
-    /// How much of a step the equations themselves bear out, if their series says that it may be far longer: a series
-    /// knows them where it begins, and sees neither a pulse far away nor that a root has passed its zero. `many`: at 64
-    /// places, else at 16.
-    double borne_out(double length, bool many) const;
+    /// How much of a step that nothing limits the equations themselves bear out, at 64 places: a series knows them
+    /// where it begins, and sees neither a pulse far away nor that a root has passed its zero.
+    double borne_out(double length) const;
     /// Whether that is to be seen from their operations: those of polynomials hide nothing.
     static bool may_hide(const Program& program);
 

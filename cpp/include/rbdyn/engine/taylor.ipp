@@ -74,8 +74,8 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         natural_ = length;
         if (length * unit_ > span) length = span / unit_;
         bool capped = is_finite && length * unit_ >= span;
-        if (capped && natural_ * unit_ > 4.0 * span && may_hide(equations_->program)) {
-            const double part = borne_out(length, natural_ * unit_ > 1024.0 * span);
+        if (capped && natural_ * unit_ > 0x1p32 * span && may_hide(equations_->program)) {
+            const double part = borne_out(length);
             capped = part == 1.0;
             length *= part;
         }
@@ -264,8 +264,9 @@ RBDYN_INLINE bool TaylorEngine::may_hide(const Program& program) {
     return std::any_of(all.begin(), all.end(), [](const Instruction& i) { return i.code != Code::combine; });
 }
 
-RBDYN_INLINE double TaylorEngine::borne_out(double length, bool many) const {
-    const int places = many ? 64 : 16, n = equations_->variables();
+RBDYN_INLINE double TaylorEngine::borne_out(double length) const {
+    constexpr int places = 64;
+    const int n = equations_->variables();
     Evaluator<double> values(equations_->program);
     values.set_parameters(parameters_, rounding_);
     const double duration = length * unit_;
