@@ -67,7 +67,7 @@ def oddities():
 
 
 # what runs for as long as it is told to, or writes where it is told to
-SLOW = {"simulate_many", "load", "save", "plot", "to_csv", "view", "animate", "plot_path", "phase_portrait"}
+SLOW = {"simulate_many", "load", "save", "plot", "to_csv", "view", "animate", "plot_path", "phase_portrait", "verify"}
 
 
 def targets(zoo):
