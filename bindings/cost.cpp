@@ -23,21 +23,7 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
     if (engines) options.engines = *engines;
     options.budget = budget;
     options.monitor = watch.monitor(0.0, budget);
-    std::optional<Price> price;
-    try {
-        std::optional<py::gil_scoped_release> free;
-        if (!calls_python(copy)) free.emplace();
-        price = rbdyn::cost(copy, options);
-    } catch (const rbdyn::AccuracyError& e) {
-        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError",
-                         e.what()));
-    } catch (const rbdyn::IntegrationError& e) {
-        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError",
-                         e.what()));
-    }
-    watch.look(1.0);
-    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
-    return *price;
+    return tabulated(copy, scene.handles, watch, [&] { return rbdyn::cost(copy, options); });
 }
 
 py::tuple data_of(const CostRow& r) {

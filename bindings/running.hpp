@@ -96,4 +96,26 @@ py::object failure_of(const Attempt& attempt, const Run& run) {
 /// Raises it.
 [[noreturn]] void raise(const py::object& error);
 
+/// What a verb that runs a scene many times makes of it, without Python's lock where no function needs it; an error of
+/// a run carries that run.
+template <class Verb>
+auto tabulated(const rbdyn::Scene& scene, const Handles& handles, Watch& watch, const Verb& verb) {
+    const auto raise_with = [&](const auto& e, const char* type_name) {
+        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(handles)}, type_name, e.what()));
+    };
+    std::optional<decltype(verb())> table;
+    try {
+        std::optional<py::gil_scoped_release> free;
+        if (!calls_python(scene)) free.emplace();
+        table = verb();
+    } catch (const rbdyn::AccuracyError& e) {
+        raise_with(e, "AccuracyError");
+    } catch (const rbdyn::IntegrationError& e) {
+        raise_with(e, "IntegrationError");
+    }
+    watch.look(1.0);
+    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
+    return *std::move(table);
+}
+
 }  // namespace binding

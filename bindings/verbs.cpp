@@ -125,21 +125,7 @@ EffectTable effects(const BoundScene& scene, double until, double start, std::op
     Watch watch(py::bool_(false));
     rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, std::string("all"), max_steps);
     options.monitor = watch.monitor(start, until);
-    std::optional<EffectTable> table;
-    try {
-        std::optional<py::gil_scoped_release> free;
-        if (!calls_python(copy)) free.emplace();
-        table = rbdyn::effects(copy, options);
-    } catch (const rbdyn::AccuracyError& e) {
-        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "AccuracyError",
-                         e.what()));
-    } catch (const rbdyn::IntegrationError& e) {
-        raise(error_with(BoundTrajectory{e.run, std::make_shared<const Handles>(scene.handles)}, "IntegrationError",
-                         e.what()));
-    }
-    watch.look(1.0);
-    watch.raise_if_raised<BoundTrajectory>(std::nullopt);
-    return *table;
+    return tabulated(copy, scene.handles, watch, [&] { return rbdyn::effects(copy, options); });
 }
 
 void bind_effects(py::module_& m) {

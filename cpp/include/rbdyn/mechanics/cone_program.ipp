@@ -52,6 +52,12 @@ struct Scaled {
             for (std::size_t j = 0; j < z.size(); ++j) u[i] += a[i][j] * z[j];
         return u;
     }
+    /// The size of the rounding of a rate.
+    double rounding(std::size_t i, const std::vector<double>& z) const {
+        double sum = noise[i];
+        for (std::size_t j = 0; j < z.size(); ++j) sum += 1e-15 * std::abs(a[i][j] * z[j]);
+        return sum;
+    }
     std::vector<double> in(std::vector<double> z) const {
         for (std::size_t i = 0; i < z.size(); ++i) z[i] /= force[i] * size;
         return z;
@@ -195,8 +201,7 @@ inline bool newton(const Scaled& p, const std::vector<ConeState>& states, std::v
         for (std::size_t i = 0; i < all; ++i) {
             double noise = 1e-300;
             if (i < n) {
-                noise += p.noise[unknown[i]];
-                for (std::size_t j = 0; j < z.size(); ++j) noise += 1e-15 * std::abs(p.a[unknown[i]][j] * z[j]);
+                noise += p.rounding(unknown[i], z);
             } else {
                 const double normal = z[static_cast<std::size_t>(p.cones[sliding[i - n]].first)];
                 noise += 1e-15 * normal * normal;
@@ -270,10 +275,8 @@ inline std::optional<ConeForces> settled(const Scaled& p, std::vector<ConeState>
         for (std::size_t k = 0; k < count; ++k) {
             const Cone& cone = p.cones[k];
             const auto f = static_cast<std::size_t>(cone.first);
-            double noise = p.noise[f];
-            for (std::size_t j = 0; j < z.size(); ++j) noise += 1e-15 * std::abs(p.a[f][j] * z[j]);
             if (states[k] == ConeState::open) {
-                if (u[f] < -8.0 * noise) fails(k, -u[f], cone.is_line ? ConeState::slides : ConeState::held);
+                if (u[f] < -8.0 * p.rounding(f, z)) fails(k, -u[f], cone.is_line ? ConeState::slides : ConeState::held);
                 continue;
             }
             if (z[f] < 0.0) fails(k, -z[f], ConeState::open);

@@ -71,10 +71,9 @@ RBDYN_INLINE double TreeModel::speed_of(int contact, const std::vector<mechanics
 RBDYN_INLINE std::vector<std::vector<double>> TreeModel::coupling(const std::vector<mechanics::Moving<double>>& all,
                                                                   const std::vector<int>& of) const {
     const auto every = conditions_->rows<double>(*tree_, all);
-    std::vector<mechanics::Row<double>> constraints, rows;
-    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    std::vector<mechanics::Row<double>> rows;
     for (const int k : of) rows.push_back(every[at(conditions_->normal_row(k))]);
-    return friction::Coupled(*tree_, all, constraints, rows, rows).matrix();
+    return friction::Coupled(*tree_, all, constraints_of(every), rows, rows).matrix();
 }
 
 RBDYN_INLINE std::pair<std::vector<double>, std::vector<double>> TreeModel::opening(const Mode& mode, double t,
@@ -120,9 +119,8 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
 RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
                                   const std::vector<int>& stuck) const {
     const auto all = moving(t, x);
-    const auto every = conditions_->rows<double>(*tree_, all);
-    std::vector<mechanics::Row<double>> constraints, rows, acting;
-    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    const auto constraints = constraints_of(conditions_->rows<double>(*tree_, all));
+    std::vector<mechanics::Row<double>> rows, acting;
     for (const int k : of) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         const auto touching = c.touching<double>(*tree_, all);

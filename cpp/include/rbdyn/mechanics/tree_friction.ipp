@@ -92,9 +92,7 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
         if (strikes) result.cones.back().mu = c.mu_dynamic;
         result.all.push_back(std::move(one));
     }
-    const auto every = conditions_->rows<double>(*tree_, all);
-    std::vector<mechanics::Row<double>> constraints;
-    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    const auto constraints = constraints_of(conditions_->rows<double>(*tree_, all));
     result.coupled.emplace(*tree_, all, constraints, result.rows, result.pushes);
     result.matrix = result.coupled->matrix();
     return result;

@@ -196,6 +196,12 @@ private:
     /// Accelerations of the gaps of contacts in a mode where they are open, and the sizes of what these are made of.
     std::pair<std::vector<double>, std::vector<double>> opening(const Mode& mode, double t, std::span<const double> x,
                                                                 const std::vector<int>& of) const;
+    /// Of all rows those of the constraints that are used.
+    std::vector<mechanics::Row<double>> constraints_of(const std::vector<mechanics::Row<double>>& every) const {
+        std::vector<mechanics::Row<double>> used;
+        for (const int r : rows_) used.push_back(every[at(r)]);
+        return used;
+    }
     /// J M^-1 J^T of contacts, the constraints held.
     std::vector<std::vector<double>> coupling(const std::vector<mechanics::Moving<double>>& all,
                                               const std::vector<int>& of) const;

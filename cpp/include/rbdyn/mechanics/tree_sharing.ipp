@@ -39,9 +39,9 @@ RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t
 RBDYN_INLINE bool TreeModel::makes_no_difference(const Touched& touched, std::size_t one,
                                                  const std::vector<int>& chosen) const {
     // a unit of its force, and of the others what keeps their accelerations
-    std::vector<mechanics::Row<double>> rows, acting, constraints;
+    std::vector<mechanics::Row<double>> rows, acting;
     const auto every = conditions_->rows<double>(*tree_, touched.moving);
-    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    const auto constraints = constraints_of(every);
     for (std::size_t i = 0; i < touched.all.size(); ++i) {
         const int k = touched.all[i].contact;
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
@@ -143,8 +143,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
     }
     if (loose.empty() || !(size > 0.0)) return are_in(force);
     // what a unit along each loose axis makes of all others
-    std::vector<mechanics::Row<double>> constraints;
-    for (const int r : rows_) constraints.push_back(every[at(r)]);
+    const auto constraints = constraints_of(every);
     const mechanics::Square a = friction::Coupled(*tree_, all, constraints, rows, acting).matrix(),
                             by = friction::Coupled(*tree_, all, constraints, rows, loose_rows).matrix();
     mechanics::Square directions;
