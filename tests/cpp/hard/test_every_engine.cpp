@@ -26,6 +26,29 @@ TEST(EveryEngine, says_each_time_that_a_speed_under_quadratic_drag_passes_zero) 
         }
 }
 
+TEST(EveryEngine, finds_where_a_fall_ends_however_long_the_run_may_go_on) {
+    // 1 m down and a micrometre, in a vacuum and under a drag that is felt after a hundred seconds
+    for (const double drag : {0.0, 1e-2})
+        for (const double height : {1.0, 1e-6})
+            for (const std::string& engine : simulating::engines())
+                for (const double until : {1.0, 1e3, 1e6, 1e9}) {
+                    Scene scene(Vector3(0, 0, -9.81));
+                    const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{0, 0, height}, {0, 0, 0}});
+                    if (drag != 0.0) scene.apply(Drag{.linear = drag}, ball);
+                    scene.watch("floor", [ball](const Now& now) { return now[ball].position()[2]; },
+                                {.action = {WatchAction::Kind::stop}});
+                    const Trajectory run = simulate(scene, {.until = until, .error = 1e-9, .engine = engine});
+                    // h = g t^2 (1/2 - k t / 6 + (k t)^2 / 24 - ...)
+                    double time = std::sqrt(2.0 * height / 9.81);
+                    for (int pass = 0; pass < 20; ++pass) {
+                        const double k = drag * time;
+                        time = std::sqrt(height / 9.81 / (0.5 - k / 6.0 * (1.0 - k / 4.0 * (1.0 - k / 5.0))));
+                    }
+                    ASSERT_EQ(run.status(), Status::stopped_by_event) << engine << ' ' << until << ' ' << height;
+                    EXPECT_NEAR(run.end(), time, 2e-9 * time) << engine << ' ' << until << ' ' << drag;
+                }
+}
+
 /// A force along x with a power of what a choice keeps from being negative, and its potential.
 struct EdgePower {
     const char* name;

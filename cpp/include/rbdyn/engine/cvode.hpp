@@ -86,6 +86,9 @@ private:
     /// Estimates how far each group is about to move; returns a first step, in units, for a method of order one.
     double measure(int orders, double span);
 
+    /// About when a guard may be zero first, in units: what happens then is not judged by how far the motion goes on.
+    double first_passage(int orders, double span) const;
+
     /// Error allowed in the variables of a group. Never less than rounding of the numbers themselves can give.
     double absolute_tolerance(std::size_t g) const;
 

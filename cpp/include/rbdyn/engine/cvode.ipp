@@ -247,6 +247,7 @@ RBDYN_INLINE int CvodeEngine::expand(double span, double& unit) {
 RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
     std::array<double, start_order + 1> size;
     double first_step = span;
+    const double passage = first_passage(orders, span);
     for (std::size_t g = 0; g < estimates_.size(); ++g) {
         const VariableGroup& group = equations_->groups[g];
         size.fill(0.0);
@@ -261,12 +262,26 @@ RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
             if (size[at(k)] > 0.0)
                 reach = std::min(reach, 0.3 * std::pow(size[at(lead)] / size[at(k)], 1.0 / (k - lead)));
         if (!std::isfinite(reach)) reach = std::isfinite(span) ? span : 1.0;
+        reach = std::min(reach, passage);
         estimates_[g] = std::max(estimates_[g], size[at(lead)] * std::pow(reach, lead));
         const double tolerance = absolute_tolerance(g);
         for (int k = 2; k <= orders; ++k)
             if (size[at(k)] > 0.0) first_step = std::min(first_step, 0.5 * std::pow(tolerance / size[at(k)], 1.0 / k));
     }
     return std::isfinite(first_step) ? first_step : 1.0;
+}
+
+RBDYN_INLINE double CvodeEngine::first_passage(int orders, double span) const {
+    double first = std::numeric_limits<double>::infinity();
+    for (const Guard& guard : equations_->guards) {
+        if (guard.output < 0) continue;
+        const double* c = integrator_->series.output(guard.output);
+        int lead = 0;
+        while (lead < orders && c[lead] == 0.0) ++lead;
+        for (int k = lead + 1; k < orders; ++k)
+            if (c[k] != 0.0) first = std::min(first, std::pow(std::abs(c[lead] / c[k]), 1.0 / (k - lead)));
+    }
+    return std::max(first, 0x1p-60 * span);
 }
 
 RBDYN_INLINE double CvodeEngine::absolute_tolerance(std::size_t g) const {
