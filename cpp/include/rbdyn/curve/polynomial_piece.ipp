@@ -25,7 +25,7 @@ RBDYN_INLINE PolynomialPiece::PolynomialPiece(const std::vector<WideVector>& coe
     for (const WideVector& c : coefficients) position_.push_back(rounded(c));
     while (position_.size() > 2 && position_.back().isZero(0.0)) position_.pop_back();
     wide_[0].assign(coefficients.begin(), coefficients.begin() + static_cast<std::ptrdiff_t>(position_.size()));
-    for (std::size_t j : {1, 2})
+    for (const std::size_t j : {std::size_t{1}, std::size_t{2}})
         for (std::size_t k = 1; k < wide_[j - 1].size(); ++k)
             wide_[j].push_back(wide_[j - 1][k] * DoubleDouble(static_cast<double>(k)));
     if (sizes_.empty())

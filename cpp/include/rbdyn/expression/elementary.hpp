@@ -1,6 +1,7 @@
 // Elementary functions of expressions.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <string>
 
@@ -42,6 +43,10 @@ Expression pow(const Expression& x, const Expression& n);
 /// The sign of x, locked during smooth motion; its zeros are switching points of the recorded function.
 Expression locked_sign(const Expression& x, const std::string& name = "sign");
 inline double locked_sign(double x, const std::string& = {}) { return x < 0.0 ? -1.0 : 1.0; }
+template <std::same_as<long double> T>
+T locked_sign(T x, const std::string& = {}) {
+    return x < 0 ? T(-1) : T(1);
+}
 inline DoubleDouble locked_sign(const DoubleDouble& x, const std::string& = {}) { return x.hi < 0.0 ? -1.0 : 1.0; }
 
 inline Expression abs(const Expression& x) { return locked_sign(x, "abs") * x; }
