@@ -20,6 +20,7 @@ DOCUMENTS = [
     "docs/command_line.md",
     "docs/cost.md",
     "docs/effects.md",
+    "docs/errata.md",
     "docs/files.md",
     "docs/functions.md",
     "docs/many.md",
