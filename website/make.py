@@ -25,7 +25,11 @@ GUIDE = {
     "Run": ["plan", "accuracy", "events", "many", "files", "command_line"],
     "Look": ["pictures", "cost", "effects", "verification"],
 }
-FOLDERS = {"docs/decisions/": "[decisions](decisions/index.md)", "examples/": "[examples](examples/index.md)"}
+FOLDERS = {
+    "docs/decisions/": "[decisions](decisions/index.md)",
+    "docs/notebooks/": "[notebooks](notebooks/1_hoop.md)",
+    "examples/": "[examples](examples/index.md)",
+}
 BACKGROUND = ["numerical_methods", "promises", "errata", "benchmarks", "compiling"]
 
 
@@ -37,7 +41,8 @@ def title_of(page: Path) -> str:
 def adapted(text: str, up: str) -> str:
     """A document with what is named in it by its path in the project as links; `up`: to where the documents are."""
     text = re.sub(r"(?<!\[)`docs/([\w/-]+\.md)`(?!\])", rf"[\1]({up}\1)", text)
-    text = re.sub(r"(?<!\[)`(?:docs/decisions|examples)/`(?!\])", lambda found: FOLDERS[found[0].strip("`")], text)
+    for folder, link in FOLDERS.items():
+        text = text.replace(f"`{folder}`", link.replace("](", f"]({up}"))
     return text.replace("](docs/", f"]({up}")
 
 
