@@ -3,7 +3,7 @@
 SI units, radians, world axes unless a name says otherwise. A scene is data; simulate() runs it.
 """
 
-from rbdyn import pictures, shapes, signatures
+from rbdyn import html_tables, pictures, shapes, signatures
 from rbdyn._core import (
     Ball,
     BodyHandle,
@@ -232,6 +232,7 @@ __all__ = [
     "where",
 ]
 
+html_tables.give()
 pictures.give()
 signatures.give()
-del pictures, signatures
+del html_tables, pictures, signatures

@@ -2166,6 +2166,10 @@ class Scene:
         ...
     def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
         ...
+    def _repr_html_(self) -> str:
+        """
+        A row for each thing in a scene: what it is, its numbers, how it starts.
+        """
     def add(self, body: Particle | RigidBody, joint: Free | Rail | Spherical | Revolute | Prismatic | Universal | Cylindrical | Planar | Fixed = ..., *, parent: BodyHandle | None = None, name: str | None = None, **kwargs: typing.Any) -> BodyHandle:
         """
         Adds a body with the joint to its parent, and its initial state in the joint's words.
@@ -2517,6 +2521,10 @@ class Plan:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self: Plan | SystemPlan) -> str:
+        """
+        What is simulated, what is left out and why.
+        """
     @property
     def coordinates(self) -> list[str]:
         """
@@ -2781,6 +2789,10 @@ class Event:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self) -> str:
+        """
+        One line of a table of events.
+        """
     @property
     def count(self) -> int:
         """
@@ -2846,6 +2858,10 @@ class Events:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self) -> str:
+        """
+        A row an event, the first of them.
+        """
     def times(self, kind_or_name: str, subject: Handle | None = None) -> numpy.typing.NDArray[numpy.float64]:
         """
         Times (n,) [s] of the events of a kind, a watch or a body, of one subject if given.
@@ -3236,6 +3252,10 @@ class Trajectory:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self: Trajectory | SystemRun) -> str:
+        """
+        How a run ended, with which engine, at which price, and its events.
+        """
     def angular_momentum(self, t: numpy.typing.ArrayLike, pole: _Pole = [0.0, 0.0, 0.0], of: Handle | collections.abc.Sequence[Handle] | None = None, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         About a pole [kg m^2/s] (7.31).
@@ -3848,6 +3868,10 @@ class SystemPlan:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self: Plan | SystemPlan) -> str:
+        """
+        What is simulated, what is left out and why.
+        """
     @property
     def engine(self) -> str:
         """
@@ -3921,6 +3945,10 @@ class SystemRun:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self: Trajectory | SystemRun) -> str:
+        """
+        How a run ended, with which engine, at which price, and its events.
+        """
     def rate(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
         """
         Its derivative in time, (n,) or (k, n): f on the side of each case distinction that the motion is on.
@@ -4062,6 +4090,10 @@ class EffectTable:
         ...
     def __str__(self) -> str:
         ...
+    def _repr_html_(self) -> str:
+        """
+        What a scene is without each of its effects: the motion, its events, its price.
+        """
     @property
     def events(self) -> int:
         """

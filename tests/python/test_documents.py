@@ -18,8 +18,10 @@ DOCUMENTS = [
     "docs/accuracy.md",
     "docs/bodies.md",
     "docs/command_line.md",
+    "docs/conventions.md",
     "docs/cost.md",
     "docs/effects.md",
+    "docs/errata.md",
     "docs/files.md",
     "docs/functions.md",
     "docs/many.md",
@@ -161,3 +163,33 @@ def test_outputs_that_are_not_what_is_shown_are_found():
     assert differs(shown, told.replace("5.5", "5.6")) is not None
     assert differs(shown, told + "more\n") is not None
     assert differs("1 0.25...", "1 0.2512") is None and differs("1 0.25...", "1 0.26") is not None
+
+
+def test_each_promise_names_a_test_that_there_is(root):
+    text = (root / "docs" / "promises.md").read_text()
+    rows = re.findall(r"^\| (?!promised|---).* \| (.*) \|$", text, re.MULTILINE)
+    assert len(rows) > 20
+    for row in rows:
+        named = re.findall(r"`([\w/.]+)::(\w+)`", row)
+        assert named, row
+        for file, name in named:
+            language = "cpp" if file.endswith(".cpp") else "python"
+            tests = (root / "tests" / language / file).read_text()
+            assert re.search(rf"\b{name}\b", tests), f"{file} has no test {name}"
+
+
+def test_conventions_list_the_words_that_there_are(root):
+    """Statuses, event kinds and directions are those of the library."""
+    conventions = (root / "docs" / "conventions.md").read_text()
+    source = (root / "cpp" / "include" / "rbdyn" / "event" / "event.ipp").read_text()
+    functions = source.split("RBDYN_INLINE std::string_view ")
+    (kinds,) = (text for text in functions if text.startswith("name_of(EventKind"))
+    (statuses,) = (text for text in functions if text.startswith("name_of(Status"))
+    (advice,) = (text for text in functions if text.startswith("advice("))
+    words = re.findall(r'"([\w -]+)"', kinds)
+    (row,) = re.findall(r"^\| event kinds \| (.*)\(", conventions, re.MULTILINE)
+    assert re.findall(r"`([\w-]+)`", row) == words and len(words) == 13
+    told = re.findall(r'"([^"]+)"', re.sub(r'"\s+"', "", advice))  # texts side by side are one
+    table = re.findall(r"^\| `([\w ]+)` \| (.*) \|$", conventions, re.MULTILINE)
+    assert [name for name, _ in table] == re.findall(r'"([\w ]+)"', statuses)
+    assert [sentence for _, sentence in table] == told
