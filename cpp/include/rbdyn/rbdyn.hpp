@@ -4,6 +4,10 @@
 // rbdyn::header_only it is defined at the end of this header, and nothing of rbdyn's own is linked.
 #pragma once
 
+#if __cplusplus < 202002L && !(defined(_MSVC_LANG) && _MSVC_LANG >= 202002L)
+#error "rbdyn needs C++20: compile with -std=c++20, or link the target rbdyn::rbdyn, which asks for it"
+#endif
+
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/body/momentum.hpp"
 #include "rbdyn/body/shapes.hpp"

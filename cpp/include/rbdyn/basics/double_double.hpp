@@ -45,16 +45,13 @@ inline DoubleDouble ordered_sum(double a, double b) {
 /// a b exactly, short of overflow and underflow.
 inline DoubleDouble exact_product(double a, double b) {
     const double p = a * b;
-#ifdef __FMA__
-    return {p, std::fma(a, b, -p)};
-#else
-    // Veltkamp's splitting into halves of 26 bits
+    // Veltkamp's splitting into halves of 26 bits; a fused operation would do as well, where the processor that this is
+    // compiled for has one, and files of one program may differ in that
     constexpr double splitter = 0x1p27 + 1.0;
     const double a_big = splitter * a, b_big = splitter * b;
     const double a_hi = a_big - (a_big - a), b_hi = b_big - (b_big - b);
     const double a_lo = a - a_hi, b_lo = b - b_hi;
     return {p, ((a_hi * b_hi - p) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo};
-#endif
 }
 
 }  // namespace double_double

@@ -18,7 +18,8 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 using Vector3 = Eigen::Vector3d;
-using Matrix3 = Eigen::Matrix3d;
+// by columns whatever EIGEN_DEFAULT_TO_ROW_MAJOR says
+using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::ColMajor>;
 
 // In doubles, one operation at a time: results are vectors, not expressions, of which there would be hundreds of types
 // to compile. Chosen before Eigen's own where both operands are vectors themselves, and only there.

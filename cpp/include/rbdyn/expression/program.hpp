@@ -170,10 +170,10 @@ private:
     /// The slot that holds a node's value, computed if it is not yet.
     int slot_of(std::int32_t n);
 
-    int emit(const Instruction& i);
-    int emit_power(int base, double exponent, bool is_locked);
+    int append(const Instruction& i);
+    int append_power(int base, double exponent, bool is_locked);
 
-    int emit(const Combination& sum);
+    int append(const Combination& sum);
 
     Combination combination(std::int32_t n);
 

@@ -116,27 +116,27 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
         case Operation::constant:
         case Operation::parameter:
         case Operation::add:
-        case Operation::multiply: slot = emit(combination(n)); break;
-        case Operation::divide: slot = emit({Code::divide, new_slot(), -1, slot_of(node.a), slot_of(node.b)}); break;
+        case Operation::multiply: slot = append(combination(n)); break;
+        case Operation::divide: slot = append({Code::divide, new_slot(), -1, slot_of(node.a), slot_of(node.b)}); break;
         case Operation::square_root:
             if (!r_.is_locked_positive(node.a)) {
-                slot = emit({Code::square_root, new_slot(), -1, slot_of(node.a)});
+                slot = append({Code::square_root, new_slot(), -1, slot_of(node.a)});
                 break;
             }
-            slot = emit_power(slot_of(node.a), 0.5, true);
+            slot = append_power(slot_of(node.a), 0.5, true);
             break;
         case Operation::norm: {
             Instruction i{Code::norm, new_slot(), -1, slot_of(node.a), slot_of(node.b), slot_of(node.c)};
             i.weight = scalar_of(r_.parameter(node.d));
             i.extra = p_.states_++;
-            slot = emit(i);
+            slot = append(i);
             break;
         }
         case Operation::sine:
         case Operation::cosine: {
             Instruction i{Code::sine_cosine, new_slot(), new_slot(), slot_of(node.a)};
             i.extra = new_slot();
-            emit(i);
+            append(i);
             slots_.set(r_.record(Operation::sine, node.a).node(), i.out);
             slots_.set(r_.record(Operation::cosine, node.a).node(), i.out2);
             slot = node.operation == Operation::sine ? i.out : i.out2;
@@ -146,7 +146,7 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
         case Operation::hyperbolic_cosine: {
             Instruction i{Code::hyperbolic, new_slot(), new_slot(), slot_of(node.a)};
             i.extra = new_slot();
-            emit(i);
+            append(i);
             slots_.set(r_.record(Operation::hyperbolic_sine, node.a).node(), i.out);
             slots_.set(r_.record(Operation::hyperbolic_cosine, node.a).node(), i.out2);
             slot = node.operation == Operation::hyperbolic_sine ? i.out : i.out2;
@@ -155,7 +155,7 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
         case Operation::hyperbolic_tangent: {
             Instruction i{Code::tangent, new_slot(), new_slot(), slot_of(node.a)};
             i.extra = new_slot();
-            slot = emit(i);
+            slot = append(i);
             break;
         }
         case Operation::angle: {
@@ -164,7 +164,7 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
             const std::int32_t square = r_.node_of(x * x + y * y);
             Instruction i{Code::angle, new_slot(), -1, slot_of(node.a), slot_of(node.b), slot_of(square)};
             i.extra = new_slot();
-            slot = emit(i);
+            slot = append(i);
             break;
         }
         case Operation::call: {
@@ -179,7 +179,7 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
             Instruction i{Code::call, slot};
             i.extra = static_cast<int>(p_.calls_.size());
             p_.calls_.push_back(std::move(call));
-            emit(i);
+            append(i);
             break;
         }
         case Operation::exponential:
@@ -187,31 +187,31 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
             Instruction i{node.operation == Operation::exponential ? Code::exponential : Code::logarithm, new_slot(),
                           -1, slot_of(node.a)};
             i.extra = new_slot();
-            slot = emit(i);
+            slot = append(i);
             break;
         }
         case Operation::power:
-            slot = emit_power(slot_of(node.a), node.value, node.value > 0.0 && r_.is_locked_positive(node.a));
+            slot = append_power(slot_of(node.a), node.value, node.value > 0.0 && r_.is_locked_positive(node.a));
             break;
         default: break;
     }
     return slots_.set(n, slot);
 }
 
-RBDYN_INLINE int Lowering::emit(const Instruction& i) {
+RBDYN_INLINE int Lowering::append(const Instruction& i) {
     p_.instructions_.push_back(i);
     return i.out;
 }
 
-RBDYN_INLINE int Lowering::emit_power(int base, double exponent, bool is_locked) {
+RBDYN_INLINE int Lowering::append_power(int base, double exponent, bool is_locked) {
     Instruction i{Code::power, new_slot(), -1, base};
     i.extra = new_slot();
     i.value = exponent;
     i.is_locked = is_locked;
-    return emit(i);
+    return append(i);
 }
 
-RBDYN_INLINE int Lowering::emit(const Combination& sum) {
+RBDYN_INLINE int Lowering::append(const Combination& sum) {
     if (sum.products.empty() && sum.constant.is_zero() && sum.terms.size() == 1) {
         const auto& [slot, weight] = *sum.terms.begin();
         if (weight.is_one()) return slot;
@@ -227,7 +227,7 @@ RBDYN_INLINE int Lowering::emit(const Combination& sum) {
     i.products = static_cast<int>(p_.products_.size()) - i.first_product;
     if (!sum.constant.is_zero()) i.weight = scalar_of(sum.constant);
     i.out = new_slot();
-    return emit(i);
+    return append(i);
 }
 
 RBDYN_INLINE Lowering::Combination Lowering::combination(std::int32_t n) {

@@ -1,6 +1,7 @@
 // Loads: forces and torques on one body.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -27,6 +28,8 @@ namespace rbdyn::inline RBDYN_FORM {
 class Force {
 public:
     Force(const Vector3& constant, Frame frame = Frame::world);
+    /// Of three numbers.
+    Force(std::initializer_list<double> constant, Frame frame = Frame::world);
     /// From a recorded function of (t, x, y, z, vx, vy, vz) with three results.
     explicit Force(Function function, std::string name = "function", Frame frame = Frame::world);
     /// From a function that is called back, of (t, x, y, z, vx, vy, vz) with three results.

@@ -26,6 +26,9 @@ RBDYN_INLINE Force::Force(const Vector3& constant, Frame frame) : constant_(cons
                 "a force is finite; give it in N");
 }
 
+RBDYN_INLINE Force::Force(std::initializer_list<double> constant, Frame frame)
+    : Force(components(constant, "Force"), frame) {}
+
 RBDYN_INLINE Force::Force(Function function, std::string name, Frame frame)
     : is_constant_(false), function_(std::move(function)), name_(std::move(name)), frame_(frame) {
     require_shape(function_.inputs(), function_.outputs());

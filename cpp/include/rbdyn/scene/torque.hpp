@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,6 +23,9 @@ namespace rbdyn::inline RBDYN_FORM {
 /// The axes a vector is given in: the world's, or those of the body it acts on.
 enum class Frame { world, body };
 
+/// A vector of three numbers. Throws InvalidInput for more or less. `object`: whose they are.
+Vector3 components(std::initializer_list<double> numbers, const std::string& object);
+
 /// A rotation matrix in numbers of any type: element of row i and column j is r[i][j].
 template <class S>
 using RotationOf = std::array<std::array<S, 3>, 3>;
@@ -32,6 +36,8 @@ using RotationOf = std::array<std::array<S, 3>, 3>;
 class Torque {
 public:
     Torque(const Vector3& constant, Frame frame = Frame::body);
+    /// Of three numbers.
+    Torque(std::initializer_list<double> constant, Frame frame = Frame::body);
     /// From a recorded function of t, the 9 elements of the matrix row by row, and the angular velocity, with three
     /// results.
     explicit Torque(Function function, std::string name = "function", Frame frame = Frame::body);

@@ -4,6 +4,7 @@
 #include "rbdyn/scene/torque.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,11 +16,20 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+RBDYN_INLINE Vector3 components(std::initializer_list<double> numbers, const std::string& object) {
+    require(numbers.size() == 3, object, "number of components", static_cast<double>(numbers.size()),
+            "a vector has three");
+    return {numbers.begin()[0], numbers.begin()[1], numbers.begin()[2]};
+}
+
 RBDYN_INLINE Torque::Torque(const Vector3& constant, Frame frame) : constant_(constant), frame_(frame) {
     for (int i = 0; i < 3; ++i)
         require(std::isfinite(constant[i]), "Torque", "component " + std::to_string(i), constant[i],
                 "a torque is finite; give it in N m");
 }
+
+RBDYN_INLINE Torque::Torque(std::initializer_list<double> constant, Frame frame)
+    : Torque(components(constant, "Torque"), frame) {}
 
 RBDYN_INLINE Torque::Torque(Function function, std::string name, Frame frame)
     : is_constant_(false), function_(std::move(function)), name_(std::move(name)), frame_(frame) {
