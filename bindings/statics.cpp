@@ -108,13 +108,14 @@ first. A heavy body has two, its centre of mass below and above the point that i
 (`axes`): the attitudes given are those reached without such a turn.
 More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
 to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
-rails it is one among others.
-An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
-or are called back, or with rails that move.)");
+rails it is one among others. So for bodies joined to bodies and constraints, which hold there; their coordinates are those
+a scene starts with: of a joint with a parent relative to it.
+An empty list: none was found. Raises InvalidInput for a scene without bodies or with contacts, with forces or torques that
+depend on time or are called back, or with rails or joints that are driven.)");
 }
 
-py::array_t<double> matrix_of(const rbdyn::SquareMatrix& m) {
-    return py::array_t<double>({m.size(), m.size()}, m.entries().data());
+py::array_t<double> matrix_of(const rbdyn::Matrix& m) {
+    return py::array_t<double>({m.rows(), m.columns()}, m.entries().data());
 }
 
 void bind_normal_modes(py::module_& m) {
@@ -129,11 +130,11 @@ void bind_normal_modes(py::module_& m) {
             R"(Of the frequencies, in the same order (n,) [1/s^2]; negative where the rest is unstable.)")
         .def_property_readonly(
             "shapes", [](const NormalModes& n) { return matrix_of(n.shapes); },
-            R"(One a column (n, n), of unit length in the metric of the kinetic energy: s.M s = 1.
+            R"(One a column (m, n), of unit length in the metric of the kinetic energy: s.M s = 1; m is n without constraints.
 
 The component of largest size is positive. Rows, in order of addition: the parameter of a bead; x, y, z of a free particle;
-the angle of a hinge; the displacement of a slide; of a body that turns freely the place of its centre of mass, if it is
-free, and small turns about the body's axes [rad].)")
+the angle of a hinge; the displacement of a slide; the coordinates of a joint that has more; of a body that turns freely the
+place of its centre of mass, if it is free, and small turns about the body's axes [rad].)")
         .def("__eq__",
              [](const NormalModes& a, const py::object& other) {
                  if (!py::isinstance<NormalModes>(other)) return false;
@@ -141,23 +142,23 @@ free, and small turns about the body's axes [rad].)")
                  return a.squares == b.squares && a.shapes == b.shapes;
              })
         .def("__hash__", [](const NormalModes& n) { return py::hash(numbers_of(n.squares)); })
-        .def(py::pickle(data,
-                        [](const py::tuple& d) {
-                            NormalModes n{d[0].cast<std::vector<double>>(), d[1].cast<std::vector<double>>(),
-                                          rbdyn::SquareMatrix()};
-                            const auto entries = d[2].cast<std::vector<double>>();
-                            const int size = static_cast<int>(n.squares.size());
-                            if (n.frequencies.size() != n.squares.size() ||
-                                entries.size() != n.squares.size() * n.squares.size())
-                                throw InvalidInput("NormalModes: its data have " + std::to_string(size) + " squares, " +
-                                                   std::to_string(n.frequencies.size()) + " frequencies and " +
-                                                   std::to_string(entries.size()) +
-                                                   " numbers of shapes; there are as many of each, and their square");
-                            n.shapes = rbdyn::SquareMatrix(size);
-                            for (int i = 0; i < size * size; ++i)
-                                n.shapes(i / size, i % size) = entries[static_cast<std::size_t>(i)];
-                            return n;
-                        }))
+        .def(py::pickle(
+            data,
+            [](const py::tuple& d) {
+                NormalModes n{d[0].cast<std::vector<double>>(), d[1].cast<std::vector<double>>(), rbdyn::Matrix()};
+                const auto entries = d[2].cast<std::vector<double>>();
+                const int size = static_cast<int>(n.squares.size());
+                if (n.frequencies.size() != n.squares.size() ||
+                    (size == 0 ? !entries.empty() : entries.size() % n.squares.size() != 0))
+                    throw InvalidInput("NormalModes: its data have " + std::to_string(size) + " squares, " +
+                                       std::to_string(n.frequencies.size()) + " frequencies and " +
+                                       std::to_string(entries.size()) +
+                                       " numbers of shapes; there are as many of each, and some rows of them");
+                n.shapes = rbdyn::Matrix(size == 0 ? 0 : static_cast<int>(entries.size()) / size, size);
+                for (int i = 0; i < static_cast<int>(entries.size()); ++i)
+                    n.shapes(i / size, i % size) = entries[static_cast<std::size_t>(i)];
+                return n;
+            }))
         .def("__str__", &printed<NormalModes>)
         .def("__repr__", [](const NormalModes& n) { return "<NormalModes: squares " + tuple_text(n.squares) + ">"; });
     m.def(

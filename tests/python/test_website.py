@@ -15,14 +15,14 @@ NAMES = set(rb.__all__) - {"__version__"}
 @pytest.fixture(scope="module")
 def website(root):
     """The modules that put the site together, by name."""
-    sys.path.insert(0, str(root / "website"))
+    sys.path.insert(0, str(root / "docs" / "website"))
     import cpp_reference
     import links
     import make
     import python_reference
 
     yield {"make": make, "cpp": cpp_reference, "links": links, "python": python_reference}
-    sys.path.remove(str(root / "website"))
+    sys.path.remove(str(root / "docs" / "website"))
 
 
 def test_each_public_name_stands_once_in_the_reference(website, tmp_path):

@@ -41,6 +41,28 @@ private:
 };
 using SquareMatrix = SquareMatrixOf<double>;
 
+/// A matrix of any shape, zero to begin with.
+class Matrix {
+public:
+    explicit Matrix(int rows = 0, int columns = 0)
+        : rows_(rows), columns_(columns), a_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns)) {}
+    int rows() const { return rows_; }
+    int columns() const { return columns_; }
+    double& operator()(int i, int j) { return a_[place(i, j)]; }
+    const double& operator()(int i, int j) const { return a_[place(i, j)]; }
+    /// All entries, row by row.
+    const std::vector<double>& entries() const { return a_; }
+    bool operator==(const Matrix&) const = default;
+
+private:
+    std::size_t place(int i, int j) const {
+        return static_cast<std::size_t>(i) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(j);
+    }
+
+    int rows_, columns_;
+    std::vector<double> a_;
+};
+
 /// a b, in the number type of both.
 template <class T>
 SquareMatrixOf<T> product(const SquareMatrixOf<T>& a, const SquareMatrixOf<T>& b) {

@@ -19,31 +19,6 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
-RBDYN_INLINE std::vector<std::vector<double>> jacobian(const Tree& tree, const std::vector<Row<double>>& rows,
-                                                       const std::vector<Moving<double>>& all) {
-    std::vector<std::vector<double>> m;
-    for (const Row<double>& row : rows) {
-        std::vector<double> one(static_cast<std::size_t>(tree.velocities()), 0.0);
-        const auto follow = [&](int body, Wrench<double> w) {
-            while (body >= 0) {
-                const Node& n = tree.node(body);
-                const Moving<double>& here = all[static_cast<std::size_t>(body)];
-                for (int k = 0; k < n.joint.velocities(); ++k)
-                    one[static_cast<std::size_t>(n.v + k)] += power(here.joint[static_cast<std::size_t>(k)], w);
-                // what turns freely by itself does not turn with its parent
-                if (n.joint.attitude() >= 0) w.moment = Vector3::Zero();
-                if (n.parent >= 0)
-                    w = about<double>(w, Vector3(here.place - all[static_cast<std::size_t>(n.parent)].place));
-                body = n.parent;
-            }
-        };
-        follow(row.a, row.on_a);
-        follow(row.b, row.on_b);
-        m.push_back(std::move(one));
-    }
-    return m;
-}
-
 RBDYN_INLINE std::vector<double> smallest_solution(const std::vector<std::vector<double>>& m,
                                                    const std::vector<double>& b) {
     // m m^T y = b, x = m^T y; a little is added for rows that depend on each other, and taken back by refinement
@@ -71,9 +46,8 @@ RBDYN_INLINE std::vector<double> smallest_solution(const std::vector<std::vector
 
 namespace assembling {
 
-/// Puts the state of a tree back into the start of a scene's body, relative to its parent.
-inline void put(const Tree& tree, int i, const std::vector<Moving<DoubleDouble>>& all,
-                const std::vector<DoubleDouble>& x, Scene::Body& body) {
+RBDYN_INLINE void put(const Tree& tree, int i, const std::vector<Moving<DoubleDouble>>& all,
+                      const std::vector<DoubleDouble>& x, Scene::Body& body) {
     const auto at = [](int k) { return static_cast<std::size_t>(k); };
     const Node& n = tree.node(i);
     const Moving<DoubleDouble> ground;

@@ -114,7 +114,9 @@ public:
     }
 
     /// All variables as the scene starts, in 32 digits.
-    std::vector<DoubleDouble> start(double t) const;
+    std::vector<DoubleDouble> start(double t) const { return start(t, starts_); }
+    /// As others of the same bodies start.
+    std::vector<DoubleDouble> start(double t, const std::vector<Scene::Body>& starts) const;
 
     /// Variables that share a scale.
     std::vector<VariableGroup> groups() const;

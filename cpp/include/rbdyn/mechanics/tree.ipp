@@ -126,14 +126,14 @@ RBDYN_INLINE Anchor Tree::anchor(const End& end) const {
     return {body, n.center};
 }
 
-RBDYN_INLINE std::vector<DoubleDouble> Tree::start(double t) const {
+RBDYN_INLINE std::vector<DoubleDouble> Tree::start(double t, const std::vector<Scene::Body>& starts) const {
     std::vector<DoubleDouble> x(at(variables()), 0.0);
     DoubleDouble *q = x.data(), *v = q + positions_;
     std::vector<Moving<DoubleDouble>> all;
     const Moving<DoubleDouble> ground;
     for (int i = 0; i < size(); ++i) {
         const Node& n = node(i);
-        const Scene::Body& b = starts_[at(i)];
+        const Scene::Body& b = starts[at(i)];
         DoubleDouble *own_q = q + n.q, *own_v = v + n.v;
         const Moving<DoubleDouble>& parent = b.parent < 0 ? ground : all[at(b.parent)];
         // relative to the parent: where the origin of the body's axes is, and how the body turns

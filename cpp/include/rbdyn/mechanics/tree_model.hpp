@@ -10,6 +10,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/event/event.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/mechanics/constraint.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
@@ -34,6 +35,9 @@ class TreeWriter;  // mechanics/tree_writer.hpp
 
 /// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
 bool needs_tree(const Scene& scene);
+
+/// Throws InvalidInput for rails that have no law in a tree: rough, one-sided, moving ones, and those that let go.
+void require_simple_rails(const Scene& scene);
 
 class TreeModel : public SceneModel {
 public:

@@ -44,12 +44,7 @@ RBDYN_INLINE bool needs_tree(const Scene& scene) {
     return !std::all_of(scene.bodies().begin(), scene.bodies().end(), is_special);
 }
 
-RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& numbers)
-    : SceneModel(numbers),
-      scene_(scene),
-      tree_(std::make_shared<const mechanics::Tree>(scene)),
-      exerted_(std::make_shared<const mechanics::Exerted>(scene, *tree_)),
-      why_all_("bodies are joined to bodies") {
+RBDYN_INLINE void require_simple_rails(const Scene& scene) {
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
         if (rail == nullptr) continue;
@@ -59,6 +54,15 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                                ": beside bodies that are joined to bodies a Rail is smooth, holds on both sides and is "
                                "fixed in its parent in this version");
     }
+}
+
+RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& numbers)
+    : SceneModel(numbers),
+      scene_(scene),
+      tree_(std::make_shared<const mechanics::Tree>(scene)),
+      exerted_(std::make_shared<const mechanics::Exerted>(scene, *tree_)),
+      why_all_("bodies are joined to bodies") {
+    require_simple_rails(scene);
     require_finite_drives(0.0);
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());

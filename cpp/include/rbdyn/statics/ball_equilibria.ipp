@@ -12,7 +12,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/point_forces.hpp"
 #include "rbdyn/statics/search.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {

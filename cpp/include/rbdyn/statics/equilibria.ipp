@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
@@ -12,22 +13,49 @@
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/curve/point.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/ball_equilibria.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/path_equilibria.hpp"
 #include "rbdyn/statics/path_forces.hpp"
+#include "rbdyn/statics/point_forces.hpp"
 #include "rbdyn/statics/search.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+namespace statics {
+
+/// The one state of rest that a search leads to, if it leads to any.
+inline std::vector<Equilibrium> nearest(Forces& forces, const std::vector<double>& near) {
+    const std::vector<double> start = near.empty() ? forces.start() : forces.place(near);
+    std::vector<double> q = start;
+    if (near.empty() && settle(forces, q) && relax(forces, q)) return {judged(forces, std::move(q), start).equilibrium};
+    q = start;
+    if (!relax(forces, q)) return {};
+    return {judged(forces, std::move(q), start).equilibrium};
+}
+
+/// Of small oscillations, where masses are not those of single freedoms, the longest first [s].
+inline std::vector<double> periods(const Scene& scene, const Equilibrium& e) {
+    std::vector<double> result;
+    for (const double square : normal_modes(scene, e).squares)
+        if (square > 0.0) result.push_back(2.0 * std::numbers::pi / std::sqrt(square));
+    return result;
+}
+
+}  // namespace statics
 
 RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::vector<double>& near) {
     const std::string user = "equilibria";
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is asked");
     const Scene now = scene.frozen();
+    const bool is_tree = needs_tree(now);
     int coordinates = 0;
     for (int i = 0; i < static_cast<int>(now.bodies().size()); ++i) {
         const Scene::Body& body = now.bodies()[static_cast<std::size_t>(i)];
@@ -39,26 +67,28 @@ RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::
             require(u >= d.begin && u <= d.end, user, "near, parameter of " + body.name, u,
                     "it lies in the domain of the curve, " + text(d.begin) + " to " + text(d.end));
         }
-        coordinates += statics::Forces::coordinates_of(body);
+        coordinates += is_tree ? statics::TreeForces::coordinates_of(body) : statics::PointForces::coordinates_of(body);
     }
     require(near.empty() || static_cast<int>(near.size()) == coordinates, user, "number of coordinates in near",
             static_cast<double>(near.size()), "this scene has " + std::to_string(coordinates));
     for (const double x : near) require(std::isfinite(x), user, "a coordinate of near", x, "it is finite");
+    if (is_tree) {
+        statics::TreeForces forces(now);
+        require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
+        std::vector<Equilibrium> found = statics::nearest(forces, near);
+        for (Equilibrium& e : found)
+            if (!e.periods.empty()) e.periods = statics::periods(now, e);
+        return found;
+    }
     const Scene::Body& first = now.bodies()[0];
     if (now.bodies().size() == 1 && coordinates == 1) {
         const double place = near.empty() ? first.parameter : near[0];
         return PathEquilibria(first.rail() != nullptr ? statics::alone(now, BodyHandle{0}, user) : now, place).find();
     }
-    statics::Forces forces(now);
-    const std::vector<double> start = near.empty() ? forces.start() : forces.place(near);
+    statics::PointForces forces(now);
     if (now.bodies().size() == 1 && std::holds_alternative<Spherical>(first.joint))
-        return statics::BallEquilibria(now, start).find();
-    std::vector<double> q = start;
-    if (near.empty() && statics::settle(forces, q) && statics::relax(forces, q))
-        return {statics::judged(forces, std::move(q), start).equilibrium};
-    q = start;
-    if (!statics::relax(forces, q)) return {};
-    return {statics::judged(forces, std::move(q), start).equilibrium};
+        return statics::BallEquilibria(now, near.empty() ? forces.start() : forces.place(near)).find();
+    return statics::nearest(forces, near);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

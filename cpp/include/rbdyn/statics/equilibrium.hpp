@@ -15,7 +15,8 @@ namespace rbdyn::inline RBDYN_FORM {
 struct Equilibrium {
     /// In order of addition: the parameter of a bead; x, y, z of a free particle; the angle of a hinge, in (-pi, pi] if
     /// it is all there is; the displacement of a slide; the attitude of a body on a ball joint, w, x, y, z; place and
-    /// attitude of a free body, seven numbers.
+    /// attitude of a free body, seven numbers; the coordinates of other joints; relative to the parent where there is
+    /// one, as a scene starts.
     std::vector<double> coordinates;
     /// U has a strict maximum there, or friction holds it; not where it is indifferent, turns about `axes` left aside,
     /// nor where that is not decided.

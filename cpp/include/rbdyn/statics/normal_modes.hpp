@@ -32,9 +32,10 @@ struct NormalModes {
     /// omega, in the same order [rad/s]; not a number where the square is negative.
     std::vector<double> frequencies;
     /// One a column, s.M s = 1, the component of largest size positive. Rows in order of addition: the parameter of a
-    /// bead; x, y, z of a free particle; the angle of a hinge; the displacement of a slide; of a body that turns freely
-    /// the place of its centre of mass, if it is free, and small turns about the body's axes [rad].
-    SquareMatrix shapes;
+    /// bead; x, y, z of a free particle; the angle of a hinge; the displacement of a slide; the coordinates of a joint
+    /// that has more; of a body that turns freely the place of its centre of mass, if it is free, and small turns about
+    /// the body's axes [rad]. Where constraints hold there are more rows than modes.
+    Matrix shapes;
 };
 
 /// Throws InvalidInput where the stiffness is not symmetric: the forces have no potential, and no such modes.

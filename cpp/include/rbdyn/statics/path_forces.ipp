@@ -50,10 +50,9 @@
 namespace rbdyn::inline RBDYN_FORM::statics {
 
 RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::string& user) {
-    if (needs_tree(scene))
-        throw InvalidInput(user +
-                           ": this scene has bodies joined to bodies, constraints or contacts, whose equilibria are "
-                           "not found in this version; simulate it with damping until it rests");
+    if (!scene.contacts().empty())
+        throw InvalidInput(user + ": this scene has contacts (" + scene.contacts().front().name +
+                           "), whose states of rest are not found; simulate it with damping until it rests");
     const std::string& name = scene.bodies()[static_cast<std::size_t>(body)].name;
     for (const Scene::AppliedLoad& load : scene.loads()) {
         if (load.body != body) continue;
@@ -68,6 +67,8 @@ RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::stri
         };
         check(std::get_if<Force>(&load.load), "force");
         check(std::get_if<Torque>(&load.load), "torque");
+        check(std::get_if<JointTorque>(&load.load), "joint torque");
+        check(std::get_if<JointForce>(&load.load), "joint force");
     }
     for (const Scene::Connection& c : scene.connections()) {
         const OwnFunction* own = own_function(c.coupling);
@@ -80,6 +81,12 @@ RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::stri
         if (const PairForce* pair = std::get_if<PairForce>(&c.coupling); pair != nullptr && pair->depends_on_time())
             throw InvalidInput(subject + " depends on time; leave it out, or replace t by the time that is meant");
     }
+    const auto stands_still = [](const auto* joint) {
+        return joint == nullptr || !joint->motion || joint->motion->is_constant();
+    };
+    const Joint& joint = scene.bodies()[static_cast<std::size_t>(body)].joint;
+    if (!stands_still(std::get_if<Revolute>(&joint)) || !stands_still(std::get_if<Prismatic>(&joint)))
+        throw InvalidInput(user + ": the joint of " + name + " is driven (motion); it must be at rest");
     const Rail* rail = scene.bodies()[static_cast<std::size_t>(body)].rail();
     if (rail == nullptr) return;
     if (rail->motion().present())
@@ -96,6 +103,14 @@ RBDYN_INLINE Scene alone(const Scene& scene, BodyHandle bead, const std::string&
     const Scene::Body& body = scene.bodies()[static_cast<std::size_t>(bead.index)];
     if (body.rail() == nullptr)
         throw InvalidInput(user + ": " + body.name + " is free; this is about a bead on a rail");
+    if (body.parent >= 0)
+        throw InvalidInput(user + ": the rail of " + body.name + " is fixed in " +
+                           scene.bodies()[static_cast<std::size_t>(body.parent)].name +
+                           ", which moves; it must be fixed in the world");
+    for (const Scene::Held& held : scene.constraints())
+        if (body_of(held.a) == bead.index || body_of(held.b) == bead.index)
+            throw InvalidInput(user + ": the constraint " + held.name + " holds " + body.name +
+                               "; this is about a bead that moves along its rail alone");
     Scene result(scene.gravity());
     const BodyHandle one =
         result.add(std::get<Particle>(body.body), *body.rail(), {.parameter = body.parameter}, body.name);

@@ -203,8 +203,8 @@ RBDYN_INLINE std::optional<FreeTurn> free_turn(Forces& forces, const std::vector
     }
     if (null < 0) return std::nullopt;
     const auto component = [&](int i) { return e.vectors(i, null) / std::sqrt(s.metric[at(first + i)]); };
-    const Vector3 turning = to_world<double>(forces.attitude(q, body),
-                                             Vector3(component(moves), component(moves + 1), component(moves + 2)));
+    const Vector3 turning =
+        forces.turn_in_world(q, body, Vector3(component(moves), component(moves + 1), component(moves + 2)));
     if (turning.isZero(0.0)) return std::nullopt;
     FreeTurn result{direction(turning)};
     Vector3& axis = result.axis;
@@ -212,9 +212,8 @@ RBDYN_INLINE std::optional<FreeTurn> free_turn(Forces& forces, const std::vector
     for (double& x : axis)
         if (std::abs(x) < std::numeric_limits<double>::epsilon()) x = 0.0;
     if (moves > 0) {
-        const double* g = &q[at(forces.laws().body(body).first)];
         const Vector3 velocity(component(0), component(1), component(2));
-        result.point = Vector3(g[0], g[1], g[2]) + turning.cross(velocity) / turning.squaredNorm();
+        result.point = forces.center(q, body) + turning.cross(velocity) / turning.squaredNorm();
     }
     // three turns that no symmetry but a full one has
     for (const double angle : {1.0, 2.25, 4.0}) {

@@ -6,6 +6,7 @@
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/expression.hpp"
 #include "rbdyn/mechanics/joint/held.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/rotation/quaternion.hpp"

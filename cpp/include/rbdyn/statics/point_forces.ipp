@@ -1,7 +1,7 @@
-// Definitions of rbdyn/statics/forces.hpp.
+// Definitions of rbdyn/statics/point_forces.hpp.
 #pragma once
 
-#include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/point_forces.hpp"
 
 #include <algorithm>
 #include <array>
@@ -45,30 +45,30 @@
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
-RBDYN_INLINE Forces::Forces(const Scene& scene) : model_(scene, planning::view_of(scene)) {
+RBDYN_INLINE PointForces::PointForces(const Scene& scene) : model_(scene, planning::view_of(scene)) {
     for (const PointLaws::Body& b : laws().bodies()) {
         first_.push_back(freedoms_);
         freedoms_ += freedoms_of(b);
     }
 }
 
-RBDYN_INLINE int Forces::displacements(int body) const {
+RBDYN_INLINE int PointForces::displacements(int body) const {
     const PointLaws::Body& b = laws().body(body);
     return turns(b) ? freedoms_of(b) - 3 : freedoms_of(b);
 }
 
-RBDYN_INLINE int Forces::coordinates_of(const Scene::Body& b) {
+RBDYN_INLINE int PointForces::coordinates_of(const Scene::Body& b) {
     if (b.rigid() == nullptr) return b.rail() != nullptr ? 1 : 3;
     return std::holds_alternative<Free>(b.joint) ? 7 : std::holds_alternative<Spherical>(b.joint) ? 4 : 1;
 }
 
-RBDYN_INLINE std::vector<double> Forces::start() const {
+RBDYN_INLINE std::vector<double> PointForces::start() const {
     std::vector<double> q = laws().start();
     q.resize(at(laws().positions()));
     return q;
 }
 
-RBDYN_INLINE std::vector<double> Forces::place(const std::vector<double>& coordinates) const {
+RBDYN_INLINE std::vector<double> PointForces::place(const std::vector<double>& coordinates) const {
     std::vector<double> q = start();
     const double* c = coordinates.data();
     for (int i = 0; i < bodies(); ++i) {
@@ -92,7 +92,7 @@ RBDYN_INLINE std::vector<double> Forces::place(const std::vector<double>& coordi
     return q;
 }
 
-RBDYN_INLINE std::vector<double> Forces::coordinates(const std::vector<double>& q) const {
+RBDYN_INLINE std::vector<double> PointForces::coordinates(const std::vector<double>& q) const {
     std::vector<double> c;
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws().body(i);
@@ -115,13 +115,22 @@ RBDYN_INLINE std::vector<double> Forces::coordinates(const std::vector<double>& 
     return c;
 }
 
-RBDYN_INLINE Quaternion Forces::attitude(const std::vector<double>& q, int body) const {
+RBDYN_INLINE Quaternion PointForces::attitude(const std::vector<double>& q, int body) const {
     const double* p = &q[at(laws().body(body).first + displacements(body))];
     return {p[0], p[1], p[2], p[3]};
 }
 
-RBDYN_INLINE std::vector<double> Forces::turned(std::vector<double> q, int body, const Vector3& axis,
-                                                const Vector3& point, double angle) const {
+RBDYN_INLINE Vector3 PointForces::center(const std::vector<double>& q, int body) const {
+    const double* g = &q[at(laws().body(body).first)];
+    return {g[0], g[1], g[2]};
+}
+
+RBDYN_INLINE Vector3 PointForces::turn_in_world(const std::vector<double>& q, int body, const Vector3& turn) const {
+    return to_world<double>(attitude(q, body), turn);
+}
+
+RBDYN_INLINE std::vector<double> PointForces::turned(std::vector<double> q, int body, const Vector3& axis,
+                                                     const Vector3& point, double angle) const {
     const Quaternion by = turn(axis, angle);
     double* own = &q[at(laws().body(body).first)];
     write(own + displacements(body), normalized(by * attitude(q, body)));
@@ -132,7 +141,7 @@ RBDYN_INLINE std::vector<double> Forces::turned(std::vector<double> q, int body,
     return q;
 }
 
-RBDYN_INLINE std::vector<double> Forces::moved(std::vector<double> q, const std::vector<double>& step) const {
+RBDYN_INLINE std::vector<double> PointForces::moved(std::vector<double> q, const std::vector<double>& step) const {
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws().body(i);
         double* own = &q[at(b.first)];
@@ -147,7 +156,7 @@ RBDYN_INLINE std::vector<double> Forces::moved(std::vector<double> q, const std:
     return q;
 }
 
-RBDYN_INLINE double Forces::largest_turn(const std::vector<double>& step) const {
+RBDYN_INLINE double PointForces::largest_turn(const std::vector<double>& step) const {
     double most = 0.0;
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws().body(i);
@@ -159,8 +168,8 @@ RBDYN_INLINE double Forces::largest_turn(const std::vector<double>& step) const 
     return most;
 }
 
-RBDYN_INLINE std::vector<double> Forces::difference(const std::vector<double>& to,
-                                                    const std::vector<double>& from) const {
+RBDYN_INLINE std::vector<double> PointForces::difference(const std::vector<double>& to,
+                                                         const std::vector<double>& from) const {
     std::vector<double> d;
     for (int i = 0; i < bodies(); ++i) {
         const std::size_t own = at(laws().body(i).first);
@@ -172,20 +181,7 @@ RBDYN_INLINE std::vector<double> Forces::difference(const std::vector<double>& t
     return d;
 }
 
-RBDYN_INLINE bool Forces::State::is_finite() const {
-    const auto all_finite = [](const std::vector<double>& v) {
-        return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
-    };
-    return all_finite(force) && all_finite(jacobian.entries());
-}
-
-RBDYN_INLINE double Forces::State::misfit() const {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < force.size(); ++i) sum += force[i] * force[i] / metric[i];
-    return sum;
-}
-
-RBDYN_INLINE Forces::State Forces::at_rest(const std::vector<double>& q) {
+RBDYN_INLINE Forces::State PointForces::at_rest(const std::vector<double>& q) {
     choose(q);
     State s;
     s.jacobian = SquareMatrix(freedoms_);
@@ -220,7 +216,7 @@ RBDYN_INLINE Forces::State Forces::at_rest(const std::vector<double>& q) {
     return s;
 }
 
-RBDYN_INLINE std::string Forces::not_finite(const std::vector<double>& q) const {
+RBDYN_INLINE std::string PointForces::not_finite(const std::vector<double>& q) const {
     Mode mode;
     mode.slip.assign(at(bodies()), 1);
     std::vector<double> x = model_.start();
@@ -229,15 +225,15 @@ RBDYN_INLINE std::string Forces::not_finite(const std::vector<double>& q) const 
     return what.empty() ? "a derivative of the forces" : what;
 }
 
-RBDYN_INLINE void Forces::write(double* to, const Quaternion& p) {
+RBDYN_INLINE void PointForces::write(double* to, const Quaternion& p) {
     for (const double x : {p.w, p.x, p.y, p.z}) *to++ = x;
 }
 
-RBDYN_INLINE std::array<std::array<double, 4>, 3> Forces::turning(const Quaternion& p) {
+RBDYN_INLINE std::array<std::array<double, 4>, 3> PointForces::turning(const Quaternion& p) {
     return {{{-p.x, p.w, p.z, -p.y}, {-p.y, -p.z, p.w, p.x}, {-p.z, p.y, -p.x, p.w}}};
 }
 
-RBDYN_INLINE void Forces::add_columns(int body, const std::vector<double>& q, SquareMatrix& jacobian) const {
+RBDYN_INLINE void PointForces::add_columns(int body, const std::vector<double>& q, SquareMatrix& jacobian) const {
     const int own = laws().body(body).first, moves = displacements(body);
     for (int i = 0; i < freedoms_; ++i) {
         for (int k = 0; k < moves; ++k) jacobian(i, first(body) + k) = values_->derivative(i, own + k);
@@ -251,13 +247,13 @@ RBDYN_INLINE void Forces::add_columns(int body, const std::vector<double>& q, Sq
     }
 }
 
-RBDYN_INLINE void Forces::choose(const std::vector<double>& q) {
+RBDYN_INLINE void PointForces::choose(const std::vector<double>& q) {
     if (!values_ || distinguishes_) record(q);
     set_signs(program_, parameters_, q);
     values_->set_parameters(parameters_);
 }
 
-RBDYN_INLINE std::vector<Expression> Forces::recorded(const std::vector<Expression>& q) const {
+RBDYN_INLINE std::vector<Expression> PointForces::recorded(const std::vector<Expression>& q) const {
     using S = Expression;
     const std::vector<S> zero(6, S(0.0));
     std::vector<PointState<S>> states;
@@ -290,7 +286,7 @@ RBDYN_INLINE std::vector<Expression> Forces::recorded(const std::vector<Expressi
     return outputs;
 }
 
-RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
+RBDYN_INLINE void PointForces::record(const std::vector<double>& q) {
     Recorder r;
     r.follow(0.0, q, {});
     std::vector<Expression> inputs;
@@ -301,7 +297,7 @@ RBDYN_INLINE void Forces::record(const std::vector<double>& q) {
     values_ = std::make_unique<JacobianEvaluator>(program_);
 }
 
-RBDYN_INLINE Forces::WideJacobian Forces::wide_jacobian(const std::vector<double>& q) const {
+RBDYN_INLINE PointForces::WideJacobian PointForces::wide_jacobian(const std::vector<double>& q) const {
     const recording::WideFolding all_digits;
     const Function forces = Function::record_growing([&](Recorder& r) {
         r.follow(0.0, q, {});
@@ -329,7 +325,7 @@ RBDYN_INLINE Forces::WideJacobian Forces::wide_jacobian(const std::vector<double
     return result;
 }
 
-RBDYN_INLINE std::vector<DoubleDouble> Forces::wide_metric(const std::vector<double>& q) const {
+RBDYN_INLINE std::vector<DoubleDouble> PointForces::wide_metric(const std::vector<double>& q) const {
     std::vector<DoubleDouble> result;
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws().body(i);

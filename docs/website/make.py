@@ -18,7 +18,7 @@ import links
 import notebook_pages
 import python_reference
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 GUIDE = {
     "Describe": ["bodies", "systems", "mechanisms", "functions", "systems_of_equations", "conventions"],
@@ -55,7 +55,7 @@ def contents(title: str, files: list[str]) -> str:
 def compose(source: Path, python: str) -> None:
     """Puts all pages together, the first one with the contents."""
     shutil.rmtree(source, ignore_errors=True)
-    shutil.copytree(ROOT / "docs", source, ignore=shutil.ignore_patterns("notebooks"))
+    shutil.copytree(ROOT / "docs", source, ignore=shutil.ignore_patterns("notebooks", "website"))
     shutil.copy(ROOT / "README.md", source / "index.md")
     shutil.copy(ROOT / "CHANGELOG.md", source / "changelog.md")
     for page in source.rglob("*.md"):
@@ -98,7 +98,7 @@ def main() -> None:
     source = output.with_name(output.name + "-source")
     compose(source, arguments.python)
     shutil.rmtree(output, ignore_errors=True)
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-c", ROOT / "website"]
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-c", ROOT / "docs" / "website"]
     built = subprocess.run([*command, "-d", source.with_name(source.name + "-cache"), source, output])
     if built.returncode:
         raise SystemExit(built.returncode)

@@ -14,7 +14,7 @@ import nbclient
 import nbformat
 from PIL import Image
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = "%config InlineBackend.print_figure_kwargs = {'dpi': 72, 'bbox_inches': None}"
 
 

@@ -1,4 +1,4 @@
-"""Notebooks as pages: their text, code and outputs, as they were executed (website/execute.py)."""
+"""Notebooks as pages: their text, code and outputs, as they were executed (docs/website/execute.py)."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""Settings of Sphinx for the documentation site; website/make.py puts the pages together."""
+"""Settings of Sphinx for the documentation site; docs/website/make.py puts the pages together."""
 
 import os
 import sys

@@ -1,0 +1,112 @@
+// The generalized forces of bodies joined to bodies at rest, loops included, and how they change with their places.
+//
+// Freedoms: the velocities of all joints (mechanics/tree.hpp), Q = sum of the powers of all that acts with a unit of
+// each. Where constraints J v = 0 hold, some of the velocities follow from the others, J_d v_d = -J_i v_i, and what is
+// left is Q_i - J_i^T J_d^-T Q_d: the constraints do no work. Which ones follow is chosen by pivots where the bodies
+// are. The Jacobian is of central differences in 32 digits over a 1e-10th of the scene's size, along the constraints:
+// good to doubles. Places are the positions of the tree, in doubles, and satisfy the constraints to their rounding.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/closed_form/symmetric_modes.hpp"
+#include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/mechanics/constraint.hpp"
+#include "rbdyn/mechanics/exert.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/scene.hpp"
+#include "rbdyn/statics/forces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::statics {
+
+class TreeForces : public Forces {
+public:
+    /// Throws InvalidInput where the scene's start does not satisfy its constraints, nor a place near it.
+    explicit TreeForces(const Scene& scene);
+    int freedoms() const override { return tree_.velocities() - static_cast<int>(rows_.size()); }
+    int bodies() const override { return tree_.size(); }
+    /// Of bodies in loops nothing is said of turns of their own.
+    bool turns(int body) const override { return rows_.empty() && tree_.node(body).joint.attitude() >= 0; }
+    int first(int body) const override { return tree_.node(body).v; }
+    int displacements(int body) const override { return tree_.node(body).joint.attitude(); }
+
+    /// How many coordinates a body has.
+    static int coordinates_of(const Scene::Body& b);
+    std::vector<double> start() const override { return start_; }
+    std::vector<double> place(const std::vector<double>& coordinates) const override;
+    std::vector<double> coordinates(const std::vector<double>& q) const override;
+
+    Quaternion attitude(const std::vector<double>& q, int body) const override;
+    Vector3 center(const std::vector<double>& q, int body) const override;
+    Vector3 turn_in_world(const std::vector<double>&, int, const Vector3& turn) const override { return turn; }
+    std::vector<double> turned(std::vector<double> q, int body, const Vector3& axis, const Vector3& point,
+                               double angle) const override;
+    /// Not a number where the constraints cannot be closed there.
+    std::vector<double> moved(std::vector<double> q, const std::vector<double>& step) const override;
+    double largest_turn(const std::vector<double>& step) const override;
+    std::vector<double> difference(const std::vector<double>& to, const std::vector<double>& from) const override;
+    State at_rest(const std::vector<double>& q) override;
+    std::string not_finite(const std::vector<double>& q) const override;
+
+    /// The Jacobian and the masses of the freedoms, in 32 digits, of a place that at_rest() was asked for last.
+    WideMatrix wide_jacobian(const std::vector<double>& q) const;
+    WideMatrix wide_mass(const std::vector<double>& q) const;
+    /// A motion in the freedoms in terms of all velocities, in the order of bodies; turns of what turns freely about
+    /// the axes of the body.
+    std::vector<double> in_bodies(const std::vector<double>& q, const std::vector<double>& motion) const;
+
+private:
+    using Wide = std::vector<DoubleDouble>;
+    static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// Positions on the constraints, in 32 digits, and zero velocities behind them; empty if they are not to be closed.
+    Wide closed(Wide positions) const;
+    Wide wide(const std::vector<double>& q) const { return closed(Wide(q.begin(), q.end())); }
+    std::vector<mechanics::Moving<DoubleDouble>> moving(const Wide& x) const;
+    /// The rows of the constraints by velocity.
+    std::vector<Wide> rows(const std::vector<mechanics::Moving<DoubleDouble>>& all) const;
+    /// Chooses which velocities follow from the others at a place.
+    void choose(const std::vector<mechanics::Moving<DoubleDouble>>& all);
+    /// Velocities that follow from a motion in the freedoms.
+    Wide velocities(const std::vector<Wide>& rows, const Wide& motion) const;
+    /// Q of the freedoms.
+    Wide reduced(const std::vector<Wide>& rows, const Wide& q) const;
+    Wide forces(const Wide& x) const;
+    /// The sizes of what makes up the power of all that acts on a motion: forces times ways, whatever is at right
+    /// angles.
+    double effort(const Wide& x, const Wide& motion) const;
+    /// Of the outputs behind Q: what acts along joints, and on each body force and moment.
+    int joints() const { return tree_.velocities(); }
+    int wrenches() const { return 2 * tree_.velocities(); }
+    void record(const std::vector<double>& q);
+    std::vector<Expression> recorded(const std::vector<Expression>& q) const;
+
+    std::vector<Scene::Body> scene_bodies_;
+    mechanics::Tree tree_;
+    mechanics::Exerted exerted_;
+    mechanics::Conditions conditions_;
+    std::vector<int> rows_;  // of the constraints, those that are used, the first pivot first
+    std::vector<int> following_,
+        leading_;  // velocities that follow from the others, in order of pivots, and the others
+    std::vector<double> start_;
+    double size_ = 1.0;                 // of the scene [m]
+    std::vector<double> reach_;         // from P of each body to where something acts on it at most [m]
+    std::vector<Wide> basis_;           // of each freedom the velocities, where at_rest() was asked last
+    std::optional<Function> function_;  // Q of all velocities, and what it is made of
+    Program program_;
+    std::unique_ptr<RoundingSizes> sizes_;
+    std::vector<double> parameters_;
+    bool distinguishes_ = false;
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM::statics
