@@ -27,13 +27,14 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep,
-                            Monitor monitor, double slack, bool is_alone)
+                            Monitor monitor, double slack, bool is_alone, double tolerance)
     : model_(model),
       engine_(engine),
       max_steps_(max_steps),
       keep_(std::move(keep)),
       monitor_(std::move(monitor)),
       search_(model, engine, slack, is_alone),
+      progress_(tolerance),
       stops_from_(-std::numeric_limits<double>::infinity()) {}
 
 template <class Begin>
@@ -130,6 +131,10 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
                 after.impossible = std::move(why);
                 return give_up(record, after);
             }
+            if (now_.passes == 0 || t - now_.passed_at > 1e-6 * (t.hi - record.start)) {
+                now_.passes = 0;
+                now_.passed_at = t;
+            }
             if (++now_.passes > max_crowded || !pass(record, until)) return finish(record, t, Status::not_finite);
             now_.fresh = true;
             continue;
@@ -141,6 +146,7 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
             store(record, piece, piece.length, now_.fresh);
             t = piece.at(piece.length);
             now_.fresh = now_.begins = false;
+            if (ends_in_small_steps(record, piece, piece.length, until)) return;
             continue;
         }
         // a true end of this piece at the event, exact in the engine's own terms
@@ -242,6 +248,21 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         }
         chattered_ = t;
     }
+    // changes of the user's that come ever sooner, as the bounces of a ball do
+    const auto again = std::find_if(fired.begin(), fired.end(), [&](int index) {
+        const Guard& guard = before->guards[static_cast<std::size_t>(index)];
+        return guard.watch >= 0 && guard.role == GuardRole::mode;
+    });
+    if (now_.crowded > max_crowded && again != fired.end()) {
+        const std::string& name = before->guards[static_cast<std::size_t>(*again)].name;
+        note(record, {EventKind::accumulation, -1, Direction::either, name}, t);
+        record.not_finite = "watch \"" + name +
+                            "\" changes the state ever sooner, without end: its events accumulate here. What follows "
+                            "is for its action to say: one that sets what comes to rest (to zero, once it is small "
+                            "enough), or \"stop\"";
+        finish(record, t, Status::inconsistent);
+        return false;
+    }
     if (now_.crowded > max_crowded || record.handed_on + static_cast<std::int64_t>(record.events.size()) > max_steps_) {
         record.not_finite = now_.crowded > max_crowded
                                 ? "it goes on switching without getting on, a hundred times at one instant"
@@ -320,6 +341,20 @@ RBDYN_INLINE void Driver::break_off(Record& record, Instant t) {
     finish(record, t, Status::not_finite);
 }
 
+RBDYN_INLINE bool Driver::ends_in_small_steps(Record& record, const Piece& piece, double length, double until) {
+    switch (progress_.after(now_.mode, piece, length, until, max_steps_)) {
+        case Progress::Verdict::gets_on: return false;
+        case Progress::Verdict::leads_nowhere: finish(record, now_.at, Status::step_limit); return true;
+        case Progress::Verdict::jumps: break;
+    }
+    const auto& [variable, before, after] = progress_.jump();
+    record.not_finite = model_.rate_name(variable) + " jumps from " + text(before) + " to " + text(after) +
+                        " there, and the motion goes to and fro across the jump in steps of " + text(progress_.pace()) +
+                        " s. What is called back cannot slide along a jump; what is recorded does";
+    finish(record, now_.at, Status::inconsistent);
+    return true;
+}
+
 RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode) {
     record.not_finite = mode.impossible;
     if (record.modes.empty()) record.modes.push_back(model_.undecided());
@@ -364,15 +399,16 @@ RBDYN_INLINE bool Driver::pass(Record& record, double until) {
     std::vector<double> slope(x.size()), bend(x.size());
     const Slope known = model_.slope(mode, t.hi, x, slope, bend);
     const auto n = static_cast<std::size_t>(known.positions);
-    if (n == 0) return false;
+    if (!known.is_known) return false;
     double time = std::min(until - t, known.pace);
     for (std::size_t i = 0; i < n; ++i)
         if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
-    const double h = 0x1p-27 * time;
-    if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
+    const double least = 8.0 * epsilon * std::abs(t.hi);
+    const double h = n > 0 ? 0x1p-27 * time : std::max(0x1p-40 * time, 8.0 * least);
+    if (!(h > least) || h > 0x1p-20 * time) return false;
     std::vector<double> middle = x, later(x.size()), later_bend(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-    if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).positions > 0) {
+    if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).is_known) {
         std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
                   slope.begin() + static_cast<std::ptrdiff_t>(n));
         bend = later_bend;
