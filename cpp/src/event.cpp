@@ -2,6 +2,7 @@
 #include "exported.hpp"
 
 #include "rbdyn/event/driver.ipp"
+#include "rbdyn/event/driver_ends.ipp"
 #include "rbdyn/event/event.ipp"
 #include "rbdyn/event/passages.ipp"
 #include "rbdyn/event/progress.ipp"

@@ -34,7 +34,9 @@ def test_two_signs_that_change_together_are_two_events():
 def test_a_sign_in_a_mechanism_is_passed_once():
     scene = rb.Scene(gravity=[0, 0, 0])
     wheel = scene.add(rb.shapes.disc(1.0, radius=0.2, normal=[0, 0, 1]), rb.Revolute([0, 0, 1]), angle=0.3)
-    scene.add(rb.shapes.rod(0.1, length=0.1), rb.Revolute([0, 0, 1], at=[0.1, 0, 0]), parent=wheel, angle=0.2)
+    scene.add(
+        rb.shapes.rod(0.1, length=0.1, along=[1, 0, 0]), rb.Revolute([0, 0, 1], at=[0.1, 0, 0]), parent=wheel, angle=0.2
+    )
     scene.apply(rb.JointTorque(lambda t, q, rate: -np.sign(q)), wheel)
     run = rb.simulate(scene, 3.0, error=1e-8)
     times = [e.time for e in run.events if e.kind == "switch"]
@@ -120,6 +122,12 @@ def test_what_is_called_back_and_chatters_ends_with_its_name(engine, way):
     assert run.x(0.5) == pytest.approx([0.5, 0.5], abs=1e-6)
     # recorded, it slides
     assert rb.simulate(rb.System(lambda t, x: [-np.sign(x[0])], [1.0]), 3.0).x(3.0) == 0.0
+
+
+def test_a_motion_to_infinity_that_swings_ever_faster_ends():
+    # x' > x^1.75 is infinite after 4/3; to resolve the sine to there takes steps without end
+    run = rb.simulate(rb.System(lambda t, x: [x[0] ** 1.75 + 0.04 * np.sin(3 * x[0]) + 0.1], [1.0]), 9.0, rtol=1e-9)
+    assert run.status == "step limit" and 1.0 < run.end < 4 / 3 and run.statistics.steps < 200_000
 
 
 def test_steps_as_short_as_an_explicit_engine_needs_get_on():

@@ -62,6 +62,7 @@
 #include "rbdyn/engine/refined_taylor.ipp"
 #include "rbdyn/engine/taylor.ipp"
 #include "rbdyn/event/driver.ipp"
+#include "rbdyn/event/driver_ends.ipp"
 #include "rbdyn/event/event.ipp"
 #include "rbdyn/event/passages.ipp"
 #include "rbdyn/event/progress.ipp"

@@ -89,6 +89,9 @@ private:
     /// the start a little before it.
     bool pass(Record& record, double until);
 
+    /// Whether one more such point may be passed: there are not too many in a row.
+    bool may_pass();
+
     /// Nothing moves any more: one piece to the end.
     void rest(Record& record, Instant t, std::span<const double> x, double until) const;
 
@@ -104,6 +107,7 @@ private:
     Monitor monitor_;
     EventSearch search_;
     Progress progress_;
+    double began_ = 0.0;        // s: the run
     std::int64_t changes_ = 0;  // of modes, so far
     Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it

@@ -65,7 +65,7 @@ RBDYN_INLINE Record Driver::go_on(const Halt& halt, double until) {
 
 RBDYN_INLINE void Driver::begin(Record& record) {
     std::vector<double>& x = now_.x;
-    record.start = now_.at.hi;
+    record.start = began_ = now_.at.hi;
     record.variables = model_.variables();
     record.end = now_.at;
     record.first_state = x;
@@ -83,7 +83,7 @@ RBDYN_INLINE void Driver::begin(Record& record) {
 }
 
 RBDYN_INLINE void Driver::resume(Record& record) {
-    record.start = now_.at.hi;
+    record.start = began_ = now_.at.hi;
     record.variables = model_.variables();
     record.end = now_.at;
     record.first_state = now_.x;
@@ -131,15 +131,17 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
                 after.impossible = std::move(why);
                 return give_up(record, after);
             }
-            if (now_.passes == 0 || t - now_.passed_at > 1e-6 * (t.hi - record.start)) {
-                now_.passes = 0;
-                now_.passed_at = t;
-            }
-            if (++now_.passes > max_crowded || !pass(record, until)) return finish(record, t, Status::not_finite);
+            if (!may_pass() || !pass(record, until)) return finish(record, t, Status::not_finite);
             now_.fresh = true;
             continue;
         }
         const Piece& piece = engine_.piece();
+        // a first step hardly longer than the rounding of time begins at a point that is to be passed, or beside it
+        if (now_.fresh && piece.length * piece.unit < 64.0 * epsilon * std::abs(t.hi) && may_pass() &&
+            pass(record, until)) {
+            now_.fresh = true;
+            continue;
+        }
         const bool is_last = !(until - piece.at(piece.length) > least);
         const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
         if (cut < 0.0) {
@@ -288,81 +290,6 @@ RBDYN_INLINE bool Driver::has_not_moved(const Record& record, const Piece& piece
     return true;
 }
 
-RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
-    record.end = t;
-    // what was found at the end of the last piece is not later than the end by its rounding
-    for (auto e = record.events.rbegin(); e != record.events.rend() && e->instant - t > 0.0; ++e) {
-        e->instant = t;
-        e->time = t.hi;
-    }
-    record.status = status;
-    record.work = engine_.work();
-    if (record.thrown || now_.mode.equations == nullptr) return;
-    now_.at = t;
-    now_.low.resize(now_.x.size());
-    if (!now_.fresh) engine_.standing(now_.x, now_.low);
-    search_.leave(now_);
-    if (!now_.mode.still) now_.engine = engine_.memory();
-    now_.winding = winding_;
-    record.halt = std::make_shared<const Halt>(now_);
-}
-
-RBDYN_INLINE void Driver::let_go(Record& record, bool is_over) {
-    if (keep_events_.keeps_all()) return;
-    std::vector<Event>& events = record.events;
-    if (keep_events_.what == KeepEvents::What::last && !keep_events_.each) {
-        if (!is_over && events.size() < few_) return;
-        keep_last_of_each(events);
-        few_ = std::max<std::size_t>(64, 2 * events.size());
-        return;
-    }
-    // those of one instant may still change places, and what is found once more is known by those just before
-    const Instant seen = std::exchange(looked_, now_.at);
-    std::size_t done = 0;
-    while (done < events.size() && (is_over || seen - events[done].instant > 8.0 * epsilon * std::abs(seen.hi)))
-        keep_events_.each(events[done++]);
-    if (is_over && record.status == Status::stopped_by_event)
-        while (done > 0 && events[done - 1].time == record.end.hi) --done;
-    events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(done));
-    record.handed_on += static_cast<std::int64_t>(done);
-}
-
-RBDYN_INLINE void Driver::break_off(Record& record, Instant t) {
-    const Guard& guard = *search_.broken();
-    record.not_finite =
-        guard.least < 0.0 ? "constraints lose rank there, and a step ends so near to it that the motion beyond is not "
-                            "known: " +
-                                guard.name
-        : guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
-        : !guard.name.empty()            ? guard.name
-                                         : "what tells of " + std::string(name_of(guard.kind));
-    if (guard.kind != EventKind::watch && guard.subject >= 0)
-        record.not_finite += " (body " + std::to_string(guard.subject + 1) + ")";
-    finish(record, t, Status::not_finite);
-}
-
-RBDYN_INLINE bool Driver::ends_in_small_steps(Record& record, const Piece& piece, double length, double until) {
-    switch (progress_.after(now_.mode, piece, length, until, max_steps_)) {
-        case Progress::Verdict::gets_on: return false;
-        case Progress::Verdict::leads_nowhere: finish(record, now_.at, Status::step_limit); return true;
-        case Progress::Verdict::jumps: break;
-    }
-    const auto& [variable, before, after] = progress_.jump();
-    record.not_finite = model_.rate_name(variable) + " jumps from " + text(before) + " to " + text(after) +
-                        " there, and the motion goes to and fro across the jump in steps of " + text(progress_.pace()) +
-                        " s. What is called back cannot slide along a jump; what is recorded does";
-    finish(record, now_.at, Status::inconsistent);
-    return true;
-}
-
-RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode) {
-    record.not_finite = mode.impossible;
-    if (record.modes.empty()) record.modes.push_back(model_.undecided());
-    // there is nothing to go on with
-    now_.mode.equations = nullptr;
-    finish(record, now_.at, Status::inconsistent);
-}
-
 RBDYN_INLINE void Driver::enter(Record& record, const Mode& mode, Instant t, std::span<const double> x,
                                 std::vector<bool> handled, bool begins) {
     record.modes.push_back(mode);
@@ -390,50 +317,6 @@ RBDYN_INLINE void Driver::store(Record& record, const Piece& piece, double lengt
     // nor are modes kept, but for the first one and that of the piece
     if (mode > 1) record.modes.erase(record.modes.begin() + 1, record.modes.end() - 1);
     record.append(piece, length, std::min(mode, 1), fresh);
-}
-
-RBDYN_INLINE bool Driver::pass(Record& record, double until) {
-    std::vector<double>& x = now_.x;
-    Mode& mode = now_.mode;
-    Instant& t = now_.at;
-    std::vector<double> slope(x.size()), bend(x.size());
-    const Slope known = model_.slope(mode, t.hi, x, slope, bend);
-    const auto n = static_cast<std::size_t>(known.positions);
-    if (!known.is_known) return false;
-    double time = std::min(until - t, known.pace);
-    for (std::size_t i = 0; i < n; ++i)
-        if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
-    const double least = 8.0 * epsilon * std::abs(t.hi);
-    const double h = n > 0 ? 0x1p-27 * time : std::max(0x1p-40 * time, 8.0 * least);
-    if (!(h > least) || h > 0x1p-20 * time) return false;
-    std::vector<double> middle = x, later(x.size()), later_bend(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-    if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).is_known) {
-        std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
-                  slope.begin() + static_cast<std::ptrdiff_t>(n));
-        bend = later_bend;
-    }
-    std::vector<double> c(3 * x.size(), 0.0);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        c[3 * i] = x[i];
-        c[3 * i + 1] = slope[i] * h;
-        if (i < n) c[3 * i + 2] = 0.5 * bend[i] * h * h;
-    }
-    const Piece piece{t, h, 1.0, record.variables, 2, c.data(), 3};
-    store(record, piece, 1.0, true);
-    piece.state(1.0, x);
-    t = piece.at(1.0);
-    now_.low.assign(x.size(), 0.0);
-    now_.handled.clear();
-    std::vector<Happening> none;
-    mode = model_.next(mode, {}, t.hi, x, none);
-    enter(record, mode, t, x, {});
-    return true;
-}
-
-RBDYN_INLINE void Driver::rest(Record& record, Instant t, std::span<const double> x, double until) const {
-    const Piece piece{t, until - t, 1.0, record.variables, 0, x.data(), 1};
-    store(record, piece, 1.0, true);
 }
 
 RBDYN_INLINE void Driver::note(Record& record, const Happening& h, Instant t) {

@@ -10,6 +10,9 @@
 // * or all of them together have led nowhere, and at their pace the rest of the run takes more than a share of
 //   max_steps.
 //
+// Besides, steps that get shorter and shorter over tens of thousands of them (x' = x^2 + sin x on its way to infinity),
+// so that at their pace max_steps will not do, need not be counted to their end.
+//
 // Steps of ordinary length cost a comparison.
 #pragma once
 
@@ -32,7 +35,7 @@ public:
 
     enum class Verdict {
         gets_on,
-        leads_nowhere,  // steps go to and fro, and are too many
+        leads_nowhere,  // steps go to and fro or get ever shorter, and are too many
         jumps           // across a jump of the equations
     };
 
@@ -45,12 +48,16 @@ public:
         double before = 0.0, after = 0.0;
     };
     const Jump& jump() const { return jump_; }
+    /// The largest extent of a variable so far.
+    double extent() const;
     /// The length of the steps looked at, on average [s].
     double pace() const { return pace_; }
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+    /// Whether steps have got shorter from one row of many to the next, and will be more than max_steps.
+    bool is_slowing_down(Instant end, Instant start, double until, std::int64_t max_steps);
     /// Begins to look at steps anew, from the start of a piece.
     void begin(const Piece& piece);
     /// Looks for a jump near the end of a piece.
@@ -58,6 +65,7 @@ private:
     /// The variable whose rates differ most, by more than a thousandth; -1: none.
     static int most_different(const std::vector<double>& a, const std::vector<double>& b);
 
+    static constexpr int many_steps = 10'000;
     // steps looked at, in a row; those of them whose sides are looked at
     static constexpr int row = 1000, first_looked_at = 200, looked_at = 32;
     // as many steps to the end are ordinary ones; more than this share of max_steps are too many
@@ -70,6 +78,9 @@ private:
     std::vector<double> origin_, way_, x_;  // the state there, and how far the variables went since, to and fro
     int crossings_ = 0;                     // steps with rates that differ near their end
     Jump jump_;
+    int steps_ = 0, slower_ = 0;  // of the present row of many; rows that were slower than the one before
+    Instant window_;              // when that began
+    double last_pace_ = 0.0;
     double pace_ = 0.0;
 };
 

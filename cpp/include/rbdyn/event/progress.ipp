@@ -35,6 +35,7 @@ RBDYN_INLINE Progress::Verdict Progress::after(const Mode& mode, const Piece& pi
         high_[i] = std::max(high_[i], x);
     }
     const Instant end = piece.at(length);
+    if (is_slowing_down(end, piece.start, until, max_steps)) return Verdict::leads_nowhere;
     if (until - end <= few_steps * (end - piece.start)) {
         count_ = 0;
         return Verdict::gets_on;
@@ -65,6 +66,22 @@ RBDYN_INLINE Progress::Verdict Progress::after(const Mode& mode, const Piece& pi
         if (std::abs(x_[i] - origin_[i]) > 0.05 * way_[i]) return Verdict::gets_on;
     const double more = (until - end) / pace_;
     return more > share * static_cast<double>(max_steps) ? Verdict::leads_nowhere : Verdict::gets_on;
+}
+
+RBDYN_INLINE bool Progress::is_slowing_down(Instant end, Instant start, double until, std::int64_t max_steps) {
+    if (steps_ == 0) window_ = start;
+    if (++steps_ < many_steps) return false;
+    const double pace = (end - window_) / steps_;
+    steps_ = 0;
+    slower_ = last_pace_ > 0.0 && pace < 0.9 * last_pace_ ? slower_ + 1 : 0;
+    last_pace_ = pace;
+    return slower_ >= 3 && (until - end) / pace > static_cast<double>(max_steps);
+}
+
+RBDYN_INLINE double Progress::extent() const {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < low_.size(); ++i) largest = std::max(largest, high_[i] - low_[i]);
+    return largest;
 }
 
 RBDYN_INLINE void Progress::begin(const Piece& piece) {
