@@ -21,6 +21,8 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
     options.start = start;
     if (errors) options.errors = list_of_doubles(*errors, "cost", "errors");
     if (engines) options.engines = *engines;
+    if (engines && engines->empty())
+        throw InvalidInput("cost: engines is empty; name those to price, or leave it out for all");
     options.budget = budget;
     options.monitor = watch.monitor(0.0, budget);
     return tabulated(copy, scene.handles, watch, [&] { return rbdyn::cost(copy, options); });

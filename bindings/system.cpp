@@ -91,6 +91,17 @@ OwnFunction watched_state(const py::object& f, const System& system, std::option
     return OwnFunction(std::move(callback));
 }
 
+/// The place of a variable that a state is given for, which is no subscript.
+int changed_place(const System& system, const py::object& which, const std::string& user, const std::string& what) {
+    try {
+        return place_of(system, which, user);
+    } catch (const py::index_error&) {
+        throw InvalidInput(user + ": " + what + " is for a variable " + shown(which) +
+                           "; variables are named, or have a place from 0 to " +
+                           std::to_string(system.variables() - 1));
+    }
+}
+
 /// The state that is meant by what a user gives for it: all of it, or some of its numbers by name or place.
 std::vector<double> state_from(const py::object& given, const System& system, std::vector<double> x,
                                const std::string& user, const std::string& what) {
@@ -104,7 +115,7 @@ std::vector<double> state_from(const py::object& given, const System& system, st
         return x;
     }
     for (const auto& [which, value] : given.cast<py::dict>()) {
-        const int place = place_of(system, py::reinterpret_borrow<py::object>(which), user);
+        const int place = changed_place(system, py::reinterpret_borrow<py::object>(which), user, what);
         x[static_cast<std::size_t>(place)] = number(value, user, system.name(place) + " of " + what);
     }
     return x;

@@ -152,6 +152,10 @@ def test_cost_prints_the_list_and_predicts(hoop, said, tmp_path):
     assert min(row["error"] for row in data["rows"]) <= 1e-8
     (prediction,) = data["predictions"]
     assert prediction["error"] == 1e-6 and prediction["seconds"] > 0
+    # one that nothing reaches leaves the others and the list
+    code, out, _ = said("cost", hoop, *options, "--predict", 1e-6, 1e-30, "--json")
+    reached, refused = json.loads(out)["predictions"]
+    assert code == 2 and reached["seconds"] > 0 and refused["error"] == 1e-30 and "1e-30" in refused["refused"]
 
 
 def test_effects_prints_the_table(hoop, said):

@@ -149,6 +149,9 @@ def test_one_case_one_engine_and_names_that_are_none():
         rb.verify(case="bellt")
     with pytest.raises(rb.InvalidInput, match="engine is 'tailor'"):
         rb.verify(engine="tailor")
+    for full in ("belt", 1, None):
+        with pytest.raises(rb.InvalidInput, match="full is .*; it is True or False"):
+            rb.verify(full=full, case="belt")
     assert not rb.verify(case="belt", engine="closed form").passed
     fractions = []
     rb.verify(case="flips", engine="closed form", progress=fractions.append)

@@ -83,6 +83,9 @@ struct Solution {
     ErrorScales scales;
 };
 
+/// Throws InvalidInput if all a motion goes through is smaller than that, but no zeros.
+void require_size(const Record& record, const std::string& object, double least);
+
 /// What is not finite where a run broke off, or just after.
 std::string culprit(const HybridModel& model, const Record& record);
 

@@ -10,6 +10,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/series/piece.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
 
@@ -69,13 +71,31 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
         form ? std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order)
              : make_engine(name, tolerance, manner);
     Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin),
-                  o.rtol.has_value());
+                  o.rtol.has_value(), tolerance);
     driver.pass_stops(beginning.stops_from);
     if (streams_events(o)) driver.keep_events(o.events);
     Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
                                            : driver.run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     return result;
+}
+
+RBDYN_INLINE void require_size(const Record& record, const std::string& object, double least) {
+    if (record.closed) return;
+    double largest = 0.0;
+    const auto look = [&](std::span<const double> x) {
+        for (const double value : x) largest = std::max(largest, std::abs(value));
+    };
+    look(record.first_state);
+    std::vector<double> x(static_cast<std::size_t>(std::max(record.variables, 0)));
+    for (std::size_t i = 0; i < record.entries().size() && largest < least; ++i) {
+        const Piece piece = record.piece(i);
+        piece.state(record.entries()[i].length, x);
+        look(x);
+    }
+    require(largest == 0.0 || !(largest < least), object, "the largest number of its motion", largest,
+            "numbers so small are not told from nothing by their squares and errors, from " + text(least) +
+                " on: give the state in smaller units");
 }
 
 RBDYN_INLINE std::string culprit(const HybridModel& model, const Record& record) {

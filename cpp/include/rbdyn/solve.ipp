@@ -141,6 +141,33 @@ RBDYN_INLINE void set_origin(Solved& result, const SimulateOptions& options, con
     if (before != nullptr) result.data.first_angles = angles_at(*before, options.start);
 }
 
+/// Throws InvalidInput for a start whose squares are beyond the range of doubles, speeds and energies with them.
+RBDYN_INLINE void require_squares(const Scene& scene) {
+    constexpr double most = 1e150;
+    double largest = 0.0;
+    const Scene::Body* whose = nullptr;
+    for (const Scene::Body& body : scene.bodies()) {
+        const auto look = [&](double x) {
+            if (!(std::abs(x) > largest)) return;
+            largest = std::abs(x);
+            whose = &body;
+        };
+        for (int k = 0; k < 3; ++k) {
+            look(body.position[k]);
+            look(body.velocity[k]);
+            look(body.coordinates[static_cast<std::size_t>(k)]);
+            look(body.rates[static_cast<std::size_t>(k)]);
+            look(static_cast<double>(body.angular_velocity[k]));
+        }
+        look(body.parameter);
+        look(body.speed);
+    }
+    if (whose != nullptr)
+        require(largest < most, whose->name, "the largest number of its start", largest,
+                "numbers of a start are below 1e150, so that their squares are numbers: give lengths or times in "
+                "larger units");
+}
+
 RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& asked, const RunData* before) {
     std::string engine = engine_for(plan, asked.engine);
     SimulateOptions options = asked;
@@ -154,12 +181,16 @@ RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions
         };
     const SceneModel& model = *plan.model;
     const auto begun = [&] {
+        require_squares(scene);
         const std::vector<double> x = model.start(options.start);
         const Beginning beginning{options.start};
         return engine == "closed form" ? solve_closed(model, x, options, beginning, plan.closed)
                                        : solve(model, x, options, beginning, engine, plan.integrator, plan.closed);
     };
     Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : begun();
+    // what is a square loses its digits from here on
+    constexpr double least = 1e-150;
+    require_size(solution.record, "Scene", least);
     Solved result = solved(std::move(scene), std::move(plan), std::move(engine), std::move(solution));
     set_origin(result, options, before);
     return result;

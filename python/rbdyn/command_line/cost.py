@@ -9,6 +9,7 @@ from rbdyn._core import Prediction, Price
 from rbdyn._core import cost as cost_of
 from rbdyn.command_line import output
 from rbdyn.command_line.scene_file import add_file, add_json, add_times, end_of, scene_of
+from rbdyn.errors import Error
 from rbdyn.tables import price_rows
 
 HELP = "tells what accuracy costs in time: every engine over its tolerances"
@@ -45,7 +46,13 @@ def execute(arguments: argparse.Namespace) -> int:
     options: dict[str, Any] = {name: getattr(arguments, name) for name in names}
     options = {name: value for name, value in options.items() if value is not None}
     price = cost_of(scene, end_of(arguments, until), progress=arguments.progress, **options)
-    predictions = {error: price.predict(error) for error in arguments.predict}
+    predictions: dict[float, Prediction | str] = {}
+    for error in arguments.predict:
+        # one that is refused leaves the others, and the price that was paid for
+        try:
+            predictions[error] = price.predict(error)
+        except Error as refusal:
+            predictions[error] = str(refusal)
     if arguments.json:
         print(output.as_json(_contents(price, predictions)))
     else:
@@ -54,18 +61,21 @@ def execute(arguments: argparse.Namespace) -> int:
             print(f"error {error:g}: {prediction}")
     if arguments.plot:
         price.plot(arguments.plot)
-    return 0
+    return 2 if any(isinstance(one, str) for one in predictions.values()) else 0
 
 
-def _contents(price: Price, predictions: dict[float, Prediction]) -> dict[str, Any]:
+def _told(prediction: Prediction | str) -> dict[str, Any]:
+    if isinstance(prediction, str):
+        return {"refused": prediction}
+    return output.fields(prediction, ("engine", "tolerance", "seconds", "total", "basis"))
+
+
+def _contents(price: Price, predictions: dict[float, Prediction | str]) -> dict[str, Any]:
     return {
         "rows": price_rows(price),
         "missing": [output.fields(one, ("engine", "tolerance", "reason", "seconds")) for one in price.missing],
         "automatic": price.automatic,
         "reference": price.reference,
         "seconds": price.seconds,
-        "predictions": [
-            {"error": error, **output.fields(one, ("engine", "tolerance", "seconds", "total", "basis"))}
-            for error, one in predictions.items()
-        ],
+        "predictions": [{"error": error, **_told(one)} for error, one in predictions.items()],
     }

@@ -29,8 +29,11 @@ def verify(
     full: all of them; by default those that take less than a minute together. case: one alone, or all whose names
     begin so. engine: one of "closed form", "taylor", "dop853", "cvode-adams", "cvode-bdf"; by default each. progress:
     a bar on stderr, or a function that gets the fraction done. An interruption (Ctrl-C) ends it with what there is:
-    card.interrupted. Raises InvalidInput where no case or engine is called so.
+    card.interrupted. Raises InvalidInput where no case or engine is called so, and for a full that is neither True nor
+    False.
     """
+    if not isinstance(full, bool):
+        raise InvalidInput(f"verify: full is {full!r}; it is True or False, and case= names one case")
     chosen = _chosen(full, case)
     if engine is not None and engine not in ENGINES:
         raise InvalidInput(f"verify: engine is {engine!r}; it is one of {', '.join(ENGINES)}")

@@ -86,6 +86,13 @@ inline Vector3 column(const Matrix3& m, int j) { return {m(0, j), m(1, j), m(2, 
 Matrix3 columns(const Vector3& x, const Vector3& y, const Vector3& z);
 /// v/|v|, v not zero.
 inline Vector3 direction(const Vector3& v) { return v / v.norm(); }
+/// |v|, also of components whose squares are beyond the range of doubles.
+inline double safe_norm(const Vector3& v) {
+    const double norm = v.norm();
+    if (norm > 0x1p-480 && norm < 0x1p480) return norm;
+    const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+    return largest > 0.0 && std::isfinite(largest) ? largest * (v / largest).norm() : largest + norm;
+}
 /// The sizes of the components, and of two vectors the lesser and the greater of each.
 inline Vector3 sizes(const Vector3& v) { return {std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}; }
 Vector3 lesser(const Vector3& a, const Vector3& b);

@@ -20,6 +20,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -95,6 +96,16 @@ private:
     double borne_out(double length) const;
     /// Whether that is to be seen from their operations: those of polynomials hide nothing.
     static bool may_hide(const Program& program);
+    /// A length that the equations bear out at the end of a step at least, halved until they do: where the argument of
+    /// a root, a power or a logarithm has passed its zero, a series that happens to be a polynomial goes on.
+    double borne_out_at_end(double length);
+    static bool has_roots(const Program& program);
+    /// Whether a guard is on another side at a place than where the step begins, or may be: the step ends before.
+    bool passes_guard(double tau) const;
+    /// Whether the rates that equations give at a place of the expansion are those of the expansion. `values`: of them;
+    /// `duration`: that of the step [s].
+    bool bears_out(Evaluator<double>& values, double tau, double duration, std::vector<double>& x,
+                   std::vector<double>& slope) const;
 
     /// Makes steps a little uneven where rounding is the error: steps that come at the same phases of every period
     /// would round alike, and their errors add up.
@@ -114,10 +125,12 @@ private:
     std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, start_low_, parameters_;
-    std::vector<double> mode_x_, mode_low_;  // the state its mode began with
-    double steps_before_ = 0.0;              // of what it goes on with
-    bool is_ready_ = false;                  // for the first step of a mode
-    std::vector<signed char> rough_;         // by guard; empty: none is
+    std::vector<double> mode_x_, mode_low_;     // the state its mode began with
+    double steps_before_ = 0.0;                 // of what it goes on with
+    bool is_ready_ = false;                     // for the first step of a mode
+    std::unique_ptr<Evaluator<double>> roots_;  // of equations that have roots; none for others
+    std::vector<double> end_, end_slope_;
+    std::vector<signed char> rough_;  // by guard; empty: none is
     MotionScales scales_;
     std::unique_ptr<const Projection> projection_;
 };

@@ -16,6 +16,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
@@ -43,6 +44,9 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
         series_ = &evaluator_for(equations);
         scales_.resize(x.size());
         scales_.follow(equations.groups);
+        roots_ = has_roots(equations.program) && equations.start_flags.empty()
+                     ? std::make_unique<Evaluator<double>>(equations.program)
+                     : nullptr;
     }
     parameters_.assign(parameters.begin(), parameters.end());
     t_ = t;
@@ -87,6 +91,7 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         unit_ *= factor;
         if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
     }
+    length = borne_out_at_end(length);
     // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
     double h = length * unit_;
     Instant end{limit, 0.0};
@@ -266,33 +271,64 @@ RBDYN_INLINE bool TaylorEngine::may_hide(const Program& program) {
 
 RBDYN_INLINE double TaylorEngine::borne_out(double length) const {
     constexpr int places = 64;
-    const int n = equations_->variables();
     Evaluator<double> values(equations_->program);
     values.set_parameters(parameters_, rounding_);
-    const double duration = length * unit_;
+    std::vector<double> x(x_.size()), slope(x_.size());
+    for (int k = 1; k <= places; ++k)
+        if (!bears_out(values, length * k / places, length * unit_, x, slope))
+            return k > 1 ? static_cast<double>(k - 1) / places : 0.5 / (places * places);
+    return 1.0;
+}
+
+RBDYN_INLINE bool TaylorEngine::bears_out(Evaluator<double>& values, double tau, double duration,
+                                          std::vector<double>& x, std::vector<double>& slope) const {
+    for (int i = 0; i < equations_->variables(); ++i) {
+        const double* c = series_->coefficients(i);
+        x[at(i)] = series::value(c, order_, tau);
+        double rate = 0.0;
+        for (int j = order_; j >= 1; --j) rate = rate * tau + j * c[j];
+        slope[at(i)] = rate / unit_;
+    }
+    values(t_.hi + tau * unit_, x);
     double widest = 0.0;
     for (const VariableGroup& group : equations_->groups) widest = std::max(widest, scales_.scale(group));
-    std::vector<double> x(at(n)), slope(at(n));
-    for (int k = 1; k <= places; ++k) {
-        const double tau = length * k / places;
-        for (int i = 0; i < n; ++i) {
-            const double* c = series_->coefficients(i);
-            x[at(i)] = series::value(c, order_, tau);
-            double rate = 0.0;
-            for (int j = order_; j >= 1; --j) rate = rate * tau + j * c[j];
-            slope[at(i)] = rate / unit_;
+    const double part = std::max(1e-6, 64.0 * std::exp2(log_tolerance_));
+    for (const VariableGroup& group : equations_->groups)
+        for (int i = group.first; i < group.first + group.count; ++i) {
+            const double rate = values.output(i), size = std::max(std::abs(rate), std::abs(slope[at(i)])),
+                         scale = std::max(scales_.scale(group), widest / duration),
+                         allowed = 1e-3 * size + part * scale / duration + 1e-12 * values.magnitude(i);
+            if (!(std::abs(rate - slope[at(i)]) <= allowed)) return false;
         }
-        values(t_.hi + tau * unit_, x);
-        for (const VariableGroup& group : equations_->groups)
-            for (int i = group.first; i < group.first + group.count; ++i) {
-                const double rate = values.output(i), size = std::max(std::abs(rate), std::abs(slope[at(i)])),
-                             scale = std::max(scales_.scale(group), widest / duration),
-                             allowed = 1e-3 * size + 1e-6 * scale / duration + 1e-12 * values.magnitude(i);
-                if (std::abs(rate - slope[at(i)]) <= allowed) continue;
-                return k > 1 ? static_cast<double>(k - 1) / places : 0.5 / (places * places);
-            }
-    }
-    return 1.0;
+    return true;
+}
+
+RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
+    if (!roots_ || passes_guard(length)) return length;
+    end_.resize(x_.size());
+    end_slope_.resize(x_.size());
+    roots_->set_parameters(parameters_, rounding_);
+    constexpr int most_halvings_of_step = 60;
+    double shorter = length;
+    for (int k = 0; k < most_halvings_of_step; ++k, shorter *= 0.5)
+        if (bears_out(*roots_, shorter, shorter * unit_, end_, end_slope_)) return shorter;
+    return length;
+}
+
+RBDYN_INLINE bool TaylorEngine::has_roots(const Program& program) {
+    const auto& all = program.instructions();
+    return std::any_of(all.begin(), all.end(), [](const Instruction& i) {
+        return i.code == Code::square_root || i.code == Code::power || i.code == Code::logarithm;
+    });
+}
+
+RBDYN_INLINE bool TaylorEngine::passes_guard(double tau) const {
+    return std::any_of(equations_->guards.begin(), equations_->guards.end(), [&](const Guard& guard) {
+        if (guard.output < 0) return guard.locator != nullptr;
+        const double* c = series_->output(guard.output);
+        const double end = series::value(c, order_, tau);
+        return !(c[0] > 0.0 ? end > 0.0 : end < 0.0);
+    });
 }
 
 RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) const {

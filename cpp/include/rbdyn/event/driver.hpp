@@ -19,6 +19,7 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/keep.hpp"
+#include "rbdyn/event/progress.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
 #include "rbdyn/model/hybrid.hpp"
@@ -29,9 +30,10 @@ namespace rbdyn::inline RBDYN_FORM {
 class Driver {
 public:
     /// `slack` [s]: an event that the engine's accuracy cannot tell from the end of the run is met there. `is_alone`:
-    /// no other run is held against it, so it ends where steps come too near to a loss of rank.
+    /// no other run is held against it, so it ends where steps come too near to a loss of rank. `tolerance`: of the
+    /// engine, by which steps that get on are told (progress.hpp).
     Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep = {}, Monitor monitor = {},
-           double slack = 0.0, bool is_alone = false);
+           double slack = 0.0, bool is_alone = false, double tolerance = 0.0);
 
     Record run(double start, std::vector<double> x, double until);
     /// Goes on from where a run of the same model came to, as if it had not ended there.
@@ -70,6 +72,9 @@ private:
     /// A guard is not finite any more.
     void break_off(Record& record, Instant t);
 
+    /// Ends the run if its steps, the last one stored up to `length` of its piece, get on no more. Returns whether.
+    bool ends_in_small_steps(Record& record, const Piece& piece, double length, double until);
+
     /// No motion satisfies the laws.
     void give_up(Record& record, const Mode& mode);
 
@@ -78,10 +83,14 @@ private:
 
     void store(Record& record, const Piece& piece, double length, bool fresh) const;
 
-    /// Past a point where the equations are not finite but the motion is (a spring through its anchor): a parabola so
-    /// short that its error is rounding, from the model's own slopes at its start and at its middle, which is past the
-    /// point also where rounding has put the start a little before it.
+    /// Past a point where derivatives of the equations are not finite but the motion is (a spring through its anchor, a
+    /// power 3/2 from its zero): a parabola so short that its error is rounding, a line where no positions are known,
+    /// from the model's own slopes at its start and at its middle, which is past the point also where rounding has put
+    /// the start a little before it.
     bool pass(Record& record, double until);
+
+    /// Whether one more such point may be passed: there are not too many in a row.
+    bool may_pass();
 
     /// Nothing moves any more: one piece to the end.
     void rest(Record& record, Instant t, std::span<const double> x, double until) const;
@@ -97,6 +106,8 @@ private:
     std::size_t few_ = 64;  // events that are not worth looking through
     Monitor monitor_;
     EventSearch search_;
+    Progress progress_;
+    double began_ = 0.0;        // s: the run
     std::int64_t changes_ = 0;  // of modes, so far
     Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it

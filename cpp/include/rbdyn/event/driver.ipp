@@ -27,13 +27,14 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep,
-                            Monitor monitor, double slack, bool is_alone)
+                            Monitor monitor, double slack, bool is_alone, double tolerance)
     : model_(model),
       engine_(engine),
       max_steps_(max_steps),
       keep_(std::move(keep)),
       monitor_(std::move(monitor)),
       search_(model, engine, slack, is_alone),
+      progress_(tolerance),
       stops_from_(-std::numeric_limits<double>::infinity()) {}
 
 template <class Begin>
@@ -64,7 +65,7 @@ RBDYN_INLINE Record Driver::go_on(const Halt& halt, double until) {
 
 RBDYN_INLINE void Driver::begin(Record& record) {
     std::vector<double>& x = now_.x;
-    record.start = now_.at.hi;
+    record.start = began_ = now_.at.hi;
     record.variables = model_.variables();
     record.end = now_.at;
     record.first_state = x;
@@ -82,7 +83,7 @@ RBDYN_INLINE void Driver::begin(Record& record) {
 }
 
 RBDYN_INLINE void Driver::resume(Record& record) {
-    record.start = now_.at.hi;
+    record.start = began_ = now_.at.hi;
     record.variables = model_.variables();
     record.end = now_.at;
     record.first_state = now_.x;
@@ -130,17 +131,24 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
                 after.impossible = std::move(why);
                 return give_up(record, after);
             }
-            if (++now_.passes > max_crowded || !pass(record, until)) return finish(record, t, Status::not_finite);
+            if (!may_pass() || !pass(record, until)) return finish(record, t, Status::not_finite);
             now_.fresh = true;
             continue;
         }
         const Piece& piece = engine_.piece();
+        // a first step hardly longer than the rounding of time begins at a point that is to be passed, or beside it
+        if (now_.fresh && piece.length * piece.unit < 64.0 * epsilon * std::abs(t.hi) && may_pass() &&
+            pass(record, until)) {
+            now_.fresh = true;
+            continue;
+        }
         const bool is_last = !(until - piece.at(piece.length) > least);
         const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
         if (cut < 0.0) {
             store(record, piece, piece.length, now_.fresh);
             t = piece.at(piece.length);
             now_.fresh = now_.begins = false;
+            if (ends_in_small_steps(record, piece, piece.length, until)) return;
             continue;
         }
         // a true end of this piece at the event, exact in the engine's own terms
@@ -242,6 +250,21 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         }
         chattered_ = t;
     }
+    // changes of the user's that come ever sooner, as the bounces of a ball do
+    const auto again = std::find_if(fired.begin(), fired.end(), [&](int index) {
+        const Guard& guard = before->guards[static_cast<std::size_t>(index)];
+        return guard.watch >= 0 && guard.role == GuardRole::mode;
+    });
+    if (now_.crowded > max_crowded && again != fired.end()) {
+        const std::string& name = before->guards[static_cast<std::size_t>(*again)].name;
+        note(record, {EventKind::accumulation, -1, Direction::either, name}, t);
+        record.not_finite = "watch \"" + name +
+                            "\" changes the state ever sooner, without end: its events accumulate here. What follows "
+                            "is for its action to say: one that sets what comes to rest (to zero, once it is small "
+                            "enough), or \"stop\"";
+        finish(record, t, Status::inconsistent);
+        return false;
+    }
     if (now_.crowded > max_crowded || record.handed_on + static_cast<std::int64_t>(record.events.size()) > max_steps_) {
         record.not_finite = now_.crowded > max_crowded
                                 ? "it goes on switching without getting on, a hundred times at one instant"
@@ -265,67 +288,6 @@ RBDYN_INLINE bool Driver::has_not_moved(const Record& record, const Piece& piece
     for (std::size_t i = 0; i < x.size(); ++i)
         if (std::abs(x[i] - record.first_state[i]) > 64.0 * epsilon * std::abs(record.first_state[i])) return false;
     return true;
-}
-
-RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
-    record.end = t;
-    // what was found at the end of the last piece is not later than the end by its rounding
-    for (auto e = record.events.rbegin(); e != record.events.rend() && e->instant - t > 0.0; ++e) {
-        e->instant = t;
-        e->time = t.hi;
-    }
-    record.status = status;
-    record.work = engine_.work();
-    if (record.thrown || now_.mode.equations == nullptr) return;
-    now_.at = t;
-    now_.low.resize(now_.x.size());
-    if (!now_.fresh) engine_.standing(now_.x, now_.low);
-    search_.leave(now_);
-    if (!now_.mode.still) now_.engine = engine_.memory();
-    now_.winding = winding_;
-    record.halt = std::make_shared<const Halt>(now_);
-}
-
-RBDYN_INLINE void Driver::let_go(Record& record, bool is_over) {
-    if (keep_events_.keeps_all()) return;
-    std::vector<Event>& events = record.events;
-    if (keep_events_.what == KeepEvents::What::last && !keep_events_.each) {
-        if (!is_over && events.size() < few_) return;
-        keep_last_of_each(events);
-        few_ = std::max<std::size_t>(64, 2 * events.size());
-        return;
-    }
-    // those of one instant may still change places, and what is found once more is known by those just before
-    const Instant seen = std::exchange(looked_, now_.at);
-    std::size_t done = 0;
-    while (done < events.size() && (is_over || seen - events[done].instant > 8.0 * epsilon * std::abs(seen.hi)))
-        keep_events_.each(events[done++]);
-    if (is_over && record.status == Status::stopped_by_event)
-        while (done > 0 && events[done - 1].time == record.end.hi) --done;
-    events.erase(events.begin(), events.begin() + static_cast<std::ptrdiff_t>(done));
-    record.handed_on += static_cast<std::int64_t>(done);
-}
-
-RBDYN_INLINE void Driver::break_off(Record& record, Instant t) {
-    const Guard& guard = *search_.broken();
-    record.not_finite =
-        guard.least < 0.0 ? "constraints lose rank there, and a step ends so near to it that the motion beyond is not "
-                            "known: " +
-                                guard.name
-        : guard.kind == EventKind::watch ? "watched function \"" + guard.name + "\""
-        : !guard.name.empty()            ? guard.name
-                                         : "what tells of " + std::string(name_of(guard.kind));
-    if (guard.kind != EventKind::watch && guard.subject >= 0)
-        record.not_finite += " (body " + std::to_string(guard.subject + 1) + ")";
-    finish(record, t, Status::not_finite);
-}
-
-RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode) {
-    record.not_finite = mode.impossible;
-    if (record.modes.empty()) record.modes.push_back(model_.undecided());
-    // there is nothing to go on with
-    now_.mode.equations = nullptr;
-    finish(record, now_.at, Status::inconsistent);
 }
 
 RBDYN_INLINE void Driver::enter(Record& record, const Mode& mode, Instant t, std::span<const double> x,
@@ -355,49 +317,6 @@ RBDYN_INLINE void Driver::store(Record& record, const Piece& piece, double lengt
     // nor are modes kept, but for the first one and that of the piece
     if (mode > 1) record.modes.erase(record.modes.begin() + 1, record.modes.end() - 1);
     record.append(piece, length, std::min(mode, 1), fresh);
-}
-
-RBDYN_INLINE bool Driver::pass(Record& record, double until) {
-    std::vector<double>& x = now_.x;
-    Mode& mode = now_.mode;
-    Instant& t = now_.at;
-    std::vector<double> slope(x.size()), bend(x.size());
-    const Slope known = model_.slope(mode, t.hi, x, slope, bend);
-    const auto n = static_cast<std::size_t>(known.positions);
-    if (n == 0) return false;
-    double time = std::min(until - t, known.pace);
-    for (std::size_t i = 0; i < n; ++i)
-        if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
-    const double h = 0x1p-27 * time;
-    if (!(h > 8.0 * epsilon * std::abs(t.hi))) return false;
-    std::vector<double> middle = x, later(x.size()), later_bend(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-    if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).positions > 0) {
-        std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
-                  slope.begin() + static_cast<std::ptrdiff_t>(n));
-        bend = later_bend;
-    }
-    std::vector<double> c(3 * x.size(), 0.0);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        c[3 * i] = x[i];
-        c[3 * i + 1] = slope[i] * h;
-        if (i < n) c[3 * i + 2] = 0.5 * bend[i] * h * h;
-    }
-    const Piece piece{t, h, 1.0, record.variables, 2, c.data(), 3};
-    store(record, piece, 1.0, true);
-    piece.state(1.0, x);
-    t = piece.at(1.0);
-    now_.low.assign(x.size(), 0.0);
-    now_.handled.clear();
-    std::vector<Happening> none;
-    mode = model_.next(mode, {}, t.hi, x, none);
-    enter(record, mode, t, x, {});
-    return true;
-}
-
-RBDYN_INLINE void Driver::rest(Record& record, Instant t, std::span<const double> x, double until) const {
-    const Piece piece{t, until - t, 1.0, record.variables, 0, x.data(), 1};
-    store(record, piece, 1.0, true);
 }
 
 RBDYN_INLINE void Driver::note(Record& record, const Happening& h, Instant t) {

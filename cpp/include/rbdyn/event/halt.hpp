@@ -24,7 +24,8 @@ struct Halt {
     Mode mode;
     bool fresh = true;            // the mode begins here
     bool begins = false;          // and with it the motion
-    int crowded = 0, passes = 0;  // events of this instant, and points passed so far where the equations are not finite
+    int crowded = 0, passes = 0;  // events of this instant; points passed in a row where the equations are not finite
+    Instant passed_at = {};       // the first of these
     std::vector<int> fired = {};  // guards that stopped the run, among others: what these change is still to be done
     std::vector<bool> handled = {};         // guards whose zero began the mode
     std::vector<WatchedSide> watched = {};  // by watched function

@@ -387,12 +387,7 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
             throw InvalidInput("watch " + guard.name +
                                ": actions that change the state are not there for bodies joined to bodies in this "
                                "version; stop, and go on from there");
-        flipped.push_back(index);
-        if (mode.equations->is_variable(guard)) x[at(mode.equations->program.output(guard.output))] = 0.0;
-        if (guard.name.empty()) continue;
-        const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
-        const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
-        happenings.push_back({guard.kind, guard.subject, rises ? Direction::rising : Direction::falling, guard.name});
+        flip(mode, index, true, x, flipped, happenings);
     }
     Mode after = mode;
     if (touches) {

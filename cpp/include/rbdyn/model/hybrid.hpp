@@ -46,7 +46,8 @@ struct Happening {
 
 /// What a slope is of.
 struct Slope {
-    int positions = 0;                                      // among the variables, the first ones; 0: there is no slope
+    bool is_known = false;  // it is finite
+    int positions = 0;      // among the variables, the first ones: those that bend as others slope
     double pace = std::numeric_limits<double>::infinity();  // s, in which attitudes turn by about a radian
 };
 
@@ -107,13 +108,17 @@ public:
     /// What is not finite in a state, in words; empty if everything is.
     virtual std::string not_finite(const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const;
 
+    /// What the rate of a variable is called in messages.
+    virtual std::string rate_name(int variable) const;
+
     /// What has grown beyond all measure from one state to another, in words; empty if nothing has.
     virtual std::string grown(const Mode& /*before*/, double /*t0*/, std::span<const double> /*x0*/,
                               const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const;
 
-    /// x' where the equations are not finite but the motion is, and x'' of the positions.
-    virtual Slope slope(const Mode&, double /*t*/, std::span<const double> /*x*/, std::span<double> /*slope*/,
-                        std::span<double> /*bend*/) const;
+    /// x' where derivatives of the equations are not finite but the motion is, and x'' of the positions. By default
+    /// what the equations of the mode say, and no positions.
+    virtual Slope slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
+                        std::span<double> bend) const;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -4,12 +4,14 @@
 #include "rbdyn/model/hybrid.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
@@ -34,7 +36,7 @@ RBDYN_INLINE void HybridModel::observe(const Mode& mode, double /*t*/, std::span
             o.is_position = group.is_position;
             for (int i = first; i < std::min(first + 3, group.first + group.count); ++i)
                 o.value[i - first] = x[static_cast<std::size_t>(i)];
-            o.whole = o.value.norm();
+            o.whole = safe_norm(o.value);
             observed.push_back(o);
         }
 }
@@ -56,14 +58,29 @@ RBDYN_INLINE std::string HybridModel::not_finite(const Mode& /*mode*/, double /*
     return {};
 }
 
+RBDYN_INLINE std::string HybridModel::rate_name(int /*variable*/) const { return "a force or torque"; }
+
 RBDYN_INLINE std::string HybridModel::grown(const Mode& /*before*/, double /*t0*/, std::span<const double> /*x0*/,
                                             const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const {
     return {};
 }
 
-RBDYN_INLINE Slope HybridModel::slope(const Mode&, double /*t*/, std::span<const double> /*x*/,
-                                      std::span<double> /*slope*/, std::span<double> /*bend*/) const {
-    return {};
+RBDYN_INLINE Slope HybridModel::slope(const Mode& mode, double t, std::span<const double> x, std::span<double> slope,
+                                      std::span<double> bend) const {
+    Evaluator<double> rates(mode.equations->program);
+    rates.set_parameters(mode.parameters);
+    rates(t, x);
+    Slope result{.is_known = true};
+    double size = 0.0, fastest = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        slope[i] = rates.output(static_cast<int>(i));
+        bend[i] = 0.0;
+        if (!std::isfinite(slope[i])) return {};
+        size = std::max(size, std::abs(x[i]));
+        fastest = std::max(fastest, std::abs(slope[i]));
+    }
+    if (fastest > 0.0 && size > 0.0) result.pace = size / fastest;
+    return result;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -64,19 +64,7 @@ public:
     Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
               std::vector<Happening>& happenings) const override {
         std::vector<int> flipped;
-        for (const int index : fired) {
-            const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
-            flipped.push_back(index);
-            // a variable that switches is zero, exactly
-            if (mode.equations->is_variable(guard))
-                x[static_cast<std::size_t>(mode.equations->program.output(guard.output))] = 0.0;
-            if (guard.name.empty()) continue;
-            const double sign =
-                guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
-            const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
-            happenings.push_back(
-                {guard.kind, guard.subject, rises ? Direction::rising : Direction::falling, guard.name});
-        }
+        for (const int index : fired) flip(mode, index, true, x, flipped, happenings);
         Mode after = mode;
         choose(after, t, x, flipped);
         if (same_motion(mode, after, flipped)) happenings.clear();

@@ -431,7 +431,7 @@ RBDYN_INLINE Slope PointsModel::slope(const Mode& mode, double t, std::span<cons
                                       std::span<double> bend) const {
     const StateMap& map = laws_->map();
     std::vector<double> all(at(map.variables())), second(all.size(), 0.0);
-    Slope result;
+    Slope result{.is_known = true};
     const PointsNow now(*laws_, mode.slip, t, x);
     for (int i = 0; i < bodies(); ++i) {
         const PointLaws::Body& b = laws_->body(i);

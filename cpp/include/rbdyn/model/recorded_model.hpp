@@ -65,6 +65,12 @@ protected:
     /// Sets the parameters that are no signs of switches.
     virtual void own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const;
 
+    /// A distinction switches whose guard fired: it is among `flipped`, a variable that it goes by is zero, exactly, if
+    /// it is to be, and it happens, if it has a name and none of this name and surface has: of np.sign both sides of
+    /// zero are watched, and pass it together.
+    static void flip(const Mode& mode, int fired, bool is_zero, std::span<double> x, std::vector<int>& flipped,
+                     std::vector<Happening>& happenings);
+
     /// Whether an event came to nothing: a surface left or met by rounding alone, and motion goes on as before. A
     /// length that passes zero has no sides, so its event always came to something.
     static bool same_motion(const Mode& a, const Mode& b, std::span<const int> flipped);

@@ -62,6 +62,23 @@ RBDYN_INLINE const Structure* RecordedModel::own(const Structure& recorded) cons
 
 RBDYN_INLINE void RecordedModel::own_parameters(Mode& /*mode*/, std::span<const double> /*x*/) const {}
 
+RBDYN_INLINE void RecordedModel::flip(const Mode& mode, int fired, bool is_zero, std::span<double> x,
+                                      std::vector<int>& flipped, std::vector<Happening>& happenings) {
+    const Equations& e = *mode.equations;
+    const Guard& guard = e.guards[at(fired)];
+    const auto surface = e.surface_of(guard);
+    const bool is_told = surface && std::any_of(flipped.begin(), flipped.end(), [&](int other) {
+                             const Guard& g = e.guards[at(other)];
+                             return g.subject == guard.subject && g.name == guard.name && e.surface_of(g) == surface;
+                         });
+    flipped.push_back(fired);
+    if (is_zero && e.is_variable(guard)) x[at(e.program.output(guard.output))] = 0.0;
+    if (guard.name.empty() || is_told) return;
+    const double sign = guard.sign_parameter >= 0 ? mode.parameters[at(guard.sign_parameter)] : 1.0;
+    const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
+    happenings.push_back({guard.kind, guard.subject, rises ? Direction::rising : Direction::falling, guard.name});
+}
+
 RBDYN_INLINE bool RecordedModel::same_motion(const Mode& a, const Mode& b, std::span<const int> flipped) {
     if (a.equations != b.equations || a.slip != b.slip) return false;
     for (const int index : flipped)

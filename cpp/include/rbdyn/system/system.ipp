@@ -23,6 +23,12 @@ RBDYN_INLINE System::System(OwnFunction f, std::vector<double> start, std::vecto
     for (int i = 0; i < n; ++i)
         require(std::isfinite(start_[static_cast<std::size_t>(i)]), "System", "x0[" + std::to_string(i) + "]",
                 start_[static_cast<std::size_t>(i)], "a state is finite");
+    // what steps and errors are made of, powers of a tolerance times a state, are numbers too
+    constexpr double most = 1e250;
+    const auto largest =
+        std::max_element(start_.begin(), start_.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    require(std::abs(*largest) < most, "System", "x0[" + std::to_string(largest - start_.begin()) + "]", *largest,
+            "a state is below 1e250 in size; give it in larger units");
     require(f_.inputs() == 1 + n, "System", "count of inputs of f", f_.inputs(),
             "it takes the time and " + std::to_string(n) + " variables, as many as x0 has");
     require(f_.outputs() == n, "System", "count of results of f", f_.outputs(),

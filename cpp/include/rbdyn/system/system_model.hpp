@@ -34,6 +34,10 @@ public:
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
+    std::string rate_name(int variable) const override;
+    /// The rate that changes fastest with a variable there, where that is without bounds or has grown beyond measure.
+    std::string grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode, double t,
+                      std::span<const double> x) const override;
 
     /// x' in a mode.
     std::vector<double> rate(const Mode& mode, double t, std::span<const double> x) const;
@@ -45,6 +49,15 @@ private:
 
     std::vector<signed char> kind_of(const Mode&) const override { return {}; }
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
+
+    /// A variable with its value, "x[0] = 0.5".
+    std::string valued(int variable, double value) const;
+    /// The largest derivative of a rate by a variable at a state: of which, by which; an infinite one is.
+    struct Steepest {
+        int rate = -1, variable = -1;
+        double slope = 0.0;
+    };
+    Steepest steepest(const Mode& mode, double t, std::span<const double> x) const;
 
     void change(const System::Watch& watch, double t, std::span<double> x) const;
 

@@ -15,6 +15,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/recording.hpp"
 #include "rbdyn/model/sliding.hpp"
@@ -52,17 +53,9 @@ RBDYN_INLINE Mode SystemModel::next(const Mode& mode, std::span<const int> fired
         ++after.jumps;
     }
     for (const int index : fired) {
-        const Guard& guard = mode.equations->guards[static_cast<std::size_t>(index)];
-        if (guard.kind == EventKind::watch) continue;
-        flipped.push_back(index);
-        // a variable that switches is zero, exactly, unless the user's change has set it
-        if (!is_new && mode.equations->is_variable(guard))
-            x[static_cast<std::size_t>(mode.equations->program.output(guard.output))] = 0.0;
-        if (guard.name.empty()) continue;
-        const double sign =
-            guard.sign_parameter >= 0 ? mode.parameters[static_cast<std::size_t>(guard.sign_parameter)] : 1.0;
-        const bool rises = guard.step != 0 ? guard.step > 0 : sign < 0.0;
-        happenings.push_back({guard.kind, -1, rises ? Direction::rising : Direction::falling, guard.name});
+        // the user's change may have set what switches
+        if (mode.equations->guards[static_cast<std::size_t>(index)].kind != EventKind::watch)
+            flip(mode, index, !is_new, x, flipped, happenings);
     }
     choose(after, t, x, flipped, is_new);
     if (!is_new && same_motion(mode, after, flipped)) happenings.clear();
@@ -94,12 +87,62 @@ RBDYN_INLINE double SystemModel::guard_value(const Guard& guard, const Mode& /*m
 
 RBDYN_INLINE std::string SystemModel::not_finite(const Mode& mode, double t, std::span<const double> x) const {
     for (int i = 0; i < variables(); ++i)
-        if (!std::isfinite(x[static_cast<std::size_t>(i)])) return system_.name(i) + " itself";
+        if (const double value = x[static_cast<std::size_t>(i)]; !std::isfinite(value))
+            return system_.name(i) + " itself, which is " + text(value);
     const std::vector<double> rates = rate(mode, t, x);
     for (int i = 0; i < variables(); ++i)
         if (const double value = rates[static_cast<std::size_t>(i)]; !std::isfinite(value))
-            return "the rate of " + system_.name(i) + ", which is " + text(value);
-    return {};
+            return rate_name(i) + ", which is " + text(value) + " at t = " + text(t) + ", " +
+                   valued(i, x[static_cast<std::size_t>(i)]);
+    const Steepest s = steepest(mode, t, x);
+    if (s.rate < 0 || std::isfinite(s.slope)) return {};
+    return rate_name(s.rate) + ", whose slope by " + system_.name(s.variable) + " is " + text(s.slope) +
+           " at t = " + text(t) + ", " + valued(s.variable, x[static_cast<std::size_t>(s.variable)]);
+}
+
+RBDYN_INLINE std::string SystemModel::rate_name(int variable) const { return "the rate of " + system_.name(variable); }
+
+RBDYN_INLINE std::string SystemModel::valued(int variable, double value) const {
+    return system_.name(variable) + " = " + text(value);
+}
+
+RBDYN_INLINE SystemModel::Steepest SystemModel::steepest(const Mode& mode, double t, std::span<const double> x) const {
+    Steepest result;
+    // nobody knows the derivatives of what is called back
+    if (mode.equations == nullptr || mode.equations->program.has_calls()) return result;
+    GradientEvaluator f(mode.equations->program);
+    f.set_parameters(mode.parameters);
+    f(t, x);
+    for (int i = 0; i < variables(); ++i)
+        for (const auto& [variable, slope] : f.gradient(i))
+            if (variable < variables() && !(std::abs(slope) <= std::abs(result.slope))) {
+                result = {i, variable, slope};
+                if (std::isnan(slope)) return result;
+            }
+    return result;
+}
+
+RBDYN_INLINE std::string SystemModel::grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode,
+                                            double t, std::span<const double> x) const {
+    // no motion that goes on comes to this
+    constexpr double beyond = 1e5;
+    const Steepest was = steepest(before, t0, x0), is = steepest(mode, t, x);
+    if (is.rate >= 0 && std::abs(is.slope) > beyond * std::abs(was.slope))
+        return rate_name(is.rate) + ", whose slope by " + system_.name(is.variable) + " has grown to " +
+               text(is.slope) + " at " + valued(is.variable, x[static_cast<std::size_t>(is.variable)]);
+    const std::vector<double> first = rate(before, t0, x0), last = rate(mode, t, x);
+    for (int i = 0; i < variables(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        if (std::abs(last[k]) > beyond * std::abs(first[k]) && first[k] != 0.0)
+            return rate_name(i) + ", which has grown from " + text(first[k]) + " to " + text(last[k]) + " at " +
+                   valued(i, x[k]);
+    }
+    // steps came to nothing here, which has a reason in what moves fastest
+    const auto fastest =
+        std::max_element(last.begin(), last.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const int i = static_cast<int>(fastest - last.begin());
+    return "steps come to nothing there: " + rate_name(i) + " is " + text(*fastest) + " at " +
+           valued(i, x[static_cast<std::size_t>(i)]);
 }
 
 RBDYN_INLINE std::vector<double> SystemModel::rate(const Mode& mode, double t, std::span<const double> x) const {

@@ -93,6 +93,9 @@ RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& 
     const std::int64_t calls = system.python_calls();
     simulating::Solution solution =
         simulating::solve(*model, system.start(), options, {.origin = options.start}, engine, natural);
+    // where steps and errors, powers of a tolerance times a state, lose their digits
+    constexpr double least = 1e-250;
+    simulating::require_size(solution.record, "System", least);
     Statistics s = simulating::statistics_of(solution);
     s.python_calls = system.python_calls() - calls;
     s.seconds = std::chrono::duration<double>(Clock::now() - began).count();

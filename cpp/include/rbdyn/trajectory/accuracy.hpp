@@ -68,8 +68,12 @@ private:
     /// Both runs at a time; just before an event one of them may be past it already, and then its time tells.
     void compare_at(Instant at, const Record& run, std::size_t i, const Record& better, std::size_t& j);
 
-    /// The differences of what is seen from the better.
-    void note(double weight, bool is_shared);
+    /// The differences of what is seen from the better; of motion alone, or of forces, too.
+    void note(double weight, bool is_shared, bool has_forces);
+
+    /// Whether a mode of a run ends within the error wanted of a time: forces that turn with a slip that comes to rest
+    /// there do so ever faster, and are known as well as the time of that is.
+    bool ends_at_once(const Record& run, std::size_t piece, Instant at) const;
 
     /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
     /// are. `start`: of the motion.
@@ -96,6 +100,7 @@ private:
     std::function<bool(double)> proceed_;
     bool stopped_ = false;
     int samples_ = 0;
+    double start_ = 0.0;                   // of the motion
     double last_ = 0.0;                    // time compared
     std::vector<Difference> differences_;  // of events, and of what is observed each that is larger than all before
     std::vector<double> largest_[2];       // of either kind

@@ -41,6 +41,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     scales_.clear();
     if (before_ != nullptr) scales_ = before_->scales;
     const double start = before_ != nullptr ? before_->origin : run.start;
+    start_ = start;
     const double span = std::max(run.end.hi - start, std::numeric_limits<double>::min());
 
     // times of events
@@ -158,22 +159,34 @@ RBDYN_INLINE void AccuracyCheck::compare_at(Instant at, const Record& run, std::
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
     scales_.widen(fine_);
-    note(1.0, false);
+    const bool has_forces = !ends_at_once(run, i, at);
+    note(1.0, false, has_forces);
     // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
     if (++samples_ <= 8 || samples_ % 8 == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
         model_.observe(fine_mode, at.hi, x_, seen_);
-        note(0.5, true);
+        note(0.5, true, has_forces);
     }
     last_ = at.hi;
 }
 
-RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared) {
+RBDYN_INLINE bool AccuracyCheck::ends_at_once(const Record& run, std::size_t piece, Instant at) const {
+    const auto& entries = run.entries();
+    const double near = wanted_ * (at.hi - start_);
+    for (std::size_t k = piece; k + 1 < entries.size(); ++k) {
+        if (entries[k + 1].start - at > near) return false;
+        if (entries[k + 1].mode != entries[k].mode) return true;
+    }
+    return false;
+}
+
+RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_forces) {
     std::vector<double>& largest = largest_[is_shared ? 1 : 0];
     largest.resize(fine_.size(), -1.0);
     for (std::size_t k = 0; k < fine_.size(); ++k) {
-        const double value = weight * (seen_[k].value - fine_[k].value).norm();
+        if (!has_forces && (fine_[k].alike == Alike::force || fine_[k].alike == Alike::torque)) continue;
+        const double value = weight * safe_norm(seen_[k].value - fine_[k].value);
         if (!(value > largest[k])) continue;
         largest[k] = value;
         differences_.push_back({last_, value, static_cast<int>(k), is_shared});

@@ -47,7 +47,7 @@ RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
         const Observed& o = seen[k];
         s.low = lesser(s.low, o.value);
         s.high = greater(s.high, o.value);
-        s.size = std::max({s.size, o.value.norm(), o.size});
+        s.size = std::max({s.size, safe_norm(o.value), o.size});
         s.whole = std::max(s.whole, o.whole);
         s.drive = std::max(s.drive, o.drive);
         s.is_position = o.is_position;
@@ -60,7 +60,7 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
     std::array<double, kinds> largest{}, farthest{};
     std::array<int, kinds> count{};
     for (Scale& s : scales_) {
-        s.scale = s.is_position ? (s.high - s.low).norm() : s.size;
+        s.scale = s.is_position ? safe_norm(s.high - s.low) : s.size;
         // a body that moves by rounding alone does not move; a reaction that is rounding of the forces is none
         s.is_any = s.scale > nothing * s.whole;
         // nor has it a velocity, where that is no more than what rounding of its forces makes in that time
