@@ -12,6 +12,7 @@
 #include "rbdyn/mechanics/tree.ipp"
 #include "rbdyn/mechanics/tree_contacts.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"
+#include "rbdyn/mechanics/tree_joints.ipp"
 #include "rbdyn/mechanics/tree_loops.ipp"
 #include "rbdyn/mechanics/tree_model.ipp"
 #include "rbdyn/mechanics/tree_observables.ipp"

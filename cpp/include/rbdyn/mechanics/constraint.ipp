@@ -28,6 +28,10 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     if (const auto& friction = touch.options.friction) {
         c.mu_static = friction->mu_static;
         c.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
+        if (friction->has_torques())
+            throw InvalidInput(touch.name +
+                               ": friction against rolling or pivoting is not simulated in this version; leave "
+                               "rolling and pivoting out");
     }
     const auto from_held = [&](int body, const Vector3& p) {
         const Node& n = tree.node(body);

@@ -52,6 +52,12 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
         for (int i = 0; i < mechanics::ContactMemory::parameters; ++i)
             mode.parameters[next++] = mode.memory[from + at(i)];
     }
+    for (std::size_t k = 0; k < joints_.size(); ++k) {
+        if (!mechanics::joint_state::is_sliding(mode.slip[at(contacts()) + k])) continue;
+        const std::size_t from = place_of_joint(static_cast<int>(k));
+        for (int i = 0; i < mechanics::JointMemory::parameters; ++i)
+            mode.parameters[next++] = mode.memory[from + at(i)];
+    }
 }
 
 RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,

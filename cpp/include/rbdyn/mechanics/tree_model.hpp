@@ -15,6 +15,7 @@
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/exert.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
+#include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_state.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -47,6 +48,7 @@ public:
     const std::string& name(int body) const override { return tree_->node(body).name; }
     std::string coordinates(int body) const override { return tree_->coordinates(body); }
     bool touches() const override { return contacts() > 0; }
+    bool holds_what_touches(int subject) const override;
     bool turns(int body) const override { return !tree_->node(body).is_point; }
     int freedom() const override { return tree_->velocities() - static_cast<int>(rows_.size()); }
     std::vector<std::string> not_unique() const override;
@@ -210,6 +212,23 @@ private:
     /// What follows guards of contacts.
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::vector<Happening>& happenings) const;
+    // --- friction in joints (tree_joints.ipp) ---
+
+    std::size_t place_of_joint(int joint) const {
+        return mechanics::ContactMemory::place(contacts()) + at(mechanics::JointMemory::numbers * joint);
+    }
+    mechanics::JointMemory joint_memory(const Mode& mode, int joint) const;
+    /// Which rough joints at rest are held and which slide. May find that no motion satisfies the laws. `breaking`:
+    /// those that are at their static limit and leave it.
+    void settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x, std::vector<int> breaking) const;
+    void decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
+                       const std::vector<int>& breaking) const;
+    /// Whether what is held has come beyond its limit at a state, by what jumped.
+    bool joints_slip(const Mode& mode, double t, std::span<const double> x) const;
+    /// What follows guards of joints.
+    void rub(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
+             std::vector<Happening>& happenings) const;
+
     // --- loops and driven joints (tree_loops.ipp) ---
 
     /// Chooses the rows that are used. Refuses what the others would lose when the scene moves.
@@ -242,6 +261,7 @@ private:
     std::shared_ptr<const mechanics::Tree> tree_;
     std::shared_ptr<const mechanics::Conditions> conditions_;
     std::shared_ptr<const mechanics::Exerted> exerted_;
+    std::vector<mechanics::RoughJoint> joints_;
     std::vector<int> rows_;             // of the constraints, those that are used
     std::vector<double> first_pivots_;  // of these, where the scene starts
     double loosest_ = 0.0;              // the gap that constraints with other rows may have [m]

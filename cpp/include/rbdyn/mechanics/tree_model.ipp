@@ -35,7 +35,7 @@ RBDYN_INLINE bool needs_tree(const Scene& scene) {
     for (const Scene::AppliedLoad& l : scene.loads())
         if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) return true;
     const auto is_special = [](const Scene::Body& b) {
-        if (b.parent >= 0) return false;
+        if (b.parent >= 0 || friction_in(b.joint)) return false;
         if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return !hinge->motion;
         if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return !slide->motion;
         return std::holds_alternative<Free>(b.joint) || std::holds_alternative<Rail>(b.joint) ||
@@ -49,7 +49,8 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
       scene_(scene),
       tree_(std::make_shared<const mechanics::Tree>(scene)),
       exerted_(std::make_shared<const mechanics::Exerted>(scene, *tree_)),
-      why_all_("bodies are joined to bodies") {
+      why_all_(mechanics::rough_joints(scene, *tree_).empty() ? "bodies are joined to bodies"
+                                                              : "bodies are joined, by joints with friction") {
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
         if (rail == nullptr) continue;
@@ -63,6 +64,7 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
     conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
+    joints_ = mechanics::rough_joints(scene, *tree_);
     const std::vector<double> x = mechanics::closing::nearest(start);
     const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, now);
@@ -311,7 +313,8 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
 RBDYN_INLINE Mode TreeModel::undecided() const {
     Mode mode;
     mode.slip.assign(at(contacts()), flies);
-    mode.memory.assign(mechanics::ContactMemory::place(contacts()), 0.0);
+    mode.slip.resize(at(contacts()) + joints_.size(), mechanics::joint_state::open);
+    mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
 }
@@ -320,7 +323,8 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     require_finite_drives(t);
     Mode mode = undecided();
     if (contacts() == 0) {
-        choose(mode, t, x, {});
+        const Mode as_it_was = mode;
+        joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
         return mode;
     }
     const auto all = moving(t, x);
@@ -367,11 +371,15 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<int> flipped;
-    bool touches = false;
+    bool touches = false, rubs = false;
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
         if (guard.contact >= 0) {
             touches = true;
+            continue;
+        }
+        if (guard.joint >= 0) {
+            rubs = true;
             continue;
         }
         if (guard.kind == EventKind::singular) {
@@ -396,7 +404,18 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
+    if (rubs) {
+        if (!flipped.empty()) choose(after, t, x, flipped);
+        rub(mode, after, fired, t, x, happenings);
+        if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
+        return after;
+    }
     choose(after, t, x, flipped);
+    if (joints_slip(after, t, x)) {
+        const Mode passed = after;
+        rub(passed, after, {}, t, x, happenings);
+        if (!after.impossible.empty()) return after;
+    }
     after.impossible = jump_of_drives(mode, after, t, x);
     if (after.impossible.empty() && pulls(after, t, x)) {
         touch(mode, after, {}, t, x, happenings);
@@ -467,6 +486,12 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     }
 }
 
+RBDYN_INLINE bool TreeModel::holds_what_touches(int subject) const {
+    return std::any_of(joints_.begin(), joints_.end(), [&](const mechanics::RoughJoint& joint) {
+        return joint.body == subject && joint.mu_static.now() > joint.mu_dynamic.now();
+    });
+}
+
 RBDYN_INLINE double TreeModel::guard_value(const Guard& guard, const Mode& mode, double t,
                                            std::span<const double> x) const {
     return scene_.watches()[at(guard.watch)].function(observing(mode, t, x));
@@ -477,7 +502,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     const recording::WideFolding all_digits;
     Recorder r;
     r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
-    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows, mode.slip);
+    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, joints_, rows, mode.slip);
     const int n = variables();
     const bool stands_still = holds_all(rows);
     auto result = written(
@@ -486,6 +511,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = stands_still ? Expression(0.0) : values[at(i)];
             tree.touch(write);
+            tree.rub(write);
             tree.guard_drives(write);
             guard_loops(write, tree);
             tree.watch(write, scene_.watches());

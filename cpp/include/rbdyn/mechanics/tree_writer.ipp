@@ -30,31 +30,46 @@ inline Vector3Of<Expression> unit_along(const Vector3Of<Expression>& axis, const
 }  // namespace tree_writers
 
 RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
-                                    const std::vector<int>& rows, const std::vector<signed char>& states)
-    : r_(r), tree_(tree), conditions_(conditions), exerted_(exerted), rows_(rows), states_(states) {
+                                    const std::vector<RoughJoint>& joints, const std::vector<int>& rows,
+                                    const std::vector<signed char>& states)
+    : r_(r),
+      tree_(tree),
+      conditions_(conditions),
+      exerted_(exerted),
+      joints_(joints),
+      rows_(rows),
+      states_(states.begin(), states.end() - static_cast<std::ptrdiff_t>(joints.size())),
+      joint_states_(states.end() - static_cast<std::ptrdiff_t>(joints.size()), states.end()) {
     const recording::WideFolding all_digits;
     for (int i = 0; i < tree.positions(); ++i) q_.push_back(r.input(i));
     for (int i = 0; i < tree.velocities(); ++i) v_.push_back(r.input(tree.positions() + i));
     moving_ = tree.moving<S>(r.time(), q_.data(), v_.data());
-    friction_.resize(states.size());
-    for (std::size_t k = 0; k < states.size(); ++k) {
+    friction_.resize(states_.size());
+    for (std::size_t k = 0; k < states_.size(); ++k) {
         touching_.push_back(conditions.contacts()[k].touching<S>(tree, moving_));
-        if (!contact_state::has_numbers(conditions.contacts()[k], states[k])) continue;
+        if (!contact_state::has_numbers(conditions.contacts()[k], states_[k])) continue;
         S numbers[ContactMemory::parameters];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
         f.least = numbers[3];
         for (int i = 0; i < 3; ++i) f.force[i] = numbers[4 + i] + numbers[7 + i] * (r.time() - numbers[10]);
-        if (!contact_state::slides(states[k]) &&
-            !(states[k] == contact_state::rests && conditions.contacts()[k].is_rough()))
+        if (!contact_state::slides(states_[k]) &&
+            !(states_[k] == contact_state::rests && conditions.contacts()[k].is_rough()))
             continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = tree_writers::unit_along(f.axis, touching_[k].normal);
         f.along = last;
         f.speed = dot<S>(last, slip);
-        if (states[k] != contact_state::turning) continue;
+        if (states_[k] != contact_state::turning) continue;
         f.speed = sqrt(dot<S>(slip, slip));
         f.along = slip * (S(1.0) / f.speed);
+    }
+    for (const signed char state : joint_states_) {
+        pressed_.emplace_back();
+        if (!joint_state::is_sliding(state)) continue;
+        S numbers[JointMemory::parameters];
+        for (S& one : numbers) one = r.parameter(r.new_parameter());
+        pressed_.back() = {numbers[0], numbers[3], {numbers[1], numbers[2]}};
     }
 }
 
@@ -155,6 +170,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             for (const auto& [n, one] : pushes[j]) u[at(n)] += one * found[j];
         }
     }
+    const std::vector<S> rubbing = add_friction(tree, acts, u, multipliers);
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
     for (const Node& n : tree_.nodes()) n.joint.rates<S>(&q_[0] + n.q, v_.data() + n.v, values.data() + n.q);
@@ -190,6 +206,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         values.push_back(numerators[k]);
         values.push_back(denominators[k]);
     }
+    values.insert(values.end(), rubbing.begin(), rubbing.end());
     return values;
 }
 

@@ -51,9 +51,10 @@ namespace rbdyn::inline RBDYN_FORM::statics {
 
 RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::string& user) {
     if (needs_tree(scene))
-        throw InvalidInput(user +
-                           ": this scene has bodies joined to bodies, constraints or contacts, whose equilibria are "
-                           "not found in this version; simulate it with damping until it rests");
+        throw InvalidInput(
+            user +
+            ": this scene has bodies joined to bodies, constraints, contacts or friction in joints, whose "
+            "equilibria are not found in this version; simulate it with damping until it rests");
     const std::string& name = scene.bodies()[static_cast<std::size_t>(body)].name;
     for (const Scene::AppliedLoad& load : scene.loads()) {
         if (load.body != body) continue;
