@@ -110,6 +110,7 @@
 #include "rbdyn/mechanics/tree_loops.ipp"
 #include "rbdyn/mechanics/tree_model.ipp"
 #include "rbdyn/mechanics/tree_observables.ipp"
+#include "rbdyn/mechanics/tree_rolling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"

@@ -295,7 +295,7 @@ RBDYN_INLINE void TreeModel::settle_joints(const Mode& before, Mode& mode, doubl
         values.set_parameters(mode.parameters);
         values(t, x);
         for (const Guard& guard : mode.equations->guards) {
-            if (guard.kind != EventKind::slip || guard.joint < 0 || guard.output < 0) continue;
+            if (guard.kind != EventKind::slip || guard.joint < 0 || guard.contact >= 0 || guard.output < 0) continue;
             const double value = values.output(guard.output), size = values.magnitude(guard.output);
             if (!(value <= 1e-13 * size) || size == 0.0) continue;
             if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.joint;
@@ -309,7 +309,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
                                            const std::vector<int>& breaking) const {
     using namespace mechanics::joint_state;
     const std::size_t n = joints_.size();
-    const auto first = mode.slip.begin() + contacts();
+    const auto first = mode.slip.begin() + first_joint();
     for (std::size_t i = 0; i < n; ++i) first[static_cast<std::ptrdiff_t>(i)] = open;
     choose(mode, t, x, {}, true);
     const mechanics::TreeState state = look(mode, t, x);
@@ -340,7 +340,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         const double rate = x[at(tree_->positions() + joints_[i].v)];
         sign[i] = rate > 0.0 ? 1 : rate < 0.0 ? -1 : 0;
         // what starts from rest has its sign from what it started with
-        const signed char was = before.slip[at(contacts()) + i];
+        const signed char was = before.slip[at(first_joint()) + i];
         if (has(was, from_rest) && std::abs(rate) <= 2.0 * joint_memory(before, static_cast<int>(i)).least_rate &&
             rate != 0.0)
             sign[i] = mechanics::joint_state::sign(was);
@@ -406,7 +406,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
             continue;
         }
         const bool begins = std::find(resting.begin(), resting.end(), i) != resting.end() ||
-                            has(before.slip[at(contacts()) + i], from_rest);
+                            has(before.slip[at(first_joint()) + i], from_rest);
         mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
         const double size = std::max(std::abs(rubbing.acceleration[i]), std::abs(answer.acceleration[i]));
         memory.least_rate =
@@ -447,7 +447,7 @@ RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const 
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
         if (guard.joint < 0) continue;
-        signed char& state = after.slip[at(contacts() + guard.joint)];
+        signed char& state = after.slip[at(first_joint() + guard.joint)];
         mechanics::JointMemory memory = joint_memory(after, guard.joint);
         switch (guard.kind) {
             case EventKind::slip:

@@ -1,11 +1,13 @@
 // The hybrid model of bodies joined to bodies: a tree on its joints, its loops closed by constraints.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -117,7 +119,8 @@ private:
     /// What has fired of contacts.
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
-        std::vector<int> stuck;  // by an impact
+        std::vector<int> resisted_breaking, resisted_stopping, resisted_turning;  // of resistances
+        std::vector<int> stuck;                                                   // by an impact
         bool has(int contact) const;
     };
     /// Which of some contacts, none of which separates, push, slide, are held or open. May find that no motion
@@ -146,8 +149,10 @@ private:
     /// Some contacts at a state where they touch: each smooth one, and each that slides, with one unknown force, the
     /// others with three, and what these do to each other.
     struct Touched;
+    /// `mode`: what resistances do; none: nothing, as in impacts.
     Touched touched(const Mode& before, const std::vector<mechanics::Moving<double>>& all,
-                    const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes) const;
+                    const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes,
+                    const Mode* mode = nullptr) const;
     /// settle() where there is friction.
     void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                       const Fired& fired) const;
@@ -212,11 +217,38 @@ private:
     /// What follows guards of contacts.
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::vector<Happening>& happenings) const;
+    // --- rolling and pivoting (tree_rolling.ipp) ---
+
+    int resistances() const { return static_cast<int>(conditions_->resistances().size()); }
+    signed char resisting(const Mode& mode, int resistance) const { return mode.slip[at(contacts() + resistance)]; }
+    std::size_t place_of_resistance(int resistance) const {
+        return mechanics::ContactMemory::place(contacts()) + at(mechanics::ResistanceMemory::numbers * resistance);
+    }
+    mechanics::ResistanceMemory resistance_memory(const Mode& mode, int resistance) const {
+        return mechanics::ResistanceMemory::of(mode.memory.data() + place_of_resistance(resistance));
+    }
+    /// settle_rough() where contacts resist rolling or pivoting.
+    void settle_resisted(const Mode& before, Mode& mode, double t, std::span<double> x,
+                         const std::vector<int>& candidates, const Fired& fired) const;
+    /// What each resistance does: of contacts that open, nothing; of those that break, they begin to turn.
+    void decide_resistances(const Mode& before, Mode& mode, double t, std::span<double> x,
+                            const std::vector<int>& closed, const Fired& fired,
+                            const std::vector<std::pair<int, std::array<double, 2>>>& breaking) const;
+    /// How a contact turns, along the directions of a resistance.
+    std::array<double, 2> rate_of(int resistance, const std::vector<mechanics::Moving<double>>& all) const;
+    /// The torque of a unit of normal force on the first side of a contact that turns.
+    Vector3 twisting(const Mode& mode, int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// What became of resistances of contacts that were closed and are.
+    void tell_rolling(const Mode& mode, const Mode& after, std::vector<Happening>& happenings) const;
+    /// The rows of constraints that are used, and of resistances that are held.
+    std::vector<int> rows_without_contacts(const Mode& mode) const;
+
     // --- friction in joints (tree_joints.ipp) ---
 
     std::size_t place_of_joint(int joint) const {
-        return mechanics::ContactMemory::place(contacts()) + at(mechanics::JointMemory::numbers * joint);
+        return place_of_resistance(resistances()) + at(mechanics::JointMemory::numbers * joint);
     }
+    int first_joint() const { return contacts() + resistances(); }
     mechanics::JointMemory joint_memory(const Mode& mode, int joint) const;
     /// Which rough joints at rest are held and which slide. May find that no motion satisfies the laws. `breaking`:
     /// those that are at their static limit and leave it.

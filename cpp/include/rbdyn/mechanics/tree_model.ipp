@@ -313,7 +313,8 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
 RBDYN_INLINE Mode TreeModel::undecided() const {
     Mode mode;
     mode.slip.assign(at(contacts()), flies);
-    mode.slip.resize(at(contacts()) + joints_.size(), mechanics::joint_state::open);
+    mode.slip.resize(at(first_joint()), flies);
+    mode.slip.resize(at(first_joint()) + joints_.size(), mechanics::joint_state::open);
     mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;

@@ -29,9 +29,9 @@ class TreeWriter {
 public:
     using S = Expression;
 
-    /// `rows`: those used; `states`: what each contact does, and behind them each rough joint. Of each contact that
-    /// has_numbers() and of each joint that slides the mode has parameters, the numbers of its memory, the first of
-    /// all.
+    /// `rows`: those used; `states`: what each contact does, and behind them each resistance and each rough joint. Of
+    /// each contact that has_numbers(), each resistance and each joint that slides the mode has parameters, the numbers
+    /// of its memory, the first of all.
     TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
                const std::vector<RoughJoint>& joints, const std::vector<int>& rows,
                const std::vector<signed char>& states);
@@ -66,9 +66,10 @@ private:
         S speed = S(0.0);                // in that direction
     };
     /// The place among the values of what a rough contact does: its force (3), and where it slides numerator and
-    /// denominator of N.
-    std::size_t place(int contact) const { return first_of_joints() - 5 * (touching_.size() - at(contact)); }
-    std::size_t first_multiplier() const { return first_of_joints() - rows_.size() - 5 * touching_.size(); }
+    /// denominator of N; its torque (3).
+    std::size_t place(int contact) const { return first_of_joints() - per_contact * (touching_.size() - at(contact)); }
+    std::size_t first_multiplier() const { return first_of_joints() - rows_.size() - per_contact * touching_.size(); }
+    static constexpr std::size_t per_contact = 8;
     /// Behind them of each rough joint: its friction, what presses it (2), the square of what is left to the direction
     /// of that, and a pivot.
     static constexpr std::size_t per_joint = 5;
@@ -79,6 +80,14 @@ private:
     /// What of a contact's force the motion does not determine.
     Vector3Of<S> shared(std::size_t contact) const;
     void guard_friction(EquationsWriter& write, int contact) const;
+    /// How one side of a contact turns on the other, along the surface or about its normal.
+    struct Turning {
+        std::array<S, 2> last{S(0.0), S(0.0)}, rate{S(0.0), S(0.0)}, along{S(0.0), S(0.0)};  // as parameter; now
+        S least = S(0.0), speed = S(0.0);
+    };
+    /// The torque on the first side of a contact that turns, of a unit of normal force.
+    Vector3Of<S> twisting(std::size_t contact) const;
+    void guard_resistance(EquationsWriter& write, std::size_t resistance) const;
     /// What a rough joint remembers, as parameters.
     struct Pressed {
         S least_rate = S(0.0), least_load = S(0.0);
@@ -104,9 +113,10 @@ private:
     const Exerted& exerted_;
     const std::vector<RoughJoint>& joints_;
     const std::vector<int>& rows_;
-    const std::vector<signed char> states_, joint_states_;
+    const std::vector<signed char> states_, resistance_states_, joint_states_;
     std::vector<Touching<S>> touching_;
     std::vector<Friction> friction_;  // of each contact
+    std::vector<Turning> turning_;    // each resistance
     std::vector<Pressed> pressed_;    // each rough joint
     std::vector<S> q_, v_, values_, pivots_;
     int drives_ = -1;
