@@ -143,7 +143,10 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
         is_rough_ = is_rough_ || contacts_.back().is_rough();
         const int contact = static_cast<int>(contacts_.size()) - 1;
         if (!contacts_.back().rolling.is_zero()) resistances_.push_back({contact, false});
-        if (!contacts_.back().pivoting.is_zero()) resistances_.push_back({contact, true});
+        if (!contacts_.back().pivoting.is_zero())
+            resistances_.push_back({contact, true});
+        else if (!contacts_.back().rolling.is_zero())
+            resistances_.push_back({contact, true, true});
     }
 }
 

@@ -81,10 +81,11 @@ private:
     }
 };
 
-/// A torque of a contact against rolling, or against pivoting.
+/// A torque of a contact against rolling, or against pivoting. An idle one resists nothing: it holds what does not roll
+/// and is not turned about the normal, so that it stands still.
 struct Resistance {
     int contact = -1;
-    bool pivots = false;
+    bool pivots = false, idle = false;
 
     int rows() const { return pivots ? 1 : 2; }
     /// The directions it acts about: two along the surface, or the normal.

@@ -40,8 +40,12 @@ struct ResistanceMemory {
     static constexpr int numbers = 3;  // its equations know them all
 
     double along[2] = {};  // the direction it turns in
-    double least = 0.0;    // an angular velocity below which the direction is rounding [rad/s]
+    double least = 0.0;    // an angular velocity below which the direction is rounding [rad/s]; of an idle one a torque
 
+    /// Whether a mode's equations take them.
+    static bool has_numbers(const Resistance& law, signed char state) {
+        return contact_state::slides(state) || (law.idle && contact_state::is_held(state));
+    }
     static ResistanceMemory of(const double* m) { return {{m[0], m[1]}, m[2]}; }
     void put(double* m) const {
         m[0] = along[0];

@@ -53,7 +53,7 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
             mode.parameters[next++] = mode.memory[from + at(i)];
     }
     for (int e = 0; e < resistances(); ++e) {
-        if (!mechanics::contact_state::slides(resisting(mode, e))) continue;
+        if (!mechanics::ResistanceMemory::has_numbers(conditions_->resistances()[at(e)], resisting(mode, e))) continue;
         for (int i = 0; i < mechanics::ResistanceMemory::numbers; ++i)
             mode.parameters[next++] = mode.memory[place_of_resistance(e) + at(i)];
     }

@@ -397,6 +397,27 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         mode.impossible = "no friction in the joints satisfies its law, of " + names;
         return;
     }
+    // in a loop what is held by more joints than it needs has friction that is not unique
+    mechanics::Square held_by;
+    std::vector<std::size_t> holding;
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] == 0) holding.push_back(i);
+    for (const std::size_t i : holding) {
+        held_by.emplace_back();
+        for (const std::size_t j : holding) held_by.back().push_back(rubbing.matrix[i][j]);
+    }
+    for (std::size_t k = 0; k < holding.size(); ++k) {
+        if (held_by[k][k] > 1e-10 * rubbing.matrix[holding[k]][holding[k]]) {
+            for (std::size_t i = k + 1; i < holding.size(); ++i)
+                for (std::size_t j = k + 1; j < holding.size(); ++j)
+                    held_by[i][j] -= held_by[i][k] * held_by[k][j] / held_by[k][k];
+            continue;
+        }
+        mode.impossible = "the joint of " + joints_[holding[k]].name +
+                          " comes to rest in a loop that others hold already, and friction that is not unique is "
+                          "not found in this version";
+        return;
+    }
     const double length = size_of(state.moving);
     for (std::size_t i = 0; i < n; ++i) {
         double& rate = x[at(tree_->positions() + joints_[i].v)];

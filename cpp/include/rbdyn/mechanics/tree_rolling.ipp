@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -41,7 +42,8 @@ RBDYN_INLINE void TreeWriter::guard_resistance(EquationsWriter& write, std::size
     };
     if (contact_state::is_held(state)) {
         const Vector3Of<S> torque = vector_at(place(law.contact) + 5);
-        const S limit = (law.pivots ? c.pivoting : c.rolling).in<S>() * dot<S>(t.normal, vector_at(place(law.contact)));
+        const S normal = dot<S>(t.normal, vector_at(place(law.contact)));
+        const S limit = law.idle ? turning_[e].least : (law.pivots ? c.pivoting : c.rolling).in<S>() * normal;
         S square(0.0);
         for (int k = 0; k < law.rows(); ++k) {
             const S part = dot<S>(law.about(t, k), torque);
@@ -136,6 +138,16 @@ RBDYN_INLINE void TreeModel::decide_resistances(
             std::find_if(breaking.begin(), breaking.end(), [&](const auto& one) { return one.first == e; });
         const bool stops = is_in(fired.resisted_stopping, e) || (goes_on && mechanics::contact_state::is_held(was)) ||
                            speed <= 16.0 * (goes_on && slides(was) ? 0.0 : least);
+        if (law.idle) {
+            // behind what resists rolling, of the same contact
+            const bool stands_still = stops && begins == breaking.end() &&
+                                      mechanics::contact_state::is_held(mode.slip[at(contacts() + e - 1)]);
+            if (!stands_still) continue;
+            double weight = 0.0;
+            for (const int body : {c.a.body, c.b.body})
+                if (body >= 0) weight += static_cast<double>(tree_->node(body).mass) * pull;
+            memory.least = 1e-13 * weight * size;
+        }
         if (begins != breaking.end()) {
             memory.along[0] = begins->second[0];
             memory.along[1] = begins->second[1];
@@ -234,6 +246,7 @@ RBDYN_INLINE void TreeModel::tell_rolling(const Mode& mode, const Mode& after,
                                           std::vector<Happening>& happenings) const {
     for (int e = 0; e < resistances(); ++e) {
         const signed char was = resisting(mode, e), is = resisting(after, e);
+        if (conditions_->resistances()[at(e)].idle) continue;
         std::optional<EventKind> kind;
         if (mechanics::contact_state::slides(was) && mechanics::contact_state::is_held(is)) kind = EventKind::stick;
         if (mechanics::contact_state::is_held(was) && mechanics::contact_state::slides(is)) kind = EventKind::slip;

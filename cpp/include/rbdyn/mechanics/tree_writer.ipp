@@ -70,7 +70,7 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
     for (std::size_t e = 0; e < resistance_states_.size(); ++e) {
         turning_.emplace_back();
         const signed char state = resistance_states_[e];
-        if (!contact_state::slides(state)) continue;
+        if (!ResistanceMemory::has_numbers(conditions.resistances()[e], state)) continue;
         S numbers[ResistanceMemory::numbers];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         const Resistance& law = conditions.resistances()[e];
