@@ -4,6 +4,7 @@
 #include "rbdyn/mechanics/tree_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -473,6 +474,17 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             mode.slip[at(k)] == mechanics::contact_state::brief)
             c.force = c.normal * (c.normal.dot(c.force) *
                                   std::min(1.0, c.slip.norm() / (1e-3 * speed_of(k, state.moving) + 1e-300)));
+        // the same of what turns on its surface
+        for (int e = 0; e < resistances(); ++e) {
+            if (conditions_->resistances()[at(e)].contact != k) continue;
+            const signed char turns = resisting(mode, e);
+            if (turns != mechanics::contact_state::turning && turns != mechanics::contact_state::brief) continue;
+            const std::array<double, 2> rate = rate_of(e, state.moving);
+            const double part = std::min(1.0, std::hypot(rate[0], rate[1]) * size_of(k, state.moving) /
+                                                  (1e-3 * speed_of(k, state.moving) + 1e-300));
+            const Vector3 along_normal = c.normal * c.normal.dot(c.force);
+            c.force = along_normal + (c.force - along_normal) * part;
+        }
         // what is not unique is one of many
         if (shares_load(mode)) c.force = Vector3::Zero();
         const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];
