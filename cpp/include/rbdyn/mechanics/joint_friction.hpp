@@ -116,6 +116,8 @@ public:
 
     /// The acceleration of joint i by a unit of friction in j.
     S acceleration(std::size_t i, std::size_t j) const { return accelerate_.along(along_[i], driven_[j]); }
+    /// The same of i by itself, were there no constraints.
+    S alone(std::size_t i) const { return accelerate_.between(along_[i], along_[i]); }
     /// The acceleration of joint i by what drives the tree.
     S acceleration(std::size_t i, const std::vector<S>& u) const { return accelerate_.along(along_[i], u); }
     /// How a unit of friction in j changes what presses joint i.

@@ -344,6 +344,9 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         if (has(was, from_rest) && std::abs(rate) <= 2.0 * joint_memory(before, static_cast<int>(i)).least_rate &&
             rate != 0.0)
             sign[i] = mechanics::joint_state::sign(was);
+        // where a loop moves on while the joint turns back, no torque in it could hold it
+        if (sign[i] == 0 && !(rubbing.matrix[i][i] > 1e-12 * response.alone(i)))
+            sign[i] = rubbing.acceleration[i] < 0.0 ? -1 : 1;
         if (sign[i] == 0) resting.push_back(i);
     }
     const auto is_breaking = [&](std::size_t i) {
@@ -426,7 +429,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
             rate = 0.0;
             continue;
         }
-        const bool begins = std::find(resting.begin(), resting.end(), i) != resting.end() ||
+        const bool begins = rate == 0.0 || std::find(resting.begin(), resting.end(), i) != resting.end() ||
                             has(before.slip[at(first_joint()) + i], from_rest);
         mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
         const double size = std::max(std::abs(rubbing.acceleration[i]), std::abs(answer.acceleration[i]));

@@ -136,8 +136,11 @@ RBDYN_INLINE void TreeModel::decide_resistances(
         const double least = 0x1p-43 * std::max({fastest, std::sqrt(pull / size), 1e-250});
         const auto begins =
             std::find_if(breaking.begin(), breaking.end(), [&](const auto& one) { return one.first == e; });
+        // what stops together does so within the rounding of its speeds
         const bool stops = is_in(fired.resisted_stopping, e) || (goes_on && mechanics::contact_state::is_held(was)) ||
-                           speed <= 16.0 * (goes_on && slides(was) ? 0.0 : least);
+                           speed <= 16.0 * (!goes_on || !slides(was)          ? least
+                                            : fired.resisted_stopping.empty() ? 0.0
+                                                                              : memory.least);
         if (law.idle) {
             // behind what resists rolling, of the same contact
             const bool stands_still = stops && begins == breaking.end() &&
