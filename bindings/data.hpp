@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <rbdyn/scene/joints.hpp>
+#include <string>
 
 #include "binding.hpp"
 
@@ -24,6 +26,9 @@ void as_data(py::class_<T, Options...>& type, Parts parts, Make make) {
 
 /// A number as it was given, from data.
 inline rbdyn::Given given_from(const py::handle& data) { return given(data, "data", "a number"); }
+
+/// Friction in words (rails.cpp).
+std::string words_of(const rbdyn::Coulomb& c);
 
 /// A vector as plain data, and from it.
 inline py::tuple tuple_of(const Vector3& v) { return py::make_tuple(v[0], v[1], v[2]); }

@@ -8,13 +8,36 @@ namespace binding {
 
 namespace {
 
+rbdyn::Given dynamic(const rbdyn::Coulomb& c) { return c.mu_dynamic.value_or(c.mu_static); }
+
+}  // namespace
+
+std::string words_of(const rbdyn::Coulomb& c) {
+    std::string words = "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(dynamic(c));
+    if (!c.rolling.is_zero()) words += ", rolling=" + text(c.rolling);
+    if (!c.pivoting.is_zero()) words += ", pivoting=" + text(c.pivoting);
+    return words + ")";
+}
+
+namespace {
+
+py::tuple coulomb_data(const rbdyn::Coulomb& c) {
+    return py::make_tuple(to_python(c.mu_static), to_python(dynamic(c)), to_python(c.rolling), to_python(c.pivoting));
+}
+
+rbdyn::Coulomb coulomb_from(const py::tuple& d) {
+    rbdyn::Coulomb friction{given_from(d[0]), given_from(d[1])};
+    if (d.size() > 2) friction.rolling = given_from(d[2]);
+    if (d.size() > 3) friction.pivoting = given_from(d[3]);
+    return friction;
+}
+
 using rbdyn::TimeFunction;
 
 const Words<rbdyn::RailSide> sides = {
     {"both", rbdyn::RailSide::both}, {"+", rbdyn::RailSide::plus}, {"-", rbdyn::RailSide::minus}};
 const Words<rbdyn::RailEnds> endings = {{"stop", rbdyn::RailEnds::stop}, {"release", rbdyn::RailEnds::release}};
 
-rbdyn::Given dynamic(const rbdyn::Coulomb& c) { return c.mu_dynamic.value_or(c.mu_static); }
 /// What stays the same of a number, whatever becomes of it.
 std::string fixed_text(const rbdyn::Given& number) {
     return number.varies() ? number.parameter().name() : rbdyn::text(number.now());
@@ -45,33 +68,47 @@ void bind_rails(py::module_& m) {
     py::class_<Coulomb>(m, "Coulomb", R"(Coulomb-Morin friction (eq. 7.23).
 
 Sliding, the tangential reaction is mu_dynamic times the perpendicular one, against the slip; at rest it is whatever
-rest needs, up to mu_static times the perpendicular one.)")
-        .def(py::init([](const NumberOrParameter& mu_static, const std::optional<NumberOrParameter>& mu_dynamic) {
+rest needs, up to mu_static times the perpendicular one. In a joint the perpendicular one is what of the whole reaction
+lies across its axis.
+
+At contacts torques resist what does not slip: against rolling, the relative angular velocity along the surface, rolling
+[m] times the normal force, and against pivoting, the one along its normal, pivoting [m] times it; at rest each is
+whatever rest needs, up to that.)")
+        .def(py::init([](const NumberOrParameter& mu_static, const std::optional<NumberOrParameter>& mu_dynamic,
+                         const NumberOrParameter& rolling, const NumberOrParameter& pivoting) {
                  Coulomb friction{given(mu_static, "Coulomb", "mu_static")};
                  if (mu_dynamic) friction.mu_dynamic = given(*mu_dynamic, "Coulomb", "mu_dynamic");
+                 friction.rolling = given(rolling, "Coulomb", "rolling");
+                 friction.pivoting = given(pivoting, "Coulomb", "pivoting");
                  friction.validate();
                  return friction;
              }),
-             py::arg("mu_static"), py::arg("mu_dynamic") = py::none(),
-             "mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.")
+             py::arg("mu_static"), py::arg("mu_dynamic") = py::none(), py::arg("rolling") = 0.0,
+             py::arg("pivoting") = 0.0,
+             "mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default. rolling, "
+             "pivoting: "
+             "lengths [m], zero or positive, of contacts alone.")
         .def_property_readonly(
             "mu_static", [](const Coulomb& c) { return to_python(c.mu_static); }, "At rest.")
         .def_property_readonly(
             "mu_dynamic", [](const Coulomb& c) { return to_python(dynamic(c)); }, "Sliding.")
+        .def_property_readonly(
+            "rolling", [](const Coulomb& c) { return to_python(c.rolling); }, "Torque against rolling over N [m].")
+        .def_property_readonly(
+            "pivoting", [](const Coulomb& c) { return to_python(c.pivoting); }, "Torque against pivoting over N [m].")
         .def("__eq__",
              [](const Coulomb& a, const py::object& b) {
                  if (!py::isinstance<Coulomb>(b)) return false;
                  return a == b.cast<const Coulomb&>();
              })
-        .def(py::pickle([](const Coulomb& c) { return py::make_tuple(to_python(c.mu_static), to_python(dynamic(c))); },
-                        [](const py::tuple& d) {
-                            return Coulomb{given_from(d[0]), given_from(d[1])};
-                        }))
+        .def(py::pickle([](const Coulomb& c) { return coulomb_data(c); },
+                        [](const py::tuple& d) { return coulomb_from(d); }))
         .def("__hash__",
-             [](const Coulomb& c) { return py::hash(py::make_tuple(fixed_text(c.mu_static), fixed_text(dynamic(c)))); })
-        .def("__repr__", [](const Coulomb& c) {
-            return "Coulomb(mu_static=" + text(c.mu_static) + ", mu_dynamic=" + text(dynamic(c)) + ")";
-        });
+             [](const Coulomb& c) {
+                 return py::hash(py::make_tuple(fixed_text(c.mu_static), fixed_text(dynamic(c)), fixed_text(c.rolling),
+                                                fixed_text(c.pivoting)));
+             })
+        .def("__repr__", [](const Coulomb& c) { return words_of(c); });
 
     py::class_<Rail>(m, "Rail", R"(A guide along a curve, smooth or rough (eqs. 7.7-7.17, 7.23-7.26).
 

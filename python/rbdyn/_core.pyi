@@ -1032,17 +1032,22 @@ class Coulomb:
     Coulomb-Morin friction (eq. 7.23).
 
     Sliding, the tangential reaction is mu_dynamic times the perpendicular one, against the slip; at rest it is whatever
-    rest needs, up to mu_static times the perpendicular one.
+    rest needs, up to mu_static times the perpendicular one. In a joint the perpendicular one is what of the whole reaction
+    lies across its axis.
+
+    At contacts torques resist what does not slip: against rolling, the relative angular velocity along the surface, rolling
+    [m] times the normal force, and against pivoting, the one along its normal, pivoting [m] times it; at rest each is
+    whatever rest needs, up to that.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[float | Parameter, float | Parameter]:
+    def __getstate__(self) -> tuple[typing.Any, ...]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, mu_static: float | Parameter, mu_dynamic: float | Parameter | None = None) -> None:
+    def __init__(self, mu_static: float | Parameter, mu_dynamic: float | Parameter | None = None, rolling: float | Parameter = 0.0, pivoting: float | Parameter = 0.0) -> None:
         """
-        mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default.
+        mu_static: zero or positive. mu_dynamic: at most mu_static, and equal to it by default. rolling, pivoting: lengths [m], zero or positive, of contacts alone.
         """
     def __repr__(self) -> str:
         ...
@@ -1057,6 +1062,16 @@ class Coulomb:
     def mu_static(self) -> float | Parameter:
         """
         At rest.
+        """
+    @property
+    def pivoting(self) -> float | Parameter:
+        """
+        Torque against pivoting over N [m].
+        """
+    @property
+    def rolling(self) -> float | Parameter:
+        """
+        Torque against rolling over N [m].
         """
 class Rail:
     """
@@ -1224,15 +1239,16 @@ class Revolute:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any, typing.Any, typing.Any]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None) -> None:
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None, friction: Coulomb | None = None, pin_radius: float | Parameter = 0.0) -> None:
         """
         axis (3,): a direction, of any length; at (3,): where it passes, both in the parent's axes (the world's by
         default); point (3,): which point of the body is held there, body axes [m]; motion: the angle [rad] as a function of time
-        [s], if it is prescribed: then the start has none.
+        [s], if it is prescribed: then the start has none; friction: Coulomb(...), a torque about the axis of up to mu times
+        pin_radius [m] times what of the whole reaction force lies across the axis.
         """
     def __repr__(self) -> str:
         ...
@@ -1252,6 +1268,16 @@ class Revolute:
     def driven(self) -> bool:
         """
         Whether its coordinate is prescribed.
+        """
+    @property
+    def friction(self) -> Coulomb | None:
+        """
+        Its friction, or None.
+        """
+    @property
+    def pin_radius(self) -> float | Parameter:
+        """
+        Where its friction acts [m].
         """
     @property
     def point(self) -> typing.Any:
@@ -1266,15 +1292,16 @@ class Prismatic:
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
-    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any]:
+    def __getstate__(self) -> tuple[tuple[typing.Any, ...], tuple[typing.Any, ...], tuple[typing.Any, ...], typing.Any, typing.Any, typing.Any]:
         ...
     def __hash__(self) -> int:
         ...
-    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None) -> None:
+    def __init__(self, axis: numpy.typing.ArrayLike, *, at: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], point: numpy.typing.ArrayLike = [0.0, 0.0, 0.0], motion: _Of1 | Function | None = None, friction: Coulomb | None = None) -> None:
         """
         axis (3,): a direction, of any length; at (3,): where the point is at displacement 0, both in the parent's axes (the
         world's by default); point (3,): that point of the body, body axes [m]; motion: the displacement [m] as a function of time
-        [s], if it is prescribed: then the start has none.
+        [s], if it is prescribed: then the start has none; friction: Coulomb(...), a force along the axis of up to mu times what
+        of the whole reaction force lies across the axis.
         """
     def __repr__(self) -> str:
         ...
@@ -1294,6 +1321,11 @@ class Prismatic:
     def driven(self) -> bool:
         """
         Whether its coordinate is prescribed.
+        """
+    @property
+    def friction(self) -> Coulomb | None:
+        """
+        Its friction, or None.
         """
     @property
     def point(self) -> typing.Any:

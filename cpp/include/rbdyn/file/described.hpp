@@ -208,7 +208,8 @@ struct Described<FunctionCurve> {
 template <>
 struct Described<Coulomb> {
     static constexpr std::string_view kind = "Coulomb";
-    static constexpr tuple fields{need("mu_static", &Coulomb::mu_static), usual("mu_dynamic", &Coulomb::mu_dynamic)};
+    static constexpr tuple fields{need("mu_static", &Coulomb::mu_static), usual("mu_dynamic", &Coulomb::mu_dynamic),
+                                  usual("rolling", &Coulomb::rolling), usual("pivoting", &Coulomb::pivoting)};
 };
 template <>
 struct Described<Free> {
@@ -250,14 +251,16 @@ struct Described<Spherical> {
 template <>
 struct Described<Revolute> {
     static constexpr std::string_view kind = "revolute";
-    static constexpr tuple fields{need("axis", &Revolute::axis), usual("at", &Revolute::at),
-                                  usual("point", &Revolute::point), usual("motion", &Revolute::motion)};
+    static constexpr tuple fields{need("axis", &Revolute::axis),          usual("at", &Revolute::at),
+                                  usual("point", &Revolute::point),       usual("motion", &Revolute::motion),
+                                  usual("friction", &Revolute::friction), usual("pin_radius", &Revolute::pin_radius)};
 };
 template <>
 struct Described<Prismatic> {
     static constexpr std::string_view kind = "prismatic";
     static constexpr tuple fields{need("axis", &Prismatic::axis), usual("at", &Prismatic::at),
-                                  usual("point", &Prismatic::point), usual("motion", &Prismatic::motion)};
+                                  usual("point", &Prismatic::point), usual("motion", &Prismatic::motion),
+                                  usual("friction", &Prismatic::friction)};
 };
 template <>
 struct Described<Universal> {

@@ -194,6 +194,26 @@ public:
         return u;
     }
 
+    /// L^-1 of a unit of force along one velocity.
+    Sparse driving(int body, int k) const {
+        Sparse u{{first_[at(body)] + k, S(1.0)}};
+        Wrench<S> left = steps_[at(u.front().first)].scaled;
+        left.force = left.force * S(-1.0);
+        left.moment = left.moment * S(-1.0);
+        for (int i = body; i >= 0; i = bodies_[at(i)].parent) {
+            for (int j = (i == body ? k : velocities(i)) - 1; j >= 0; --j) {
+                const int n = first_[at(i)] + j;
+                const S one = power(twist(i, j), left);
+                if (is_nothing(one)) continue;
+                u.emplace_back(n, one);
+                add<S>(left, steps_[at(n)].scaled, S(-one));
+            }
+            left = about<S>(left, arm(i));
+        }
+        std::sort(u.begin(), u.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+        return u;
+    }
+
     /// J M^-1 J^T between two rows.
     S between(const Sparse& one, const Sparse& other) const {
         S sum(0.0);

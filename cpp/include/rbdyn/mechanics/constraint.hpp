@@ -59,7 +59,10 @@ public:
     /// What touches: of each one row, its gap, behind those of the constraints; behind them of each three, the velocity
     /// of what is held by friction along the world's axes.
     const std::vector<ContactLaw>& contacts() const { return contacts_; }
-    int rows() const { return rows_ + (is_rough_ ? 4 : 1) * static_cast<int>(contacts_.size()); }
+    int rows() const { return first_of_resistances() + 2 * static_cast<int>(resistances_.size()); }
+    /// What resists rolling or pivoting: behind all others of each two rows, of which pivoting has one.
+    const std::vector<Resistance>& resistances() const { return resistances_; }
+    int resistance_row(int resistance, int k) const { return first_of_resistances() + 2 * resistance + k; }
     int constraint_rows() const { return rows_; }
     int normal_row(int contact) const { return rows_ + contact; }
     int held_row(int contact, int axis) const {
@@ -112,6 +115,11 @@ public:
         if (is_rough_)
             for (const Touching<S>& t : touching)
                 for (int axis = 0; axis < 3; ++axis) rows.push_back(t.row(axis));
+        for (const Resistance& r : resistances_)
+            for (int k = 0; k < 2; ++k) {
+                const Touching<S>& t = touching[static_cast<std::size_t>(r.contact)];
+                rows.push_back(k < r.rows() ? r.row(t, k) : Row<S>{t.a, t.b, {}, {}, S(0.0)});
+            }
         return rows;
     }
 
@@ -190,7 +198,10 @@ private:
     }
 
     std::vector<Condition> conditions_;
+    int first_of_resistances() const { return rows_ + (is_rough_ ? 4 : 1) * static_cast<int>(contacts_.size()); }
+
     std::vector<ContactLaw> contacts_;
+    std::vector<Resistance> resistances_;
     int rows_ = 0;
     bool is_rough_ = false;
 };

@@ -28,6 +28,13 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     if (const auto& friction = touch.options.friction) {
         c.mu_static = friction->mu_static;
         c.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
+        c.rolling = friction->rolling;
+        c.pivoting = friction->pivoting;
+        if (friction->has_torques() && !std::holds_alternative<Plane>(touch.b) &&
+            !std::holds_alternative<BodyPlane>(touch.b))
+            throw InvalidInput(touch.name +
+                               ": friction against rolling or pivoting acts on planes alone in this version; leave "
+                               "rolling and pivoting out where b is a sphere");
     }
     const auto from_held = [&](int body, const Vector3& p) {
         const Node& n = tree.node(body);
@@ -53,6 +60,10 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     }
     const auto take_plane = [&](const Plane& plane, int body) {
         c.normal = unit(plane.normal);
+        Vector3 least = Vector3::Zero();
+        least[rbdyn::least(sizes(rounded(c.normal)))] = 1.0;
+        c.tangents[0] = unit_across(least, c.normal);
+        c.tangents[1] = cross<DoubleDouble>(c.normal, c.tangents[0]);
         c.b = body < 0 ? Anchor{-1, widened(plane.point)} : from_held(body, plane.point);
     };
     const auto take_sphere = [&](const Anchor& center, double radius, bool inside) {
@@ -130,6 +141,12 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
     for (const Scene::Touch& touch : scene.contacts()) {
         contacts_.push_back(contacts::law_of(touch, tree));
         is_rough_ = is_rough_ || contacts_.back().is_rough();
+        const int contact = static_cast<int>(contacts_.size()) - 1;
+        if (!contacts_.back().rolling.is_zero()) resistances_.push_back({contact, false});
+        if (!contacts_.back().pivoting.is_zero())
+            resistances_.push_back({contact, true});
+        else if (!contacts_.back().rolling.is_zero())
+            resistances_.push_back({contact, true, true});
     }
 }
 

@@ -34,9 +34,11 @@ namespace mechanics {
 template <class S>
 struct Touching {
     int a = -1, b = -1;
-    Vector3Of<S> place, arm_a, arm_b;  // of the point; from P of each body, or from the world's origin
-    Vector3Of<S> normal, normal_rate;  // from the surface to the part
-    Vector3Of<S> velocity, bias;       // u, and what of its rate is not linear in accelerations of joints
+    Vector3Of<S> place, arm_a, arm_b;            // of the point; from P of each body, or from the world's origin
+    Vector3Of<S> normal, normal_rate;            // from the surface to the part
+    Vector3Of<S> velocity, bias;                 // u, and what of its rate is not linear in accelerations of joints
+    Vector3Of<S> turning, turn_bias;             // the angular velocity of a relative to b, and the same of its rate
+    Vector3Of<S> tangents[2], tangent_rates[2];  // of a plane: two directions along it that turn with it
     S gap = S(0.0);
 
     /// The condition on accelerations along a direction that turns at a rate.
@@ -51,6 +53,18 @@ struct Touching {
         Vector3Of<S> e = none<S>();
         e[axis] = S(1.0);
         return row(e, none<S>());
+    }
+    /// The condition on angular accelerations about a direction that turns at a rate.
+    Row<S> turning_row(const Vector3Of<S>& about, const Vector3Of<S>& about_rate) const {
+        Row<S> r{a, b, {}, {}, dot<S>(about, turn_bias) + dot<S>(about_rate, turning)};
+        r.on_a.moment = about;
+        r.on_b.moment = -about;
+        return r;
+    }
+    /// What a torque on a, from b, adds to a row's force.
+    void add_torque(Row<S>& row, const Vector3Of<S>& torque) const {
+        row.on_a.moment += torque;
+        row.on_b.moment -= torque;
     }
     /// What a force on a, from b, does to each.
     Wrench<S> on_a(const Vector3Of<S>& force) const { return wrench(arm_a, force); }
@@ -67,6 +81,24 @@ private:
     }
 };
 
+/// A torque of a contact against rolling, or against pivoting. An idle one resists nothing: it holds what does not roll
+/// and is not turned about the normal, so that it stands still.
+struct Resistance {
+    int contact = -1;
+    bool pivots = false, idle = false;
+
+    int rows() const { return pivots ? 1 : 2; }
+    /// The directions it acts about: two along the surface, or the normal.
+    template <class S>
+    Vector3Of<S> about(const Touching<S>& t, int k) const {
+        return pivots ? t.normal : t.tangents[k];
+    }
+    template <class S>
+    Row<S> row(const Touching<S>& t, int k) const {
+        return pivots ? t.turning_row(t.normal, t.normal_rate) : t.turning_row(t.tangents[k], t.tangent_rates[k]);
+    }
+};
+
 struct ContactLaw {
     enum class Part { ball, disc, ellipsoid };
     enum class Surface { plane, ball, bowl };
@@ -80,6 +112,8 @@ struct ContactLaw {
     Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
     double restitution = 0.0;
     Given mu_static, mu_dynamic;
+    Given rolling, pivoting;                   // torques over N that resist turning along the surface and about n [m]
+    Vector3Of<DoubleDouble> tangents[2] = {};  // of a plane: two directions along it, axes of b
 
     bool is_rough() const { return !mu_static.is_zero(); }
 
@@ -135,7 +169,15 @@ struct ContactLaw {
             s_rate = Vector3Of<S>(qn_rate - s * h_rate) * inverse;
             reach = h;
         }
-        if (surface == Surface::plane) result.gap = dot<S>(n, apart) - reach;
+        if (surface == Surface::plane) {
+            result.gap = dot<S>(n, apart) - reach;
+            for (int k = 0; k < 2; ++k) {
+                result.tangents[k] = on.to_world(exactly<S>(tangents[k]));
+                result.tangent_rates[k] = cross<S>(on.omega, result.tangents[k]);
+            }
+        }
+        result.turning = of.omega - on.omega;
+        result.turn_bias = of.bias_turn - on.bias_turn;
         result.place = center.place - s;
         const Vector3Of<S> place_rate = center.velocity - s_rate;
         result.arm_a = center.arm - s;

@@ -34,6 +34,26 @@ inline bool has_numbers(const ContactLaw& contact, signed char state) {
 
 }  // namespace contact_state
 
+/// What a mode remembers of a resistance, behind what it does of contacts; it does what a contact does that slides or
+/// is held: straight, turning, brief, starts, held.
+struct ResistanceMemory {
+    static constexpr int numbers = 3;  // its equations know them all
+
+    double along[2] = {};  // the direction it turns in
+    double least = 0.0;    // an angular velocity below which the direction is rounding [rad/s]; of an idle one a torque
+
+    /// Whether a mode's equations take them.
+    static bool has_numbers(const Resistance& law, signed char state) {
+        return contact_state::slides(state) || (law.idle && contact_state::is_held(state));
+    }
+    static ResistanceMemory of(const double* m) { return {{m[0], m[1]}, m[2]}; }
+    void put(double* m) const {
+        m[0] = along[0];
+        m[1] = along[1];
+        m[2] = least;
+    }
+};
+
 /// Mode::memory: when anything struck last [s], then of each contact what follows.
 struct ContactMemory {
     static constexpr int numbers = 13, parameters = 11;  // of these its equations know the first ones

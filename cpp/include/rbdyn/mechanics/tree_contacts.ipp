@@ -34,6 +34,10 @@ RBDYN_INLINE std::vector<int> TreeModel::rows_in(const Mode& mode) const {
         for (int axis = 0; axis < 3; ++axis)
             if (mechanics::contact_state::is_row(mode.slip[at(k)], axis))
                 rows.push_back(conditions_->held_row(k, axis));
+    for (int e = 0; e < resistances(); ++e)
+        for (int k = 0; k < 2; ++k)
+            if (mechanics::contact_state::is_row(resisting(mode, e), k))
+                rows.push_back(conditions_->resistance_row(e, k));
     return rows;
 }
 
@@ -254,7 +258,9 @@ RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std
 
 RBDYN_INLINE void TreeModel::settle(const Mode& before, Mode& mode, double t, std::span<double> x,
                                     const std::vector<int>& candidates, const Fired& fired) const {
-    if (conditions_->is_rough())
+    if (resistances() > 0)
+        settle_resisted(before, mode, t, x, candidates, fired);
+    else if (conditions_->is_rough())
         settle_rough(before, mode, t, x, candidates, fired);
     else
         settle_smooth(mode, t, x, candidates, fired.doubtful);
@@ -353,6 +359,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         for (const int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
             if (guard.contact != k) continue;
+            if (guard.joint >= 0) {
+                (guard.kind == EventKind::slip    ? events.resisted_breaking
+                 : guard.kind == EventKind::stick ? events.resisted_stopping
+                                                  : events.resisted_turning)
+                    .push_back(guard.joint);
+                continue;
+            }
             (guard.kind == EventKind::land       ? events.landing
              : guard.kind == EventKind::detach   ? events.doubtful
              : guard.kind == EventKind::slip     ? events.breaking

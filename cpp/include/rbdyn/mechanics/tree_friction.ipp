@@ -52,12 +52,23 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
         for (int i = 0; i < mechanics::ContactMemory::parameters; ++i)
             mode.parameters[next++] = mode.memory[from + at(i)];
     }
+    for (int e = 0; e < resistances(); ++e) {
+        if (!mechanics::ResistanceMemory::has_numbers(conditions_->resistances()[at(e)], resisting(mode, e))) continue;
+        for (int i = 0; i < mechanics::ResistanceMemory::numbers; ++i)
+            mode.parameters[next++] = mode.memory[place_of_resistance(e) + at(i)];
+    }
+    for (std::size_t k = 0; k < joints_.size(); ++k) {
+        if (!mechanics::joint_state::is_sliding(mode.slip[at(first_joint()) + k])) continue;
+        const std::size_t from = place_of_joint(static_cast<int>(k));
+        for (int i = 0; i < mechanics::JointMemory::parameters; ++i)
+            mode.parameters[next++] = mode.memory[from + at(i)];
+    }
 }
 
 RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
                                                    const std::vector<mechanics::Moving<double>>& all,
                                                    const std::vector<int>& contacts, const std::vector<int>& stopped,
-                                                   bool strikes) const {
+                                                   bool strikes, const Mode* mode) const {
     Touched result;
     result.moving = all;
     for (const int k : contacts) {
@@ -88,11 +99,17 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
                 result.pushes.push_back(result.rows.back());
             }
         }
+        if (mode != nullptr) t.add_torque(result.pushes[at(first)], twisting(*mode, k, all));
         result.cones.push_back({first, !c.is_rough() || one.slides, static_cast<double>(c.mu_static)});
         if (strikes) result.cones.back().mu = c.mu_dynamic;
         result.all.push_back(std::move(one));
     }
-    const auto constraints = constraints_of(conditions_->rows<double>(*tree_, all));
+    const auto every = conditions_->rows<double>(*tree_, all);
+    auto constraints = constraints_of(every);
+    if (mode != nullptr) {
+        constraints.clear();
+        for (const int r : rows_without_contacts(*mode)) constraints.push_back(every[at(r)]);
+    }
     result.coupled.emplace(*tree_, all, constraints, result.rows, result.pushes);
     result.matrix = result.coupled->matrix();
     return result;
@@ -168,7 +185,7 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         values.set_parameters(mode.parameters);
         values(t, x);
         for (const Guard& guard : mode.equations->guards) {
-            if (guard.kind != EventKind::slip || guard.contact < 0 || guard.output < 0) continue;
+            if (guard.kind != EventKind::slip || guard.contact < 0 || guard.joint >= 0 || guard.output < 0) continue;
             if (values.output(guard.output) > 1e-13 * values.magnitude(guard.output)) continue;
             if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.contact;
         }
@@ -232,7 +249,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     Touched touched;
     std::vector<double> b, noise;
     const auto see = [&](const std::vector<int>& resting) {
-        touched = this->touched(before, all, candidates, resting, false);
+        touched = this->touched(before, all, candidates, resting, false, &mode);
         b.clear();
         noise.clear();
         for (const auto& row : touched.rows) {
@@ -321,7 +338,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
     std::vector<int> candidates;
     for (const Touched::One& one : touched.all) candidates.push_back(one.contact);
     // sliding forces come first, then what is held
-    std::vector<int> rows = rows_;
+    std::vector<int> rows = rows_without_contacts(mode);
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const int k = candidates[i];
         Touched::One& one = touched.all[i];
@@ -472,6 +489,7 @@ RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, 
         h.contact = k;
         happenings.push_back(std::move(h));
     }
+    tell_rolling(mode, after, happenings);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -1,11 +1,13 @@
 // The hybrid model of bodies joined to bodies: a tree on its joints, its loops closed by constraints.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -16,6 +18,7 @@
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/exert.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
+#include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_state.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -51,6 +54,7 @@ public:
     const std::string& name(int body) const override { return tree_->node(body).name; }
     std::string coordinates(int body) const override { return tree_->coordinates(body); }
     bool touches() const override { return contacts() > 0; }
+    bool holds_what_touches(int subject) const override;
     bool turns(int body) const override { return !tree_->node(body).is_point; }
     int freedom() const override { return tree_->velocities() - static_cast<int>(rows_.size()); }
     std::vector<std::string> not_unique() const override;
@@ -119,7 +123,8 @@ private:
     /// What has fired of contacts.
     struct Fired {
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
-        std::vector<int> stuck;  // by an impact
+        std::vector<int> resisted_breaking, resisted_stopping, resisted_turning;  // of resistances
+        std::vector<int> stuck;                                                   // by an impact
         bool has(int contact) const;
     };
     /// Which of some contacts, none of which separates, push, slide, are held or open. May find that no motion
@@ -148,8 +153,10 @@ private:
     /// Some contacts at a state where they touch: each smooth one, and each that slides, with one unknown force, the
     /// others with three, and what these do to each other.
     struct Touched;
+    /// `mode`: what resistances do; none: nothing, as in impacts.
     Touched touched(const Mode& before, const std::vector<mechanics::Moving<double>>& all,
-                    const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes) const;
+                    const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes,
+                    const Mode* mode = nullptr) const;
     /// settle() where there is friction.
     void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                       const Fired& fired) const;
@@ -214,6 +221,50 @@ private:
     /// What follows guards of contacts.
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::vector<Happening>& happenings) const;
+    // --- rolling and pivoting (tree_rolling.ipp) ---
+
+    int resistances() const { return static_cast<int>(conditions_->resistances().size()); }
+    signed char resisting(const Mode& mode, int resistance) const { return mode.slip[at(contacts() + resistance)]; }
+    std::size_t place_of_resistance(int resistance) const {
+        return mechanics::ContactMemory::place(contacts()) + at(mechanics::ResistanceMemory::numbers * resistance);
+    }
+    mechanics::ResistanceMemory resistance_memory(const Mode& mode, int resistance) const {
+        return mechanics::ResistanceMemory::of(mode.memory.data() + place_of_resistance(resistance));
+    }
+    /// settle_rough() where contacts resist rolling or pivoting.
+    void settle_resisted(const Mode& before, Mode& mode, double t, std::span<double> x,
+                         const std::vector<int>& candidates, const Fired& fired) const;
+    /// What each resistance does: of contacts that open, nothing; of those that break, they begin to turn.
+    void decide_resistances(const Mode& before, Mode& mode, double t, std::span<double> x,
+                            const std::vector<int>& closed, const Fired& fired,
+                            const std::vector<std::pair<int, std::array<double, 2>>>& breaking) const;
+    /// How a contact turns, along the directions of a resistance.
+    std::array<double, 2> rate_of(int resistance, const std::vector<mechanics::Moving<double>>& all) const;
+    /// The torque of a unit of normal force on the first side of a contact that turns.
+    Vector3 twisting(const Mode& mode, int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// What became of resistances of contacts that were closed and are.
+    void tell_rolling(const Mode& mode, const Mode& after, std::vector<Happening>& happenings) const;
+    /// The rows of constraints that are used, and of resistances that are held.
+    std::vector<int> rows_without_contacts(const Mode& mode) const;
+
+    // --- friction in joints (tree_joints.ipp) ---
+
+    std::size_t place_of_joint(int joint) const {
+        return place_of_resistance(resistances()) + at(mechanics::JointMemory::numbers * joint);
+    }
+    int first_joint() const { return contacts() + resistances(); }
+    mechanics::JointMemory joint_memory(const Mode& mode, int joint) const;
+    /// Which rough joints at rest are held and which slide. May find that no motion satisfies the laws. `breaking`:
+    /// those that are at their static limit and leave it.
+    void settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x, std::vector<int> breaking) const;
+    void decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
+                       const std::vector<int>& breaking) const;
+    /// Whether what is held has come beyond its limit at a state, by what jumped.
+    bool joints_slip(const Mode& mode, double t, std::span<const double> x) const;
+    /// What follows guards of joints.
+    void rub(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
+             std::vector<Happening>& happenings) const;
+
     // --- loops and driven joints (tree_loops.ipp) ---
 
     /// Chooses the rows that are used. Refuses what the others would lose when the scene moves.
@@ -246,6 +297,7 @@ private:
     std::shared_ptr<const mechanics::Tree> tree_;
     std::shared_ptr<const mechanics::Conditions> conditions_;
     std::shared_ptr<const mechanics::Exerted> exerted_;
+    std::vector<mechanics::RoughJoint> joints_;
     std::vector<int> rows_;             // of the constraints, those that are used
     std::vector<double> first_pivots_;  // of these, where the scene starts
     double loosest_ = 0.0;              // the gap that constraints with other rows may have [m]

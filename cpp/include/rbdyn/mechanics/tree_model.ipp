@@ -4,6 +4,7 @@
 #include "rbdyn/mechanics/tree_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -35,7 +36,7 @@ RBDYN_INLINE bool needs_tree(const Scene& scene) {
     for (const Scene::AppliedLoad& l : scene.loads())
         if (std::holds_alternative<JointTorque>(l.load) || std::holds_alternative<JointForce>(l.load)) return true;
     const auto is_special = [](const Scene::Body& b) {
-        if (b.parent >= 0) return false;
+        if (b.parent >= 0 || friction_in(b.joint)) return false;
         if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) return !hinge->motion;
         if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) return !slide->motion;
         return std::holds_alternative<Free>(b.joint) || std::holds_alternative<Rail>(b.joint) ||
@@ -61,12 +62,14 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
       scene_(scene),
       tree_(std::make_shared<const mechanics::Tree>(scene)),
       exerted_(std::make_shared<const mechanics::Exerted>(scene, *tree_)),
-      why_all_("bodies are joined to bodies") {
+      why_all_(mechanics::rough_joints(scene, *tree_).empty() ? "bodies are joined to bodies"
+                                                              : "bodies are joined, by joints with friction") {
     require_simple_rails(scene);
     require_finite_drives(0.0);
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
     conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
+    joints_ = mechanics::rough_joints(scene, *tree_);
     const std::vector<double> x = mechanics::closing::nearest(start);
     const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, now);
@@ -315,7 +318,9 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
 RBDYN_INLINE Mode TreeModel::undecided() const {
     Mode mode;
     mode.slip.assign(at(contacts()), flies);
-    mode.memory.assign(mechanics::ContactMemory::place(contacts()), 0.0);
+    mode.slip.resize(at(first_joint()), flies);
+    mode.slip.resize(at(first_joint()) + joints_.size(), mechanics::joint_state::open);
+    mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
 }
@@ -324,7 +329,8 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     require_finite_drives(t);
     Mode mode = undecided();
     if (contacts() == 0) {
-        choose(mode, t, x, {});
+        const Mode as_it_was = mode;
+        joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
         return mode;
     }
     const auto all = moving(t, x);
@@ -371,11 +377,15 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<int> flipped;
-    bool touches = false;
+    bool touches = false, rubs = false;
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
         if (guard.contact >= 0) {
             touches = true;
+            continue;
+        }
+        if (guard.joint >= 0) {
+            rubs = true;
             continue;
         }
         if (guard.kind == EventKind::singular) {
@@ -395,7 +405,18 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
+    if (rubs) {
+        if (!flipped.empty()) choose(after, t, x, flipped);
+        rub(mode, after, fired, t, x, happenings);
+        if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
+        return after;
+    }
     choose(after, t, x, flipped);
+    if (joints_slip(after, t, x)) {
+        const Mode passed = after;
+        rub(passed, after, {}, t, x, happenings);
+        if (!after.impossible.empty()) return after;
+    }
     after.impossible = jump_of_drives(mode, after, t, x);
     if (after.impossible.empty() && pulls(after, t, x)) {
         touch(mode, after, {}, t, x, happenings);
@@ -452,6 +473,17 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
             mode.slip[at(k)] == mechanics::contact_state::brief)
             c.force = c.normal * (c.normal.dot(c.force) *
                                   std::min(1.0, c.slip.norm() / (1e-3 * speed_of(k, state.moving) + 1e-300)));
+        // the same of what turns on its surface
+        for (int e = 0; e < resistances(); ++e) {
+            if (conditions_->resistances()[at(e)].contact != k) continue;
+            const signed char turns = resisting(mode, e);
+            if (turns != mechanics::contact_state::turning && turns != mechanics::contact_state::brief) continue;
+            const std::array<double, 2> rate = rate_of(e, state.moving);
+            const double part = std::min(1.0, std::hypot(rate[0], rate[1]) * size_of(k, state.moving) /
+                                                  (1e-3 * speed_of(k, state.moving) + 1e-300));
+            const Vector3 along_normal = c.normal * c.normal.dot(c.force);
+            c.force = along_normal + (c.force - along_normal) * part;
+        }
         // what is not unique is one of many
         if (shares_load(mode)) c.force = Vector3::Zero();
         const mechanics::ContactLaw& law = conditions_->contacts()[at(k)];
@@ -466,6 +498,12 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
     }
 }
 
+RBDYN_INLINE bool TreeModel::holds_what_touches(int subject) const {
+    return std::any_of(joints_.begin(), joints_.end(), [&](const mechanics::RoughJoint& joint) {
+        return joint.body == subject && joint.mu_static.now() > joint.mu_dynamic.now();
+    });
+}
+
 RBDYN_INLINE double TreeModel::guard_value(const Guard& guard, const Mode& mode, double t,
                                            std::span<const double> x) const {
     return scene_.watches()[at(guard.watch)].function(observing(mode, t, x));
@@ -476,7 +514,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     const recording::WideFolding all_digits;
     Recorder r;
     r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
-    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, rows, mode.slip);
+    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, joints_, rows, mode.slip);
     const int n = variables();
     const bool stands_still = holds_all(rows);
     auto result = written(
@@ -485,6 +523,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             tree.take(values);
             for (int i = 0; i < n; ++i) write.rate(i) = stands_still ? Expression(0.0) : values[at(i)];
             tree.touch(write);
+            tree.rub(write);
             tree.guard_drives(write);
             guard_loops(write, tree);
             tree.watch(write, scene_.watches());

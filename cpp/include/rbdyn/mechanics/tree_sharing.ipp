@@ -28,7 +28,7 @@ RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t
                                         const std::vector<mechanics::Moving<double>>& all,
                                         const std::vector<int>& candidates, const std::vector<double>& b,
                                         const std::vector<double>& noise) const {
-    Touched touched = this->touched(before, all, candidates, {}, false);
+    Touched touched = this->touched(before, all, candidates, {}, false, &mode);
     const auto found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
     Mode shared = mode;
     if (!found.is_solved || !take(before, shared, t, touched, found, b, noise, {})) return false;

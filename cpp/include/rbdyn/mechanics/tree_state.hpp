@@ -4,11 +4,12 @@
 // model/acting.hpp). Layout of the values behind the rates of the state: of each body force [N] and moment about P
 // [N m] of what acts, its angular acceleration and the acceleration of P; of each coupling the force on its first end
 // [N]; of each load its power [W]; along each velocity of the joints what is exerted [N or N m]; the multiplier of each
-// row of the constraints that is used; where a contact has friction, of each contact the force on its first side [N]
-// and two numbers of no use here. World axes.
+// row of the constraints that is used; of each contact the force on its first side [N], two numbers of no use
+// here, and the torque [N m]; what is said of friction in joints, of no use here. World axes.
 //
 // The reaction of a joint is what is left of the law of its body, m a_G and the rate of K_G, less what acts, less what
-// constraints and the joints of its children exert on it, and less what is exerted along the joint.
+// constraints and the joints of its children exert on it, and less what is exerted along the joint; friction in the
+// joint is part of it.
 #pragma once
 
 #include <cstddef>
@@ -48,6 +49,7 @@ struct TreeState {
     std::vector<double> along;  // by velocity: what springs and loads of joints exert along it [N, N m]
     std::vector<ConstraintReport> constraints;
     std::vector<ContactReport> contacts;
+    std::vector<Vector3> torques;  // of each contact, on its first side, against rolling and pivoting [N m]
 
     /// `values`: as in the layout, without the rates. `rows`: those used.
     TreeState(const Tree& tree, const Conditions& conditions, const Exerted& exerted, const std::vector<int>& rows,

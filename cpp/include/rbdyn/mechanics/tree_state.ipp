@@ -143,12 +143,17 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             report.gap = touching.gap;
             report.force = vector();
             next += 2;
+            const Vector3 torque = vector();
             report.slip = touching.slip();
             report.place = touching.place;
             report.normal = touching.normal;
-            hold(row.a, touching.on_a(report.force));
-            hold(row.b, touching.on_b(report.force));
+            Wrench<double> on_a = touching.on_a(report.force), on_b = touching.on_b(report.force);
+            on_a.moment += torque;
+            on_b.moment -= torque;
+            hold(row.a, on_a);
+            hold(row.b, on_b);
             contacts.push_back(report);
+            torques.push_back(torque);
         }
     }
     for (int i = 0; i < tree.size(); ++i) {

@@ -1,6 +1,7 @@
 // The equations of a tree as recorded programs.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -13,6 +14,7 @@
 #include "rbdyn/mechanics/contact.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/exert.hpp"
+#include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -27,10 +29,12 @@ class TreeWriter {
 public:
     using S = Expression;
 
-    /// `rows`: those used; `states`: what each contact does. Of each that has_numbers() the mode has parameters, the
-    /// numbers of its ContactMemory, the first of all.
+    /// `rows`: those used; `states`: what each contact does, and behind them each resistance and each rough joint. Of
+    /// each contact that has_numbers(), each resistance and each joint that slides the mode has parameters, the numbers
+    /// of its memory, the first of all.
     TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
-               const std::vector<int>& rows, const std::vector<signed char>& states);
+               const std::vector<RoughJoint>& joints, const std::vector<int>& rows,
+               const std::vector<signed char>& states);
 
     /// The rates of all variables, and what acts, in the layout of tree_state.hpp.
     std::vector<S> laws();
@@ -38,6 +42,8 @@ public:
     void take(std::span<const S> values) { values_.assign(values.begin(), values.end()); }
     /// The guards of contacts: what comes to touch, what would have to pull, and what friction does next.
     void touch(EquationsWriter& write) const;
+    /// What friction in joints does: what is held does not move, and the guards of what follows.
+    void rub(EquationsWriter& write) const;
     /// The independence of the used rows of constraints: of each, what of it is independent of those before it, over
     /// what that was as the scene started.
     void guard_pivots(EquationsWriter& write, const std::vector<double>& first) const;
@@ -60,15 +66,37 @@ private:
         S speed = S(0.0);                // in that direction
     };
     /// The place among the values of what a rough contact does: its force (3), and where it slides numerator and
-    /// denominator of N.
-    std::size_t place(int contact) const { return values_.size() - 5 * (touching_.size() - at(contact)); }
-    std::size_t first_multiplier() const { return values_.size() - rows_.size() - 5 * touching_.size(); }
+    /// denominator of N; its torque (3).
+    std::size_t place(int contact) const { return first_of_joints() - per_contact * (touching_.size() - at(contact)); }
+    std::size_t first_multiplier() const { return first_of_joints() - rows_.size() - per_contact * touching_.size(); }
+    static constexpr std::size_t per_contact = 8;
+    /// Behind them of each rough joint: its friction, what presses it (2), the square of what is left to the direction
+    /// of that, and a pivot.
+    static constexpr std::size_t per_joint = 5;
+    std::size_t first_of_joints() const { return values_.size() - per_joint * joints_.size(); }
     Vector3Of<S> vector_at(std::size_t i) const { return {values_[i], values_[i + 1], values_[i + 2]}; }
     /// A unit of the normal force with its friction.
     Vector3Of<S> pushing(std::size_t contact) const;
     /// What of a contact's force the motion does not determine.
     Vector3Of<S> shared(std::size_t contact) const;
     void guard_friction(EquationsWriter& write, int contact) const;
+    /// How one side of a contact turns on the other, along the surface or about its normal.
+    struct Turning {
+        std::array<S, 2> last{S(0.0), S(0.0)}, rate{S(0.0), S(0.0)}, along{S(0.0), S(0.0)};  // as parameter; now
+        S least = S(0.0), speed = S(0.0);
+    };
+    /// The torque on the first side of a contact that turns, of a unit of normal force.
+    Vector3Of<S> twisting(std::size_t contact) const;
+    void guard_resistance(EquationsWriter& write, std::size_t resistance) const;
+    /// What a rough joint remembers, as parameters.
+    struct Pressed {
+        S least_rate = S(0.0), least_load = S(0.0);
+        std::array<S, 2> along{S(0.0), S(0.0)};
+    };
+    /// Adds friction in joints to what drives the tree and to the multipliers of constraints; returns what is said of
+    /// it among the values.
+    std::vector<S> add_friction(const Accelerate<S>& tree, const Acts& acts, std::vector<S>& u,
+                                std::vector<S>& multipliers) const;
     /// What a watched function asks for.
     S observed(const Observable& o) const;
     /// A vector among what acts, by its place behind the rates.
@@ -83,10 +111,13 @@ private:
     const Tree& tree_;
     const Conditions& conditions_;
     const Exerted& exerted_;
+    const std::vector<RoughJoint>& joints_;
     const std::vector<int>& rows_;
-    const std::vector<signed char>& states_;
+    const std::vector<signed char> states_, resistance_states_, joint_states_;
     std::vector<Touching<S>> touching_;
     std::vector<Friction> friction_;  // of each contact
+    std::vector<Turning> turning_;    // each resistance
+    std::vector<Pressed> pressed_;    // each rough joint
     std::vector<S> q_, v_, values_, pivots_;
     int drives_ = -1;
     std::vector<Moving<S>> moving_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -30,31 +31,65 @@ inline Vector3Of<Expression> unit_along(const Vector3Of<Expression>& axis, const
 }  // namespace tree_writers
 
 RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditions& conditions, const Exerted& exerted,
-                                    const std::vector<int>& rows, const std::vector<signed char>& states)
-    : r_(r), tree_(tree), conditions_(conditions), exerted_(exerted), rows_(rows), states_(states) {
+                                    const std::vector<RoughJoint>& joints, const std::vector<int>& rows,
+                                    const std::vector<signed char>& states)
+    : r_(r),
+      tree_(tree),
+      conditions_(conditions),
+      exerted_(exerted),
+      joints_(joints),
+      rows_(rows),
+      states_(states.begin(), states.begin() + static_cast<std::ptrdiff_t>(conditions.contacts().size())),
+      resistance_states_(states.begin() + static_cast<std::ptrdiff_t>(conditions.contacts().size()),
+                         states.end() - static_cast<std::ptrdiff_t>(joints.size())),
+      joint_states_(states.end() - static_cast<std::ptrdiff_t>(joints.size()), states.end()) {
     const recording::WideFolding all_digits;
     for (int i = 0; i < tree.positions(); ++i) q_.push_back(r.input(i));
     for (int i = 0; i < tree.velocities(); ++i) v_.push_back(r.input(tree.positions() + i));
     moving_ = tree.moving<S>(r.time(), q_.data(), v_.data());
-    friction_.resize(states.size());
-    for (std::size_t k = 0; k < states.size(); ++k) {
+    friction_.resize(states_.size());
+    for (std::size_t k = 0; k < states_.size(); ++k) {
         touching_.push_back(conditions.contacts()[k].touching<S>(tree, moving_));
-        if (!contact_state::has_numbers(conditions.contacts()[k], states[k])) continue;
+        if (!contact_state::has_numbers(conditions.contacts()[k], states_[k])) continue;
         S numbers[ContactMemory::parameters];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
         f.least = numbers[3];
         for (int i = 0; i < 3; ++i) f.force[i] = numbers[4 + i] + numbers[7 + i] * (r.time() - numbers[10]);
-        if (!contact_state::slides(states[k]) &&
-            !(states[k] == contact_state::rests && conditions.contacts()[k].is_rough()))
+        if (!contact_state::slides(states_[k]) &&
+            !(states_[k] == contact_state::rests && conditions.contacts()[k].is_rough()))
             continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = tree_writers::unit_along(f.axis, touching_[k].normal);
         f.along = last;
         f.speed = dot<S>(last, slip);
-        if (states[k] != contact_state::turning) continue;
+        if (states_[k] != contact_state::turning) continue;
         f.speed = sqrt(dot<S>(slip, slip));
         f.along = slip * (S(1.0) / f.speed);
+    }
+    for (std::size_t e = 0; e < resistance_states_.size(); ++e) {
+        turning_.emplace_back();
+        const signed char state = resistance_states_[e];
+        if (!ResistanceMemory::has_numbers(conditions.resistances()[e], state)) continue;
+        S numbers[ResistanceMemory::numbers];
+        for (S& one : numbers) one = r.parameter(r.new_parameter());
+        const Resistance& law = conditions.resistances()[e];
+        const Touching<S>& t = touching_[at(law.contact)];
+        Turning& now = turning_.back();
+        now.last = now.along = {numbers[0], numbers[1]};
+        now.least = numbers[2];
+        for (int k = 0; k < law.rows(); ++k) now.rate[at(k)] = dot<S>(law.about(t, k), t.turning);
+        now.speed = now.along[0] * now.rate[0] + now.along[1] * now.rate[1];
+        if (state != contact_state::turning) continue;
+        now.speed = sqrt(now.rate[0] * now.rate[0] + now.rate[1] * now.rate[1]);
+        for (std::size_t k = 0; k < 2; ++k) now.along[k] = now.rate[k] * (S(1.0) / now.speed);
+    }
+    for (const signed char state : joint_states_) {
+        pressed_.emplace_back();
+        if (!joint_state::is_sliding(state)) continue;
+        S numbers[JointMemory::parameters];
+        for (S& one : numbers) one = r.parameter(r.new_parameter());
+        pressed_.back() = {numbers[0], numbers[3], {numbers[1], numbers[2]}};
     }
 }
 
@@ -62,6 +97,19 @@ RBDYN_INLINE Vector3Of<Expression> TreeWriter::pushing(std::size_t k) const {
     const ContactLaw& c = conditions_.contacts()[k];
     if (!c.is_rough()) return touching_[k].normal;
     return touching_[k].normal - friction_[k].along * c.mu_dynamic.in<S>();
+}
+
+RBDYN_INLINE Vector3Of<Expression> TreeWriter::twisting(std::size_t k) const {
+    Vector3Of<S> torque = none<S>();
+    for (std::size_t e = 0; e < resistance_states_.size(); ++e) {
+        const Resistance& law = conditions_.resistances()[e];
+        if (at(law.contact) != k || !contact_state::slides(resistance_states_[e])) continue;
+        const ContactLaw& c = conditions_.contacts()[k];
+        const S length = (law.pivots ? c.pivoting : c.rolling).in<S>();
+        for (int i = 0; i < law.rows(); ++i)
+            torque -= Vector3Of<S>(law.about(touching_[k], i) * (turning_[e].along[at(i)] * length));
+    }
+    return torque;
 }
 
 RBDYN_INLINE Vector3Of<Expression> TreeWriter::shared(std::size_t k) const {
@@ -103,8 +151,13 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         if (!contact_state::is_held(states_[k]) && states_[k] != contact_state::rests) continue;
         const Vector3Of<S> force = shared(k);
         const Touching<S>& t = touching_[k];
-        if (t.a >= 0) add<S>(left[at(t.a)], t.on_a(force), S(-1.0));
-        if (t.b >= 0) add<S>(left[at(t.b)], t.on_b(force), S(-1.0));
+        const Vector3Of<S> torque = twisting(k) * dot<S>(t.normal, force);
+        for (const auto& [body, on, sign] :
+             {std::tuple{t.a, t.on_a(force), S(1.0)}, std::tuple{t.b, t.on_b(force), S(-1.0)}}) {
+            if (body < 0) continue;
+            add<S>(left[at(body)], on, S(-1.0));
+            left[at(body)].moment -= Vector3Of<S>(torque * sign);
+        }
     }
     const Accelerate<S> tree = accelerate<S>(tree_, moving_);
     std::vector<S> u = tree.driven(std::move(left), acts.joints), multipliers(rows_.size(), S(0.0));
@@ -113,12 +166,15 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         const auto all = conditions_.rows<S>(tree_, moving_);
         // what slides comes last: its force is not along its row, and what is left of the others is definite
         std::vector<std::size_t> order, sliding;
-        std::vector<int> contact;
+        std::vector<int> contact;  // of each of them: it slides, or turns while it is held
+        const int held_from = conditions_.held_row(0, 0), held_to = conditions_.resistance_row(0, 0);
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             const int k = rows_[i] - conditions_.constraint_rows();
             const bool slides = k >= 0 && at(k) < states_.size() && contact_state::slides(states_[at(k)]);
-            (slides ? sliding : order).push_back(i);
-            if (slides) contact.push_back(k);
+            const int held = rows_[i] >= held_from && rows_[i] < held_to ? (rows_[i] - held_from) / 3 : -1;
+            const bool turns = held >= 0 && !is_nothing(Wrench<S>{none<S>(), twisting(at(held))});
+            (slides || turns ? sliding : order).push_back(i);
+            if (slides || turns) contact.push_back(slides ? k : held);
         }
         const std::size_t first = order.size();
         order.insert(order.end(), sliding.begin(), sliding.end());
@@ -132,7 +188,16 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         pushes = responses;
         for (std::size_t j = first; j < order.size(); ++j) {
             const std::size_t k = at(contact[j - first]);
-            pushes[j] = tree.response(touching_[k].row(pushing(k), none<S>()));
+            const Touching<S>& t = touching_[k];
+            const int row = rows_[order[j]];
+            Row<S> push = row == conditions_.normal_row(contact[j - first]) ? t.row(pushing(k), none<S>())
+                                                                            : t.row((row - held_from) % 3);
+            // of a unit of its force, what of it is normal
+            const S normal =
+                row == conditions_.normal_row(contact[j - first]) ? S(1.0) : t.normal[(row - held_from) % 3];
+            if (const Vector3Of<S> torque = twisting(k); !is_nothing(Wrench<S>{none<S>(), torque}))
+                t.add_torque(push, Vector3Of<S>(torque * normal));
+            pushes[j] = tree.response(push);
         }
         std::vector<std::vector<S>> a(b.size(), std::vector<S>(b.size(), S(0.0)));
         for (std::size_t i = 0; i < b.size(); ++i)
@@ -145,6 +210,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             std::vector<S> driven;
             found = solve_in_order<S>(std::move(a), std::move(b), pivots, driven);
             for (std::size_t j = first; j < order.size(); ++j) {
+                if (rows_[order[j]] != conditions_.normal_row(contact[j - first])) continue;
                 numerators[at(contact[j - first])] = driven[j];
                 denominators[at(contact[j - first])] = pivots[j];
             }
@@ -155,6 +221,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             for (const auto& [n, one] : pushes[j]) u[at(n)] += one * found[j];
         }
     }
+    const std::vector<S> rubbing = add_friction(tree, acts, u, multipliers);
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
     for (const Node& n : tree_.nodes()) n.joint.rates<S>(&q_[0] + n.q, v_.data() + n.v, values.data() + n.q);
@@ -189,7 +256,15 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         put(force);
         values.push_back(numerators[k]);
         values.push_back(denominators[k]);
+        Vector3Of<S> torque = twisting(k) * dot<S>(touching_[k].normal, force);
+        for (std::size_t e = 0; e < resistance_states_.size(); ++e)
+            for (std::size_t r = 0; r < rows_.size() && at(conditions_.resistances()[e].contact) == k; ++r)
+                for (int i = 0; i < 2; ++i)
+                    if (rows_[r] == conditions_.resistance_row(static_cast<int>(e), i))
+                        torque += Vector3Of<S>(conditions_.resistances()[e].about(touching_[k], i) * multipliers[r]);
+        put(torque);
     }
+    values.insert(values.end(), rubbing.begin(), rubbing.end());
     return values;
 }
 
@@ -213,6 +288,7 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
                 write.decide({.kind = EventKind::detach, .contact = contact, .name = "force of " + c.name},
                              values_[first_multiplier() + r]);
     }
+    for (std::size_t e = 0; e < resistance_states_.size(); ++e) guard_resistance(write, e);
 }
 
 RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact) const {
@@ -328,8 +404,11 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction(int body) const {
     for (std::size_t k = 0; k < touching_.size(); ++k) {
         const Touching<S>& t = touching_[k];
         const Vector3Of<S> force = vector_at(place(static_cast<int>(k)));
+        const Vector3Of<S> torque = vector_at(place(static_cast<int>(k)) + 5);
         if (t.a == body) add<S>(w, t.on_a(force), S(-1.0));
         if (t.b == body) add<S>(w, t.on_b(force), S(-1.0));
+        if (t.a == body) w.moment -= torque;
+        if (t.b == body) w.moment += torque;
     }
     for (int child = body + 1; child < tree_.size(); ++child)
         if (tree_.node(child).parent == body)

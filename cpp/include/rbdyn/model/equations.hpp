@@ -57,6 +57,7 @@ struct Guard {
     GuardRole role = GuardRole::mode;
     int subject = -1;         // body it belongs to, by order of addition; -1: none
     int contact = -1;         // contact it belongs to, by order of addition; -1: none
+    int joint = -1;           // joint with friction it belongs to, by order of addition; -1: none
     int output = -1;          // among the program's outputs, those of its switches counted on; -1: none of them
     int sign_parameter = -1;  // parameter whose sign multiplies the value; -1: none
     Direction direction = Direction::falling;

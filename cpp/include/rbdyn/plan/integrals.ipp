@@ -109,6 +109,8 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
         left.energy = left.only_weight = false;
         if (b.parent < 0) left.push_anyhow();
     }
+    const bool has_friction = friction_in(b.joint).has_value();
+    if (has_friction) left.energy = left.only_weight = false;
     // what joins bodies to each other is no force from outside
     if (b.parent >= 0) return;
     if (std::holds_alternative<Universal>(b.joint) || std::holds_alternative<Cylindrical>(b.joint) ||
@@ -126,10 +128,13 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
         left.only_weight = false;
         if (!is_ideal || !rail->curve().straight() || rail->may_release()) return left.push_anyhow();
         slides_along(rail->curve().first(b.parameter));
+    } else if (has_friction && std::holds_alternative<Prismatic>(b.joint)) {
+        left.push_anyhow();
     } else if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint)) {
         slides_along(slide->axis);
     } else if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
         left.hold(hinge->at);
+        if (has_friction) return left.twist();
         Remaining::keep_along(left.angular, hinge->axis);
     } else if (const Spherical* ball = std::get_if<Spherical>(&b.joint)) {
         left.hold(ball->at);

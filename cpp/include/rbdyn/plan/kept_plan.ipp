@@ -34,6 +34,12 @@ RBDYN_INLINE GivenNumbers numbers_of(const Scene& scene) {
     for (const Scene::Body& b : scene.bodies()) {
         if (const Particle* particle = std::get_if<Particle>(&b.body)) particle->mass.give(numbers);
         if (const Rail* rail = b.rail()) rail->give(numbers);
+        if (const Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
+            if (hinge->friction) hinge->friction->give(numbers);
+            hinge->pin_radius.give(numbers);
+        }
+        if (const Prismatic* slide = std::get_if<Prismatic>(&b.joint); slide != nullptr && slide->friction)
+            slide->friction->give(numbers);
     }
     for (const Scene::AppliedLoad& load : scene.loads()) give(load.load, numbers);
     for (const Scene::Connection& c : scene.connections())

@@ -64,6 +64,10 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
     note(!scene.gravity().isZero(0.0), "gravity");
     for (const Scene::Body& b : scene.bodies()) {
         note(acting::turns(b), "rotation");
+        if (const auto friction = friction_in(b.joint)) {
+            note(friction->dynamic() > 0.0, "dynamic friction");
+            note(friction->mu_static > 0.0, "static friction");
+        }
         if (b.rail() == nullptr) continue;
         note(b.rail()->motion().present(), "moving rail");
         const auto friction = b.rail()->friction();
@@ -107,7 +111,12 @@ inline std::optional<Coulomb> without(const std::optional<Coulomb>& friction, co
         require(friction->mu_static > dynamic, name, "mu_static", friction->mu_static,
                 "beside dynamic friction there is as much static friction, and here there is no more; take "
                 "\"dynamic friction\" away too");
-    return Coulomb{is_gone("static friction") ? dynamic : friction->mu_static, dynamic};
+    Coulomb left{is_gone("static friction") ? dynamic : friction->mu_static, dynamic};
+    // torques against rolling and pivoting go with what resists sliding
+    if (is_gone("dynamic friction")) return left;
+    left.rolling = friction->rolling;
+    left.pivoting = friction->pivoting;
+    return left;
 }
 
 }  // namespace acting
@@ -167,8 +176,14 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
                                                               : "user force"))
             l.load = acting::nothing_of(l.load);
     if (is_gone("drive") || is_gone("moving rail") || is_gone("dynamic friction") || is_gone("static friction"))
-        for (Body& b : result.bodies_)
-            if (b.rail() != nullptr) b.joint = without(*b.rail(), b.name, gone);
+        for (Body& b : result.bodies_) {
+            if (b.rail() != nullptr)
+                b.joint = without(*b.rail(), b.name, gone);
+            else if (Revolute* hinge = std::get_if<Revolute>(&b.joint))
+                hinge->friction = acting::without(hinge->friction, b.name, gone);
+            else if (Prismatic* slide = std::get_if<Prismatic>(&b.joint))
+                slide->friction = acting::without(slide->friction, b.name, gone);
+        }
     for (Touch& c : result.contacts_) c.options.friction = acting::without(c.options.friction, c.name, gone);
     if (is_gone("rotation")) result.hold_attitudes();
     return result;

@@ -75,9 +75,14 @@ struct BodyStart {
 
 /// Coulomb-Morin friction (eq. 7.23): sliding, the tangential reaction is mu_dynamic times the perpendicular one,
 /// against the slip; at rest it is whatever rest needs, up to mu_static times the perpendicular one.
+///
+/// At contacts torques resist what does not slip: against rolling, the angular velocity along the surface, `rolling`
+/// times the normal force, and against pivoting, the one along its normal, `pivoting` times it; at rest each is
+/// whatever rest needs, up to that.
 struct Coulomb {
     Given mu_static = 0.0;
     std::optional<Given> mu_dynamic = std::nullopt;  // default: mu_static
+    Given rolling = 0.0, pivoting = 0.0;             // m
 
     double dynamic() const { return mu_dynamic.value_or(mu_static); }
     bool operator==(const Coulomb& other) const;
@@ -85,6 +90,8 @@ struct Coulomb {
     Coulomb frozen() const;
     void give(GivenNumbers& numbers) const;
     bool present() const { return mu_static > 0.0 || dynamic() > 0.0; }
+    /// Whether it resists rolling or pivoting; a number of the user's counts as some until it is frozen.
+    bool has_torques() const { return !rolling.is_zero() || !pivoting.is_zero(); }
     void validate() const;
 };
 
@@ -170,11 +177,16 @@ struct SphericalStart {
 
 /// A hinge: the body turns about an axis through a point of the world, where it holds a point of its own (7.60). At
 /// angle 0 body axes and world axes coincide, so the axis is the same direction in both; angles are right-handed.
+///
+/// With friction it resists by a torque about the axis, up to mu times the radius of its pin times what of the whole
+/// reaction force lies across the axis; the reaction's torque presses nothing.
 struct Revolute {
     Vector3 axis{0, 0, 1};
     Vector3 at = Vector3::Zero();
     Vector3 point = Vector3::Zero();
     std::optional<TimeFunction> motion = std::nullopt;  // its coordinate as a function of time, prescribed
+    std::optional<Coulomb> friction = std::nullopt;     // none: it is smooth
+    Given pin_radius = 0.0;                             // where its friction acts [m]
 
     bool operator==(const Revolute&) const = default;
     void validate() const;
@@ -189,11 +201,15 @@ struct RevoluteStart {
 
 /// A slide: the body moves along an axis without turning, body axes along the world's. At displacement 0 its point is
 /// at the point given of the world.
+///
+/// With friction it resists by a force along the axis, up to mu times what of the whole reaction force lies across the
+/// axis; the reaction's torque presses nothing.
 struct Prismatic {
     Vector3 axis{1, 0, 0};
     Vector3 at = Vector3::Zero();
     Vector3 point = Vector3::Zero();
     std::optional<TimeFunction> motion = std::nullopt;  // its coordinate as a function of time, prescribed
+    std::optional<Coulomb> friction = std::nullopt;     // none: it is smooth
 
     bool operator==(const Prismatic&) const = default;
     void validate() const;
@@ -274,6 +290,9 @@ struct FixedStart {
 };
 
 using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic, Universal, Cylindrical, Planar, Fixed>;
+
+/// The friction in a hinge or a slide, if there is any.
+std::optional<Coulomb> friction_in(const Joint& joint);
 
 /// Where arc length counts from on a curve.
 double arc_length_origin(const Curve& curve);

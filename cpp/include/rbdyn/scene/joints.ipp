@@ -32,6 +32,25 @@ RBDYN_INLINE void require_direction(const std::string& object, const Vector3& ax
     require(axis.norm() > 0.0, object, "length of axis", axis.norm(), "an axis has a direction; its length is free");
 }
 
+/// Torques against rolling and pivoting are of contacts.
+inline void require_no_torques(const std::string& object, const Coulomb& friction) {
+    if (friction.has_torques())
+        throw InvalidInput(object +
+                           ": its friction has rolling or pivoting, which are torques at contacts; leave them out");
+}
+
+/// Of a hinge or a slide.
+inline void require_friction(const std::string& object, const Coulomb& friction, bool is_driven) {
+    friction.validate();
+    require_no_torques(object, friction);
+    require(std::isfinite(friction.mu_static.now()), "Coulomb", "mu_static", friction.mu_static.now(),
+            "in a joint a friction coefficient is finite; what never moves is a Fixed joint");
+    if (is_driven && friction.present())
+        throw InvalidInput(object +
+                           ": friction is given, and motion too; where the coordinate is prescribed friction changes "
+                           "nothing of the motion: leave one of them out");
+}
+
 RBDYN_INLINE void require_right_angle(const std::string& object, const std::string& what, const Vector3& a,
                                       const Vector3& b) {
     const double cosine = a.dot(b) / (a.norm() * b.norm());
@@ -44,11 +63,13 @@ RBDYN_INLINE void require_right_angle(const std::string& object, const std::stri
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool Coulomb::operator==(const Coulomb& other) const {
-    return mu_static == other.mu_static && mu_dynamic.value_or(mu_static) == other.mu_dynamic.value_or(other.mu_static);
+    return mu_static == other.mu_static &&
+           mu_dynamic.value_or(mu_static) == other.mu_dynamic.value_or(other.mu_static) && rolling == other.rolling &&
+           pivoting == other.pivoting;
 }
 
 RBDYN_INLINE Coulomb Coulomb::frozen() const {
-    Coulomb result{mu_static.frozen(), mu_dynamic};
+    Coulomb result{mu_static.frozen(), mu_dynamic, rolling.frozen(), pivoting.frozen()};
     if (mu_dynamic) result.mu_dynamic = mu_dynamic->frozen();
     result.validate();
     return result;
@@ -57,6 +78,8 @@ RBDYN_INLINE Coulomb Coulomb::frozen() const {
 RBDYN_INLINE void Coulomb::give(GivenNumbers& numbers) const {
     mu_static.give(numbers);
     if (mu_dynamic) mu_dynamic->give(numbers);
+    rolling.give(numbers);
+    pivoting.give(numbers);
 }
 
 RBDYN_INLINE void Coulomb::validate() const {
@@ -65,6 +88,16 @@ RBDYN_INLINE void Coulomb::validate() const {
     require(dynamic() <= mu_static, "Coulomb", "mu_dynamic", dynamic(),
             "the dynamic coefficient is at most the static one, which is " + text(mu_static.now()) +
                 "; exchange them, or make them equal");
+    const auto require_length = [](const char* what, double length) {
+        require(length >= 0.0 && std::isfinite(length), "Coulomb", what, length,
+                "it is a length in m, zero or positive, and finite");
+    };
+    require_length("rolling", rolling.now());
+    require_length("pivoting", pivoting.now());
+    if (has_torques() && mu_static.is_zero())
+        throw InvalidInput(
+            "Coulomb: rolling or pivoting is given, and mu_static is 0; torques of friction act where a contact has "
+            "friction: give mu_static, too");
 }
 
 RBDYN_INLINE Rail::Rail(Curve curve, std::optional<Coulomb> friction, RailOptions options)
@@ -73,6 +106,7 @@ RBDYN_INLINE Rail::Rail(Curve curve, std::optional<Coulomb> friction, RailOption
         friction_->validate();
         require(std::isfinite(static_cast<double>(friction_->mu_static)), "Coulomb", "mu_static", friction_->mu_static,
                 "on a rail a friction coefficient is finite; what never slips is at rest on it");
+        joints::require_no_torques("Rail", *friction_);
     }
     if (options_.drive.is_constant())
         require(std::isfinite(options_.drive.constant()), "Rail", "drive", options_.drive.constant(),
@@ -122,6 +156,14 @@ RBDYN_INLINE bool Rail::operator==(const Rail& other) const {
            motion() == other.motion() && side() == other.side() && ends() == other.ends() && up() == other.up();
 }
 
+RBDYN_INLINE std::optional<Coulomb> friction_in(const Joint& joint) {
+    std::optional<Coulomb> friction;
+    if (const Revolute* hinge = std::get_if<Revolute>(&joint)) friction = hinge->friction;
+    if (const Prismatic* slide = std::get_if<Prismatic>(&joint)) friction = slide->friction;
+    const bool is_none = !friction || (friction->mu_static.is_zero() && friction->mu_dynamic.value_or(0.0).is_zero());
+    return is_none ? std::nullopt : friction;
+}
+
 RBDYN_INLINE void Spherical::validate() const {
     joints::require_finite("Spherical", "at", at);
     joints::require_finite("Spherical", "point", point);
@@ -133,6 +175,12 @@ RBDYN_INLINE void Revolute::validate() const {
     joints::require_finite("Revolute", "point", point);
     if (motion && motion->is_constant())
         require(std::isfinite(motion->constant()), "Revolute", "motion", motion->constant(), "it is finite, in rad");
+    if (friction) joints::require_friction("Revolute", *friction, motion.has_value());
+    require(std::isfinite(pin_radius.now()) && pin_radius.now() >= 0.0, "Revolute", "pin_radius", pin_radius.now(),
+            "the radius of a pin is zero or positive, and finite; give it in m");
+    if (friction && friction->present() && !pin_radius.varies())
+        require(pin_radius.now() > 0.0, "Revolute", "pin_radius", pin_radius.now(),
+                "friction in a hinge is a torque at its pin; give the radius of the pin in m, or no friction");
 }
 
 RBDYN_INLINE void Prismatic::validate() const {
@@ -141,6 +189,7 @@ RBDYN_INLINE void Prismatic::validate() const {
     joints::require_finite("Prismatic", "point", point);
     if (motion && motion->is_constant())
         require(std::isfinite(motion->constant()), "Prismatic", "motion", motion->constant(), "it is finite, in m");
+    if (friction) joints::require_friction("Prismatic", *friction, motion.has_value());
 }
 
 RBDYN_INLINE void Universal::validate() const {

@@ -337,6 +337,12 @@ RBDYN_INLINE Scene Scene::frozen() const {
             hinge->motion = hinge->motion->frozen();
         if (Prismatic* slide = std::get_if<Prismatic>(&b.joint); slide != nullptr && slide->motion)
             slide->motion = slide->motion->frozen();
+        if (Revolute* hinge = std::get_if<Revolute>(&b.joint)) {
+            if (hinge->friction) hinge->friction = hinge->friction->frozen();
+            hinge->pin_radius = hinge->pin_radius.frozen();
+        }
+        if (Prismatic* slide = std::get_if<Prismatic>(&b.joint); slide != nullptr && slide->friction)
+            slide->friction = slide->friction->frozen();
     }
     for (AppliedLoad& l : result.loads_) l.load = rbdyn::frozen(l.load);
     for (Connection& c : result.connections_)

@@ -81,12 +81,16 @@ RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::stri
         if (const PairForce* pair = std::get_if<PairForce>(&c.coupling); pair != nullptr && pair->depends_on_time())
             throw InvalidInput(subject + " depends on time; leave it out, or replace t by the time that is meant");
     }
-    const auto stands_still = [](const auto* joint) {
-        return joint == nullptr || !joint->motion || joint->motion->is_constant();
-    };
+    const auto stands_still = [](const auto* of) { return of == nullptr || !of->motion || of->motion->is_constant(); };
     const Joint& joint = scene.bodies()[static_cast<std::size_t>(body)].joint;
     if (!stands_still(std::get_if<Revolute>(&joint)) || !stands_still(std::get_if<Prismatic>(&joint)))
         throw InvalidInput(user + ": the joint of " + name + " is driven (motion); it must be at rest");
+    const auto is_rough = [](const auto* of) { return of != nullptr && of->friction && of->friction->present(); };
+    if (is_rough(std::get_if<Revolute>(&joint)) || is_rough(std::get_if<Prismatic>(&joint)))
+        throw InvalidInput(
+            user + ": friction in the joint of " + name +
+            " holds it in many places, which are not found; take it away with without(\"static friction\", "
+            "\"dynamic friction\")");
     const Rail* rail = scene.bodies()[static_cast<std::size_t>(body)].rail();
     if (rail == nullptr) return;
     if (rail->motion().present())

@@ -1,0 +1,177 @@
+// Friction in hinges and slides.
+//
+// What of the whole reaction R of a joint lies across its axis presses. Where the joint moves, s = +-1 the sign of its
+// rate, friction is -s T along it, T = k |R|: a force of a slide, k = mu, and a torque of a hinge, k = mu r with the
+// radius r of its pin. At rest it is whatever rest needs up to that. The torque of the reaction presses nothing.
+//
+// R depends on the accelerations, and with them on the friction of all joints, R_i = R0_i - sum_j s_j R1_ij T_j. With
+// the directions e_i = R_i/|R_i| that is linear, T_i = k_i e_i . R_i, and taking e_i anew from the solution is Newton's
+// method for |R_i|. Where R keeps its direction, as in plane motion of a slide, one turn of it is exact, and N = e . R
+// has a root where |R| would have a corner.
+//
+// R is the whole reaction force at the pin, so mu is the ratio of what resists at its rim to R; where the pin is said
+// to be pressed by R with friction mu' at its point of contact (the friction circle), mu = mu' / sqrt(1 + mu'^2).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/given.hpp"
+#include "rbdyn/mechanics/accelerate.hpp"
+#include "rbdyn/mechanics/moving.hpp"
+#include "rbdyn/mechanics/tree.hpp"
+#include "rbdyn/scene/scene.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace mechanics {
+
+/// A hinge or a slide with friction.
+struct RoughJoint {
+    std::string name;  // of its body
+    int body = -1, parent = -1;
+    int q = 0, v = 0;  // its position and its velocity
+    bool turns = false;
+    Given mu_static = 0.0, mu_dynamic = 0.0, radius = 1.0;  // of its pin [m]; of a slide 1
+    std::array<Vector3Of<DoubleDouble>, 2> across_in{};     // two directions across its axis, the parent's axes
+
+    template <class S>
+    std::array<Vector3Of<S>, 2> across(const std::vector<Moving<S>>& all) const {
+        const Vector3Of<S> x = exactly<S>(across_in[0]), y = exactly<S>(across_in[1]);
+        if (parent < 0) return {x, y};
+        const Moving<S>& m = all[static_cast<std::size_t>(parent)];
+        return {m.to_world(x), m.to_world(y)};
+    }
+};
+
+/// Those of a scene. Throws InvalidInput where this version has none.
+[[gnu::cold]] std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree& tree);
+
+/// What a rough joint does in a mode, as its number in Mode::slip behind those of contacts: no friction yet, held, or
+/// it slides: forward or backward, from rest, pressed in a direction that turns, or by nothing but rounding.
+namespace joint_state {
+
+inline constexpr signed char open = 0, held = 8, slides = 16, backward = 1, from_rest = 2, veering = 4, unloaded = 32;
+
+inline bool is_sliding(signed char state) { return (state & slides) != 0; }
+inline bool has(signed char state, signed char what) { return is_sliding(state) && (state & what) != 0; }
+/// The sign of its rate; 0: it is at rest.
+inline int sign(signed char state) { return !is_sliding(state) ? 0 : has(state, backward) ? -1 : 1; }
+
+}  // namespace joint_state
+
+/// What a mode remembers of a rough joint, behind what it does of contacts.
+struct JointMemory {
+    static constexpr int numbers = 5, parameters = 4;  // of these its equations know the first ones
+
+    double least_rate = 0.0;        // below it a rate is rounding [rad/s, m/s]
+    std::array<double, 2> along{};  // the direction in which it is pressed
+    double least_load = 0.0;        // below it a load, or what of it has another direction, is rounding [N]
+    bool turns = false;             // the direction has turned
+
+    static JointMemory of(const double* m) { return {m[0], {m[1], m[2]}, m[3], m[4] != 0.0}; }
+    void put(double* m) const {
+        const double all[numbers] = {least_rate, along[0], along[1], least_load, turns ? 1.0 : 0.0};
+        for (int k = 0; k < numbers; ++k) m[k] = all[k];
+    }
+};
+
+/// What a unit of friction along each rough joint does, while constraints hold.
+template <class S>
+class FrictionResponse {
+public:
+    using Load = std::array<S, 2>;
+    using Sparse = typename Accelerate<S>::Sparse;
+
+    FrictionResponse(const Tree& tree, const std::vector<RoughJoint>& joints, const Accelerate<S>& accelerate,
+                     const std::vector<Moving<S>>& all, const std::vector<Row<S>>& constraints)
+        : tree_(tree), joints_(joints), accelerate_(accelerate), all_(all), constraints_(constraints) {
+        for (const Row<S>& row : constraints) held_.push_back(accelerate.response(row));
+        for (const Sparse& one : held_) {
+            used_.emplace_back();
+            for (const Sparse& other : held_) used_.back().push_back(accelerate.between(one, other));
+        }
+        for (const RoughJoint& joint : joints) {
+            along_.push_back(accelerate.driving(joint.body, 0));
+            std::vector<S> u(static_cast<std::size_t>(accelerate.freedoms()), S(0.0));
+            for (const auto& [n, one] : along_.back()) u[static_cast<std::size_t>(n)] = one;
+            multipliers_.push_back(hold(u));
+            driven_.push_back(std::move(u));
+        }
+        for (std::size_t j = 0; j < joints.size(); ++j) {
+            const auto spread = accelerate.spread(driven_[j]).bodies;
+            for (std::size_t i = 0; i < joints.size(); ++i) {
+                if (j == 0) loads_.emplace_back();
+                loads_[i].push_back(load(i, spread, multipliers_[j]));
+            }
+        }
+    }
+
+    /// The acceleration of joint i by a unit of friction in j.
+    S acceleration(std::size_t i, std::size_t j) const { return accelerate_.along(along_[i], driven_[j]); }
+    /// The same of i by itself, were there no constraints.
+    S alone(std::size_t i) const { return accelerate_.between(along_[i], along_[i]); }
+    /// The acceleration of joint i by what drives the tree.
+    S acceleration(std::size_t i, const std::vector<S>& u) const { return accelerate_.along(along_[i], u); }
+    /// How a unit of friction in j changes what presses joint i.
+    const Load& load(std::size_t i, std::size_t j) const { return loads_[i][j]; }
+    const std::vector<S>& driven(std::size_t j) const { return driven_[j]; }
+    const std::vector<S>& multipliers(std::size_t j) const { return multipliers_[j]; }
+
+    /// What presses joint i by accelerations, but for their bias, and by constraints.
+    Load load(std::size_t i, const std::vector<Twist<S>>& bodies, const std::vector<S>& multipliers) const {
+        Vector3Of<S> sum = none<S>();
+        for (int body = joints_[i].body; body < tree_.size(); ++body) {
+            if (!carries(joints_[i].body, body)) continue;
+            const Node& n = tree_.node(body);
+            const Twist<S>& a = bodies[static_cast<std::size_t>(body)];
+            const Vector3Of<S> c = all_[static_cast<std::size_t>(body)].to_world(exactly<S>(n.center));
+            sum += Vector3Of<S>(a.move + cross<S>(a.turn, c)) * exactly<S>(n.mass);
+        }
+        for (std::size_t r = 0; r < constraints_.size(); ++r)
+            for (const auto& [body, on] : {std::pair{constraints_[r].a, &constraints_[r].on_a},
+                                           std::pair{constraints_[r].b, &constraints_[r].on_b}})
+                if (body >= 0 && carries(joints_[i].body, body)) sum += Vector3Of<S>(on->force * S(-multipliers[r]));
+        return across(i, sum);
+    }
+    Load across(std::size_t i, const Vector3Of<S>& force) const {
+        const auto axes = joints_[i].across(all_);
+        return {dot<S>(axes[0], force), dot<S>(axes[1], force)};
+    }
+    /// Whether a body hangs on another one, or is it.
+    bool carries(int on, int body) const {
+        while (body > on) body = tree_.node(body).parent;
+        return body == on;
+    }
+
+private:
+    /// The multipliers that hold the constraints while something drives the tree; adds what they do.
+    std::vector<S> hold(std::vector<S>& u) const {
+        std::vector<S> b;
+        for (const Sparse& one : held_) b.push_back(-accelerate_.along(one, u));
+        std::vector<S> found = held_.empty() ? std::vector<S>() : solve_definite<S>(used_, std::move(b));
+        for (std::size_t k = 0; k < held_.size(); ++k)
+            for (const auto& [n, one] : held_[k]) u[static_cast<std::size_t>(n)] += one * found[k];
+        return found;
+    }
+
+    const Tree& tree_;
+    const std::vector<RoughJoint>& joints_;
+    const Accelerate<S>& accelerate_;
+    const std::vector<Moving<S>>& all_;
+    const std::vector<Row<S>>& constraints_;
+    std::vector<Sparse> held_, along_;
+    std::vector<std::vector<S>> used_, driven_, multipliers_;
+    std::vector<std::vector<Load>> loads_;
+};
+
+}  // namespace mechanics
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,521 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp, tree_writer.hpp and joint_friction.hpp: friction in joints.
+//
+// Which joints at rest are held is one problem with the friction of those that move: all are held at first, what is
+// beyond its static limit breaks, the one beyond it most first, and slides with its dynamic coefficient against what
+// held it. Joints that hold are rows of their own here, none of the constraints: their rates are exactly zero.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
+#include "rbdyn/mechanics/joint/held.hpp"
+#include "rbdyn/mechanics/joint_friction.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/mechanics/tree_writer.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+#include "rbdyn/scene/joints.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::mechanics {
+
+RBDYN_INLINE std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree& tree) {
+    std::vector<RoughJoint> result;
+    for (int i = 0; i < tree.size(); ++i) {
+        const Joint& joint = scene.bodies()[static_cast<std::size_t>(i)].joint;
+        const auto friction = friction_in(joint);
+        if (!friction) continue;
+        const Node& n = tree.node(i);
+        RoughJoint one{n.name, i, n.parent, n.q, n.v};
+        one.mu_static = friction->mu_static;
+        one.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
+        Vector3Of<DoubleDouble> axis{};
+        if (const Revolute* hinge = std::get_if<Revolute>(&joint)) {
+            one.turns = true;
+            one.radius = hinge->pin_radius;
+            axis = unit(hinge->axis);
+        } else {
+            axis = unit(std::get<Prismatic>(joint).axis);
+        }
+        Vector3 least = Vector3::Zero();
+        least[rbdyn::least(sizes(rounded(axis)))] = 1.0;
+        one.across_in[0] = unit_across(least, axis);
+        one.across_in[1] = cross<DoubleDouble>(axis, one.across_in[0]);
+        result.push_back(std::move(one));
+    }
+    if (!result.empty() && !scene.contacts().empty())
+        throw InvalidInput("friction in the joint of " + result.front().name +
+                           ": beside contacts, whose impacts it would take part in, it is not there in this version; "
+                           "leave one of them out");
+    return result;
+}
+
+RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S>& tree, const Acts& acts,
+                                                              std::vector<S>& u, std::vector<S>& multipliers) const {
+    const std::size_t n = joints_.size();
+    std::vector<S> said(per_joint * n, S(0.0));
+    if (n == 0) return said;
+    std::vector<Row<S>> constraints;
+    if (!rows_.empty()) {
+        const auto all = conditions_.rows<S>(tree_, moving_);
+        for (const int r : rows_) constraints.push_back(all[at(r)]);
+    }
+    const FrictionResponse<S> response(tree_, joints_, tree, moving_, constraints);
+    using Load = FrictionResponse<S>::Load;
+    std::vector<std::size_t> held, sliding;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (joint_states_[i] == joint_state::held) held.push_back(i);
+        if (joint_state::is_sliding(joint_states_[i]) && !joint_state::has(joint_states_[i], joint_state::unloaded))
+            sliding.push_back(i);
+    }
+    std::vector<S> friction(n, S(0.0));
+    // without the friction of what slides
+    const auto spread = tree.spread(u).bodies;
+    std::vector<Load> load;
+    for (std::size_t i = 0; i < n; ++i) {
+        Vector3Of<S> sum = none<S>();
+        for (int body = joints_[i].body; body < tree_.size(); ++body) {
+            if (!response.carries(joints_[i].body, body)) continue;
+            const Node& node = tree_.node(body);
+            const Moving<S>& m = moving_[at(body)];
+            sum +=
+                m.bias_at(m.to_world(exactly<S>(node.center))) * exactly<S>(node.mass) - acts.wrenches[at(body)].force;
+        }
+        Load one = response.load(i, spread, multipliers);
+        const Load rest = response.across(i, sum);
+        for (std::size_t k = 0; k < 2; ++k) one[k] += rest[k];
+        load.push_back(one);
+    }
+    // what is held is so whatever slides: its friction by what drives it, and by that of each that slides
+    std::vector<std::vector<S>> a;
+    for (const std::size_t i : held) {
+        a.emplace_back();
+        for (const std::size_t j : held) a.back().push_back(response.acceleration(i, j));
+    }
+    const auto holding = [&](const auto& acceleration) {
+        std::vector<S> b;
+        for (const std::size_t i : held) b.push_back(-acceleration(i));
+        return solve_definite<S>(a, std::move(b));
+    };
+    const std::vector<S> first = holding([&](std::size_t i) { return response.acceleration(i, u); });
+    for (std::size_t h = 0; h < held.size(); ++h) {
+        friction[held[h]] = first[h];
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t k = 0; k < 2; ++k) load[i][k] += response.load(i, held[h])[k] * first[h];
+    }
+    std::vector<std::vector<S>> answers;  // of what is held, to each that slides
+    std::vector<std::vector<Load>> by(n);
+    for (const std::size_t j : sliding) {
+        answers.push_back(holding([&](std::size_t i) { return response.acceleration(i, j); }));
+        for (std::size_t i = 0; i < n; ++i) {
+            Load one = response.load(i, j);
+            for (std::size_t h = 0; h < held.size(); ++h)
+                for (std::size_t k = 0; k < 2; ++k) one[k] += response.load(i, held[h])[k] * answers.back()[h];
+            by[i].push_back(one);
+        }
+    }
+    // T = k e . R, the directions of those that turn taken anew
+    const auto is_turning = [&](std::size_t i) { return joint_state::has(joint_states_[i], joint_state::veering); };
+    const bool turns = std::any_of(sliding.begin(), sliding.end(), is_turning);
+    const auto direction = [](const Load& r) {
+        const S inverse = S(1.0) / sqrt(r[0] * r[0] + r[1] * r[1]);
+        return Load{r[0] * inverse, r[1] * inverse};
+    };
+    std::vector<Load> pressed = load, along(n, Load{S(0.0), S(0.0)});
+    for (int pass = 0; pass < (turns ? 5 : 1) && !sliding.empty(); ++pass) {
+        std::vector<std::vector<S>> m;
+        std::vector<S> b, pivots, driven;
+        for (std::size_t s = 0; s < sliding.size(); ++s) {
+            const std::size_t i = sliding[s];
+            along[i] = is_turning(i) ? direction(pressed[i]) : pressed_[i].along;
+            const S k = joints_[i].mu_dynamic.in<S>() * joints_[i].radius.in<S>();
+            m.emplace_back();
+            for (std::size_t j = 0; j < sliding.size(); ++j) {
+                const S part = k * (along[i][0] * by[i][j][0] + along[i][1] * by[i][j][1]);
+                m.back().push_back(S(s == j ? 1.0 : 0.0) +
+                                   part * S(static_cast<double>(joint_state::sign(joint_states_[sliding[j]]))));
+            }
+            b.push_back(k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]));
+        }
+        const std::vector<S> found = solve_in_order<S>(std::move(m), std::move(b), pivots, driven);
+        pressed = load;
+        for (std::size_t s = 0; s < sliding.size(); ++s) {
+            const std::size_t j = sliding[s];
+            friction[j] = found[s] * S(-static_cast<double>(joint_state::sign(joint_states_[j])));
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t k = 0; k < 2; ++k) pressed[i][k] += by[i][s][k] * friction[j];
+            said[per_joint * j + 4] = pivots[s];
+        }
+    }
+    for (std::size_t s = 0; s < sliding.size(); ++s)
+        for (std::size_t h = 0; h < held.size(); ++h) friction[held[h]] += answers[s][h] * friction[sliding[s]];
+    for (std::size_t i = 0; i < n; ++i) {
+        said[per_joint * i] = friction[i];
+        said[per_joint * i + 1] = pressed[i][0];
+        said[per_joint * i + 2] = pressed[i][1];
+        const S miss = along[i][0] * pressed[i][1] - along[i][1] * pressed[i][0];
+        said[per_joint * i + 3] = miss;
+        if (is_nothing(friction[i])) continue;
+        for (std::size_t k = 0; k < u.size(); ++k) u[k] += response.driven(i)[k] * friction[i];
+        for (std::size_t k = 0; k < multipliers.size(); ++k) multipliers[k] += response.multipliers(i)[k] * friction[i];
+    }
+    return said;
+}
+
+RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) const {
+    using namespace joint_state;
+    const recording::WideFolding all_digits;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        const RoughJoint& joint = joints_[i];
+        const signed char state = joint_states_[i];
+        const S* const said = values_.data() + first_of_joints() + per_joint * i;
+        const auto guard = [&](EventKind kind, const std::string& what, const S& value, bool renews = true) {
+            write.guard({.kind = kind,
+                         .subject = joint.body,
+                         .joint = static_cast<int>(i),
+                         .name = what + " the joint of " + joint.name,
+                         .renews = renews},
+                        value);
+        };
+        const S square = said[1] * said[1] + said[2] * said[2];
+        if (state == held) {
+            write.rate(joint.q) = S(0.0);
+            write.rate(tree_.positions() + joint.v) = S(0.0);
+            const S k = joint.mu_static.in<S>() * joint.radius.in<S>();
+            guard(EventKind::slip, "friction in", k * k * square - said[0] * said[0]);
+        }
+        if (!is_sliding(state)) continue;
+        const Pressed& p = pressed_[i];
+        const S speed = v_[at(joint.v)] * S(static_cast<double>(sign(state)));
+        // what starts from rest has no speed yet
+        guard(EventKind::stick, "rate of", has(state, from_rest) ? speed + p.least_rate : speed, false);
+        if (has(state, from_rest)) guard(EventKind::switching, "start of", S(2.0) * p.least_rate - speed);
+        if (has(state, unloaded)) {
+            guard(EventKind::switching, "load of", S(4.0) * p.least_load * p.least_load - square);
+        } else if (has(state, veering)) {
+            guard(EventKind::switching, "load of", square - p.least_load * p.least_load);
+            guard(EventKind::singular, "load of", S(1e-14) * square - said[3] * said[3]);
+        } else {
+            guard(EventKind::normal_zero, "load of", p.along[0] * said[1] + p.along[1] * said[2]);
+            guard(EventKind::switching, "load of", p.least_load - said[3]);
+            guard(EventKind::switching, "load of", p.least_load + said[3]);
+        }
+        if (!has(state, unloaded)) guard(EventKind::singular, "load of", said[4]);
+    }
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::mechanics
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace tree_joints {
+
+using mechanics::RoughJoint, mechanics::JointMemory;
+namespace joint_state = mechanics::joint_state;
+
+/// Friction in all rough joints of a tree at an instant, from what they do.
+struct Rubbing {
+    std::vector<double> acceleration;         // of each joint without friction
+    std::vector<std::array<double, 2>> load;  // what presses it then
+    std::vector<double> noise, load_size;     // sizes of rounding of friction, sizes of what loads are made of
+    mechanics::Square matrix;                 // accelerations by units of friction
+    std::vector<std::vector<std::array<double, 2>>> by;
+
+    struct Answer {
+        std::vector<double> friction, acceleration;
+        std::vector<std::array<double, 2>> load;
+        bool is_solved = false;
+        double pressing(std::size_t i) const { return std::hypot(load[i][0], load[i][1]); }
+    };
+    /// `sign`: of the rate of each, zero where it is held.
+    Answer solve(const std::vector<RoughJoint>& joints, const std::vector<int>& sign) const {
+        const std::size_t n = joints.size();
+        Answer answer{std::vector<double>(n, 0.0), std::vector<double>(n, 0.0), load, false};
+        std::vector<std::array<double, 2>> along(n);
+        for (int pass = 0; pass < 60 && !answer.is_solved; ++pass) {
+            double turned = 0.0;
+            for (std::size_t i = 0; i < n; ++i) {
+                const double size = answer.pressing(i);
+                const std::array<double, 2> now =
+                    size > 0.0 ? std::array<double, 2>{answer.load[i][0] / size, answer.load[i][1] / size}
+                               : std::array<double, 2>{0.0, 0.0};
+                turned = std::max(turned, std::hypot(now[0] - along[i][0], now[1] - along[i][1]));
+                along[i] = now;
+            }
+            answer.is_solved = pass > 0 && turned < 1e-13;
+            mechanics::Square m(n, std::vector<double>(n, 0.0));
+            std::vector<double> b(n);
+            for (std::size_t i = 0; i < n; ++i) {
+                const double k = static_cast<double>(sign[i]) * joints[i].mu_dynamic * joints[i].radius;
+                b[i] = sign[i] == 0 ? -acceleration[i] : -k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]);
+                for (std::size_t j = 0; j < n; ++j)
+                    m[i][j] = sign[i] == 0
+                                  ? matrix[i][j]
+                                  : (i == j ? 1.0 : 0.0) + k * (along[i][0] * by[i][j][0] + along[i][1] * by[i][j][1]);
+            }
+            answer.friction = mechanics::solve_any(m, b);
+            for (std::size_t i = 0; i < n; ++i) {
+                answer.load[i] = load[i];
+                answer.acceleration[i] = acceleration[i];
+                for (std::size_t j = 0; j < n; ++j) {
+                    answer.acceleration[i] += matrix[i][j] * answer.friction[j];
+                    for (std::size_t k = 0; k < 2; ++k) answer.load[i][k] += by[i][j][k] * answer.friction[j];
+                }
+            }
+        }
+        // what moves is not pushed on by its friction
+        for (std::size_t i = 0; i < n; ++i)
+            if (sign[i] != 0 && static_cast<double>(sign[i]) * answer.friction[i] > noise[i]) answer.is_solved = false;
+        return answer;
+    }
+};
+
+}  // namespace tree_joints
+
+RBDYN_INLINE mechanics::JointMemory TreeModel::joint_memory(const Mode& mode, int joint) const {
+    return mechanics::JointMemory::of(mode.memory.data() + place_of_joint(joint));
+}
+
+RBDYN_INLINE void TreeModel::settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                           std::vector<int> breaking) const {
+    for (std::size_t turn = 0; turn <= joints_.size(); ++turn) {
+        decide_joints(before, mode, t, x, breaking);
+        if (!mode.impossible.empty()) return;
+        // at its limit it is held unless the next moment takes it beyond
+        int leaves = -1;
+        Evaluator<double> values(mode.equations->program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        for (const Guard& guard : mode.equations->guards) {
+            if (guard.kind != EventKind::slip || guard.joint < 0 || guard.contact >= 0 || guard.output < 0) continue;
+            const double value = values.output(guard.output), size = values.magnitude(guard.output);
+            if (!(value <= 1e-13 * size) || size == 0.0) continue;
+            if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.joint;
+        }
+        if (leaves < 0) return;
+        breaking.push_back(leaves);
+    }
+}
+
+RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                           const std::vector<int>& breaking) const {
+    using namespace mechanics::joint_state;
+    const std::size_t n = joints_.size();
+    const auto first = mode.slip.begin() + first_joint();
+    for (std::size_t i = 0; i < n; ++i) first[static_cast<std::ptrdiff_t>(i)] = open;
+    choose(mode, t, x, {}, true);
+    const mechanics::TreeState state = look(mode, t, x);
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    const auto accelerate = mechanics::accelerate<double>(*tree_, state.moving);
+    const auto constraints = constraints_of(conditions_->rows<double>(*tree_, state.moving));
+    const mechanics::FrictionResponse<double> response(*tree_, joints_, accelerate, state.moving, constraints);
+    tree_joints::Rubbing rubbing;
+    for (std::size_t i = 0; i < n; ++i) {
+        const mechanics::RoughJoint& joint = joints_[i];
+        const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
+        rubbing.acceleration.push_back(values.output(tree_->positions() + joint.v));
+        rubbing.load.push_back(response.across(i, body.reaction.force));
+        rubbing.load_size.push_back(body.effort.force.norm());
+        rubbing.noise.push_back(1e-14 * (joint.turns ? body.effort.moment.norm() : body.effort.force.norm()));
+        rubbing.matrix.emplace_back();
+        rubbing.by.emplace_back();
+        for (std::size_t j = 0; j < n; ++j) {
+            rubbing.matrix.back().push_back(response.acceleration(i, j));
+            rubbing.by.back().push_back(response.load(i, j));
+        }
+    }
+    std::vector<int> sign(n, 0);
+    std::vector<std::size_t> resting;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double rate = x[at(tree_->positions() + joints_[i].v)];
+        sign[i] = rate > 0.0 ? 1 : rate < 0.0 ? -1 : 0;
+        // what starts from rest has its sign from what it started with
+        const signed char was = before.slip[at(first_joint()) + i];
+        if (has(was, from_rest) && std::abs(rate) <= 2.0 * joint_memory(before, static_cast<int>(i)).least_rate &&
+            rate != 0.0)
+            sign[i] = mechanics::joint_state::sign(was);
+        // where a loop moves on while the joint turns back, no torque in it could hold it
+        if (sign[i] == 0 && !(rubbing.matrix[i][i] > 1e-12 * response.alone(i)))
+            sign[i] = rubbing.acceleration[i] < 0.0 ? -1 : 1;
+        if (sign[i] == 0) resting.push_back(i);
+    }
+    const auto is_breaking = [&](std::size_t i) {
+        return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
+    };
+    using Answer = tree_joints::Rubbing::Answer;
+    const auto limit = [&](const Answer& a, std::size_t i) {
+        return joints_[i].mu_static * joints_[i].radius * a.pressing(i);
+    };
+    // how far what rests is from the laws: beyond its limit, or sliding against its friction
+    const auto amiss = [&](const Answer& a, const std::vector<int>& s, std::size_t i) {
+        if (s[i] == 0) return std::abs(a.friction[i]) - limit(a, i) - rubbing.noise[i];
+        return -static_cast<double>(s[i]) * a.acceleration[i] - rubbing.noise[i] * rubbing.matrix[i][i];
+    };
+    Answer answer = rubbing.solve(joints_, sign);
+    bool is_found = false;
+    for (const std::size_t i : resting)
+        if (is_breaking(i)) sign[i] = answer.friction[i] > 0.0 ? -1 : 1;
+    for (std::size_t turn = 0; turn <= 3 * n && !is_found; ++turn) {
+        answer = rubbing.solve(joints_, sign);
+        std::size_t worst = n;
+        double most = 0.0;
+        for (const std::size_t i : resting) {
+            const double off = amiss(answer, sign, i);
+            const double part = sign[i] == 0 ? off / (limit(answer, i) + rubbing.noise[i]) : off > 0.0 ? 1e300 : 0.0;
+            if (!(part > most)) continue;
+            most = part;
+            worst = i;
+        }
+        is_found = worst == n;
+        if (worst == n) break;
+        sign[worst] = sign[worst] != 0 ? 0 : answer.friction[worst] > 0.0 ? -1 : 1;
+    }
+    // each way that what rests may go on
+    for (std::size_t way = 0, ways = 1; !(is_found && answer.is_solved) && resting.size() <= 7; ++way) {
+        if (way == 0)
+            for (std::size_t i = 0; i < resting.size(); ++i) ways *= 3;
+        if (way == ways) break;
+        std::size_t rest = way;
+        for (const std::size_t i : resting) {
+            sign[i] = rest % 3 == 2 ? -1 : static_cast<int>(rest % 3);
+            rest /= 3;
+        }
+        answer = rubbing.solve(joints_, sign);
+        is_found =
+            std::all_of(resting.begin(), resting.end(), [&](std::size_t i) { return amiss(answer, sign, i) <= 0.0; });
+    }
+    if (!is_found || !answer.is_solved) {
+        std::string names;
+        for (const mechanics::RoughJoint& joint : joints_) names += (names.empty() ? "" : ", ") + joint.name;
+        mode.impossible = "no friction in the joints satisfies its law, of " + names;
+        return;
+    }
+    // in a loop what is held by more joints than it needs has friction that is not unique
+    mechanics::Square held_by;
+    std::vector<std::size_t> holding;
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] == 0) holding.push_back(i);
+    for (const std::size_t i : holding) {
+        held_by.emplace_back();
+        for (const std::size_t j : holding) held_by.back().push_back(rubbing.matrix[i][j]);
+    }
+    for (std::size_t k = 0; k < holding.size(); ++k) {
+        if (held_by[k][k] > 1e-10 * rubbing.matrix[holding[k]][holding[k]]) {
+            for (std::size_t i = k + 1; i < holding.size(); ++i)
+                for (std::size_t j = k + 1; j < holding.size(); ++j)
+                    held_by[i][j] -= held_by[i][k] * held_by[k][j] / held_by[k][k];
+            continue;
+        }
+        mode.impossible = "the joint of " + joints_[holding[k]].name +
+                          " comes to rest in a loop that others hold already, and friction that is not unique is "
+                          "not found in this version";
+        return;
+    }
+    const double length = size_of(state.moving);
+    for (std::size_t i = 0; i < n; ++i) {
+        double& rate = x[at(tree_->positions() + joints_[i].v)];
+        if (sign[i] == 0) {
+            first[static_cast<std::ptrdiff_t>(i)] = held;
+            rate = 0.0;
+            continue;
+        }
+        const bool begins = rate == 0.0 || std::find(resting.begin(), resting.end(), i) != resting.end() ||
+                            has(before.slip[at(first_joint()) + i], from_rest);
+        mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
+        const double size = std::max(std::abs(rubbing.acceleration[i]), std::abs(answer.acceleration[i]));
+        memory.least_rate =
+            0x1p-43 * std::max({std::abs(rate), std::sqrt(size * (joints_[i].turns ? 1.0 : length)), 1e-250});
+        memory.least_load = std::max(0x1p-43 * rubbing.load_size[i], 1e-280);
+        const double pressing = answer.pressing(i);
+        signed char now = slides;
+        if (sign[i] < 0) now = static_cast<signed char>(now | backward);
+        if (begins) now = static_cast<signed char>(now | from_rest);
+        if (!(pressing > 2.0 * memory.least_load))
+            now = static_cast<signed char>(now | unloaded);
+        else if (memory.turns)
+            now = static_cast<signed char>(now | veering);
+        if (pressing > 0.0) memory.along = {answer.load[i][0] / pressing, answer.load[i][1] / pressing};
+        memory.put(mode.memory.data() + place_of_joint(static_cast<int>(i)));
+        first[static_cast<std::ptrdiff_t>(i)] = now;
+    }
+    choose(mode, t, x, {}, true);
+}
+
+RBDYN_INLINE bool TreeModel::joints_slip(const Mode& mode, double t, std::span<const double> x) const {
+    if (joints_.empty()) return false;
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    for (const Guard& guard : mode.equations->guards)
+        if (guard.joint >= 0 && guard.output >= 0 && guard.kind == EventKind::slip &&
+            values.output(guard.output) < -1e-13 * values.magnitude(guard.output))
+            return true;
+    return false;
+}
+
+RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const int> fired, double t,
+                                 std::span<double> x, std::vector<Happening>& happenings) const {
+    using namespace mechanics::joint_state;
+    std::vector<int> breaking;
+    bool changes = fired.empty();
+    for (const int index : fired) {
+        const Guard& guard = mode.equations->guards[at(index)];
+        if (guard.joint < 0) continue;
+        signed char& state = after.slip[at(first_joint() + guard.joint)];
+        mechanics::JointMemory memory = joint_memory(after, guard.joint);
+        switch (guard.kind) {
+            case EventKind::slip:
+                breaking.push_back(guard.joint);
+                changes = true;
+                break;
+            case EventKind::stick:
+                x[at(tree_->positions() + joints_[at(guard.joint)].v)] = 0.0;
+                changes = true;
+                break;
+            case EventKind::singular:
+                after.impossible = "the friction in the joint of " + joints_[at(guard.joint)].name +
+                                   " grows with the load that it makes itself faster than that holds it back; a "
+                                   "smaller coefficient or pin has a motion";
+                return;
+            case EventKind::normal_zero:
+                for (double& part : memory.along) part = -part;
+                happenings.push_back({EventKind::normal_zero, guard.subject, Direction::falling, {}});
+                break;
+            default:
+                if (guard.name.starts_with("start")) {
+                    state = static_cast<signed char>(state & ~from_rest);
+                } else if (has(state, unloaded)) {
+                    changes = true;
+                } else if (!has(state, veering)) {
+                    memory.turns = true;
+                    state = static_cast<signed char>(state | veering);
+                } else {
+                    state = static_cast<signed char>((state & ~veering) | unloaded);
+                }
+        }
+        memory.put(after.memory.data() + place_of_joint(guard.joint));
+    }
+    changes ? settle_joints(mode, after, t, x, breaking) : choose(after, t, x, {});
+    if (!after.impossible.empty()) return;
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
+        const signed char was = mode.slip[at(contacts() + i)], is = after.slip[at(contacts() + i)];
+        const int from = sign(was), to = sign(is);
+        const Direction direction = (to != 0 ? to : -from) > 0 ? Direction::rising : Direction::falling;
+        const int body = joints_[at(i)].body;
+        if (from != 0 && to == 0) happenings.push_back({EventKind::stick, body, direction, {}});
+        if (from == 0 && to != 0) happenings.push_back({EventKind::slip, body, direction, {}});
+        if (from * to < 0) happenings.push_back({EventKind::reverse, body, direction, {}});
+    }
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
