@@ -2693,11 +2693,11 @@ class NormalModes:
     @property
     def shapes(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        One a column (n, n), of unit length in the metric of the kinetic energy: s.M s = 1.
+        One a column (m, n), of unit length in the metric of the kinetic energy: s.M s = 1; m is n without constraints.
 
         The component of largest size is positive. Rows, in order of addition: the parameter of a bead; x, y, z of a free particle;
-        the angle of a hinge; the displacement of a slide; of a body that turns freely the place of its centre of mass, if it is
-        free, and small turns about the body's axes [rad].
+        the angle of a hinge; the displacement of a slide; the coordinates of a joint that has more; of a body that turns freely the
+        place of its centre of mass, if it is free, and small turns about the body's axes [rad].
         """
     @property
     def squares(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -4236,9 +4236,10 @@ def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list
     (`axes`): the attitudes given are those reached without such a turn.
     More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
     to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
-    rails it is one among others.
-    An empty list: none was found. Raises InvalidInput for a scene without bodies, with forces or torques that depend on time
-    or are called back, or with rails that move.
+    rails it is one among others. So for bodies joined to bodies and constraints, which hold there; their coordinates are those
+    a scene starts with: of a joint with a parent relative to it.
+    An empty list: none was found. Raises InvalidInput for a scene without bodies or with contacts, with forces or torques that
+    depend on time or are called back, or with rails or joints that are driven.
     """
 def normal_modes(scene: Scene, at: Equilibrium) -> NormalModes:
     """

@@ -144,13 +144,33 @@ def test_refusals_say_what_and_why(make, words):
 
 
 def test_what_is_not_there_yet_is_refused():
-    scene, *_ = double_pendulum()
-    with pytest.raises(rb.InvalidInput, match="bodies joined to bodies"):
-        rb.equilibria(scene)
     touching = rb.Scene(GRAVITY)
     touching.contact(touching.add(rb.Particle(1.0), position=[0, 1, 0]), rb.Plane([0, 1, 0]))
+    with pytest.raises(rb.InvalidInput, match="this scene has contacts"):
+        rb.equilibria(touching)
     with pytest.raises(rb.InvalidInput, match='only "taylor" holds'):
         rb.simulate(touching, until=1.0, engine="dop853")
+
+
+def test_a_double_pendulum_hangs_and_has_its_modes():
+    scene, *_ = double_pendulum()
+    (hanging,) = rb.equilibria(scene)
+    assert hanging.stable and len(hanging.periods) == 2
+    modes = rb.normal_modes(scene, at=hanging)
+    assert modes.shapes.shape == (2, 2)
+    assert np.allclose(2 * np.pi / modes.frequencies, hanging.periods, rtol=1e-14)
+    assert pickle.loads(pickle.dumps(modes)) == modes
+
+
+def test_modes_in_loops_are_told_of_all_joints():
+    held = rb.Scene([0, 0, -9.81])
+    bob = held.add(rb.Particle(2.0), position=[0.6, 0, -0.8])
+    held.constrain(rb.Rod(1.0), bob, [0, 0, 0])
+    (hanging,) = rb.equilibria(held)
+    assert np.allclose(hanging.coordinates, [0, 0, -1], atol=1e-14)
+    modes = rb.normal_modes(held, at=hanging)
+    assert modes.shapes.shape == (3, 2) and np.allclose(modes.squares, 9.81, rtol=1e-13)
+    assert pickle.loads(pickle.dumps(modes)) == modes
 
 
 def test_a_rod_keeps_its_length():

@@ -79,7 +79,8 @@ def test_a_wrong_answer_fails_and_so_does_the_exit_code(entered, capsys):
     assert not card.passed and card.unheld == ()  # the least engines cannot tell
     missed = card.of("missed")
     assert {row.engine for row in missed} >= {"taylor", "dop853"}
-    assert all("lands at is off by 1.0e-08" in row.reason for row in missed)
+    assert all("lands at is off by" in row.reason for row in missed)
+    assert all("off by 1.0e-08" in row.reason for row in missed if row.engine in ("taylor", "dop853"))
     assert "missed: a wrong fall, taylor: lands at is off by" in str(card)
     assert main(["verify", "--case", "a wrong fall"]) == 1
     assert "NOT passed" in capsys.readouterr().out

@@ -60,7 +60,9 @@ TEST(Rolling, a_ball_is_held_on_an_incline_up_to_rolling_over_radius) {
             const double pull = g * (std::sin(tilt) - rho / r * std::cos(tilt)) / 1.4,
                          way = slope > rho / r ? 0.5 * pull * end * end : 0.0;
             EXPECT_NEAR((run[ball].position(end) - normal * r).dot(down), way, 1e-8 * way + 1e-16) << slope;
-            if (way == 0.0) EXPECT_EQ(run[ball].velocity(end).norm(), 0.0);
+            if (way == 0.0) {
+                EXPECT_EQ(run[ball].velocity(end).norm(), 0.0);
+            }
         }
 }
 
