@@ -15,3 +15,4 @@
 #include "rbdyn/statics/rail_work.ipp"
 #include "rbdyn/statics/search.ipp"
 #include "rbdyn/statics/tree_forces.ipp"
+#include "rbdyn/statics/tree_places.ipp"

@@ -195,6 +195,7 @@
 #include "rbdyn/statics/rail_work.ipp"
 #include "rbdyn/statics/search.ipp"
 #include "rbdyn/statics/tree_forces.ipp"
+#include "rbdyn/statics/tree_places.ipp"
 #include "rbdyn/system/system.ipp"
 #include "rbdyn/system/system_model.ipp"
 #include "rbdyn/system/system_plan.ipp"
