@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 import sizes
 
+# Ctrl-C is tested, also where tests run in the background, which ignores it
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 # figures are drawn to files, never to a screen
 os.environ.setdefault("MPLBACKEND", "Agg")
 

@@ -110,3 +110,42 @@ def test_where_torques_are_not_there():
         rb.Prismatic([1, 0, 0], friction=rb.Coulomb(0.3, pivoting=0.1))
     with pytest.raises(rb.InvalidInput, match="mu_static"):
         rb.Coulomb(0.0, rolling=0.1)
+
+
+@pytest.mark.parametrize("spin", [0.0, 10.0])
+def test_what_never_slips_rolls_at_once_and_then_comes_to_rest(spin):
+    # K about the contact is kept while it takes hold: 1.4 m r v = m r v0 + 0.4 m r^2 w; then 1.4 v' = -rho g / r
+    rho, v0 = 0.01, 1.0
+    scene, ball, _ = ball_on_a_plane(
+        rb.Coulomb(math.inf, rolling=rho), velocity=[v0, 0, 0], angular_velocity=[0, spin, 0]
+    )
+    run = rb.simulate(scene, until=3.0)
+    v = (v0 + 0.4 * r * spin) / 1.4
+    stop = 1.4 * r * v / (rho * g)
+    assert abs(run[ball].velocity(0.0)[0] - v) < 1e-14
+    assert abs(run[ball].velocity(0.5 * stop)[0] - 0.5 * v) < 1e-12
+    assert np.allclose(run.events.times("stick"), [stop], atol=1e-12)
+    assert not run[ball].velocity(3.0).any()
+
+
+def test_torques_that_follow_forces_which_are_not_unique_are_no_law():
+    scene = rb.Scene(gravity=[0, 0, -g])
+    ball = scene.add(
+        rb.shapes.sphere(1.0, r), position=[0, 0, r * 2**0.5], velocity=[1, 0, 0], angular_velocity=[0, 2**0.5 / r, 0]
+    )
+    for side in (1, -1):
+        scene.contact(ball.sphere(r), rb.Plane([0, side, 1]), friction=rb.Coulomb(0.9, rolling=0.002))
+    with pytest.raises(rb.IntegrationError, match="not unique"):
+        rb.simulate(scene, until=1.0)
+
+
+def test_bounces_that_end_in_rolling_are_told_as_they_are_known():
+    def fall(error):
+        scene = rb.Scene(gravity=[0, 0, -g])
+        ball = scene.add(rb.shapes.sphere(m, r), position=[0, 0, 1], velocity=[1.5, 0.3, 0])
+        scene.contact(ball.sphere(r), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3, rolling=0.0015), restitution=0.7)
+        return rb.simulate(scene, until=5.0, error=error)
+
+    assert 1e-7 < fall(1e-5).error < 1e-5
+    with pytest.raises(rb.AccuracyError):
+        fall(1e-9)

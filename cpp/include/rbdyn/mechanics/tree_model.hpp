@@ -97,7 +97,8 @@ public:
     double unsure(const Event& event) const override {
         const bool has_friction =
             event.kind == EventKind::accumulation && event.contact >= 0 && conditions_->is_rough();
-        return has_friction ? 2e-11 : 0.0;
+        // torques against rolling act while what is left of the bounces goes on, and impacts know none
+        return !has_friction ? 0.0 : resistances() > 0 ? 1e-6 : 2e-11;
     }
 
 private:

@@ -364,6 +364,11 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
             if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
                 1e-12 * speed_of(k, then))
                 at_rest.push_back(k);
+        // what never slips does not as the motion begins, whatever turns then
+        std::vector<int> never;
+        for (const int k : at_rest)
+            if (std::isinf(conditions_->contacts()[at(k)].mu_static)) never.push_back(k);
+        if (!never.empty()) stop(t, x, never, never);
         Fired fired;
         fired.stuck = strokes.stuck;
         settle(as_it_was, mode, t, x, at_rest, fired);

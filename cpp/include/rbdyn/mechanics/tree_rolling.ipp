@@ -239,7 +239,18 @@ RBDYN_INLINE void TreeModel::settle_resisted(const Mode& before, Mode& mode, dou
             breaking.emplace_back(guard.joint, pulled(mode, guard.joint));
             changes = true;
         }
-        if (!changes) return;
+        if (changes) continue;
+        for (int e = 0; e < resistances(); ++e) {
+            const int k = conditions_->resistances()[at(e)].contact;
+            if (!slides(resisting(mode, e)) || !mechanics::contact_state::is_held(mode.slip[at(k)]) ||
+                !mechanics::ContactMemory::of(mode.memory, k).shares)
+                continue;
+            mode.impossible = "the forces of contacts that stick are not unique, and the torque that " +
+                              conditions_->contacts()[at(k)].name +
+                              " turns against follows from them: no law says which motion it is";
+            return;
+        }
+        return;
     }
     mode.impossible = "no torques satisfy the laws of friction against rolling, of " +
                       conditions_->contacts()[at(conditions_->resistances().front().contact)].name;
