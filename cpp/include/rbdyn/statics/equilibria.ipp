@@ -67,7 +67,7 @@ RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::
             require(u >= d.begin && u <= d.end, user, "near, parameter of " + body.name, u,
                     "it lies in the domain of the curve, " + text(d.begin) + " to " + text(d.end));
         }
-        coordinates += is_tree ? statics::TreeForces::coordinates_of(body) : statics::PointForces::coordinates_of(body);
+        coordinates += statics::coordinates_of(body);
     }
     require(near.empty() || static_cast<int>(near.size()) == coordinates, user, "number of coordinates in near",
             static_cast<double>(near.size()), "this scene has " + std::to_string(coordinates));

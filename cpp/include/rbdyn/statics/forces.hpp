@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
@@ -76,6 +78,21 @@ public:
     virtual State at_rest(const std::vector<double>& q) = 0;
     /// What is not finite in a place, in words.
     virtual std::string not_finite(const std::vector<double>& q) const = 0;
+
+protected:
+    /// An attitude among the positions of a place.
+    static void write(double* to, const Quaternion& p) {
+        for (const double x : {p.w, p.x, p.y, p.z}) *to++ = x;
+    }
+    /// An attitude among coordinates, w positive; what is below the last digit of one is rounding.
+    static void tell(Quaternion p, std::vector<double>& coordinates) {
+        if (p.w < 0.0) p = {-p.w, -p.x, -p.y, -p.z};
+        for (const double x : {p.w, p.x, p.y, p.z})
+            coordinates.push_back(std::abs(x) < 0.5 * std::numeric_limits<double>::epsilon() ? 0.0 : x);
+    }
 };
+
+/// How many coordinates a body has.
+int coordinates_of(const Scene::Body& b);
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

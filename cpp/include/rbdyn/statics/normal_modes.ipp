@@ -62,8 +62,8 @@ RBDYN_INLINE SmallMotion small_motion(const PointForces& forces, const std::vect
     return result;
 }
 
-RBDYN_INLINE SmallMotion small_motion(const TreeForces& forces, const std::vector<double>& q) {
-    SmallMotion result{forces.wide_mass(q), forces.wide_jacobian(q)};
+RBDYN_INLINE SmallMotion small_motion(const TreeForces& forces) {
+    SmallMotion result{forces.wide_mass(), forces.wide_jacobian()};
     for (int i = 0; i < forces.freedoms(); ++i)
         for (int j = 0; j < forces.freedoms(); ++j) result.stiffness(i, j) = -result.stiffness(i, j);
     return result;
@@ -88,7 +88,7 @@ inline NormalModes modes_of_tree(const Scene& scene, const Equilibrium& at, cons
     TreeForces forces(scene);
     require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
     const std::vector<double> q = place_of_rest(forces, at.coordinates, user);
-    NormalModes modes = normal_modes(small_motion(forces, q));
+    NormalModes modes = normal_modes(small_motion(forces));
     Matrix shapes;
     for (int mode = 0; mode < forces.freedoms(); ++mode) {
         std::vector<double> motion;
@@ -175,7 +175,7 @@ RBDYN_INLINE NormalModes normal_modes(const Scene& scene, const Equilibrium& at)
             throw InvalidInput(user + ": friction holds " + body.name +
                                ", and what sticks does not oscillate; take it away with without(\"static friction\", "
                                "\"dynamic friction\")");
-        coordinates += is_tree ? statics::TreeForces::coordinates_of(body) : statics::PointForces::coordinates_of(body);
+        coordinates += statics::coordinates_of(body);
     }
     require(static_cast<int>(at.coordinates.size()) == coordinates, user, "number of coordinates of the equilibrium",
             static_cast<double>(at.coordinates.size()), "this scene has " + std::to_string(coordinates));

@@ -41,8 +41,6 @@ public:
     int displacements(int body) const override;
     bool turns(int body) const override { return turns(laws().body(body)); }
 
-    /// How many coordinates a body has.
-    static int coordinates_of(const Scene::Body& b);
     std::vector<double> start() const override;
     std::vector<double> place(const std::vector<double>& coordinates) const override;
     std::vector<double> coordinates(const std::vector<double>& q) const override;
@@ -69,7 +67,6 @@ private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
     static bool turns(const PointLaws::Body& b) { return b.rigid && b.rigid->turns_freely(); }
     static int freedoms_of(const PointLaws::Body& b) { return b.rigid ? b.rigid->velocities() : b.curve ? 1 : 3; }
-    static void write(double* to, const Quaternion& p);
 
     /// The derivatives by the freedoms of a body: dp = p (0, d)/2 of an attitude.
     void add_columns(int body, const std::vector<double>& q, SquareMatrix& jacobian) const;

@@ -57,11 +57,6 @@ RBDYN_INLINE int PointForces::displacements(int body) const {
     return turns(b) ? freedoms_of(b) - 3 : freedoms_of(b);
 }
 
-RBDYN_INLINE int PointForces::coordinates_of(const Scene::Body& b) {
-    if (b.rigid() == nullptr) return b.rail() != nullptr ? 1 : 3;
-    return std::holds_alternative<Free>(b.joint) ? 7 : std::holds_alternative<Spherical>(b.joint) ? 4 : 1;
-}
-
 RBDYN_INLINE std::vector<double> PointForces::start() const {
     std::vector<double> q = laws().start();
     q.resize(at(laws().positions()));
@@ -102,15 +97,12 @@ RBDYN_INLINE std::vector<double> PointForces::coordinates(const std::vector<doub
             for (int k = 0; k < freedoms_of(b); ++k) c.push_back(own[k] + 0.0);
             continue;
         }
-        Quaternion p = attitude(q, i) * conjugate(b.rigid->frame_attitude);
-        if (p.w < 0.0) p = {-p.w, -p.x, -p.y, -p.z};
+        const Quaternion p = attitude(q, i) * conjugate(b.rigid->frame_attitude);
         if (displacements(i) > 0) {
             const Vector3 o = Vector3(own[0], own[1], own[2]) - to_world<double>(p, b.rigid->origin);
             for (int k = 0; k < 3; ++k) c.push_back(o[k] + 0.0);
         }
-        // below the last digit of one a component is rounding
-        for (const double x : {p.w, p.x, p.y, p.z})
-            c.push_back(std::abs(x) < 0.5 * std::numeric_limits<double>::epsilon() ? 0.0 : x);
+        tell(p, c);
     }
     return c;
 }
@@ -223,10 +215,6 @@ RBDYN_INLINE std::string PointForces::not_finite(const std::vector<double>& q) c
     std::fill(std::copy(q.begin(), q.end(), x.begin()), x.end(), 0.0);
     const std::string what = model_.not_finite(mode, 0.0, x);
     return what.empty() ? "a derivative of the forces" : what;
-}
-
-RBDYN_INLINE void PointForces::write(double* to, const Quaternion& p) {
-    for (const double x : {p.w, p.x, p.y, p.z}) *to++ = x;
 }
 
 RBDYN_INLINE std::array<std::array<double, 4>, 3> PointForces::turning(const Quaternion& p) {

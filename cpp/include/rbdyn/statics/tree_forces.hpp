@@ -40,8 +40,6 @@ public:
     int first(int body) const override { return tree_.node(body).v; }
     int displacements(int body) const override { return tree_.node(body).joint.attitude(); }
 
-    /// How many coordinates a body has.
-    static int coordinates_of(const Scene::Body& b);
     std::vector<double> start() const override { return start_; }
     std::vector<double> place(const std::vector<double>& coordinates) const override;
     std::vector<double> coordinates(const std::vector<double>& q) const override;
@@ -59,8 +57,8 @@ public:
     std::string not_finite(const std::vector<double>& q) const override;
 
     /// The Jacobian and the masses of the freedoms, in 32 digits, of a place that at_rest() was asked for last.
-    WideMatrix wide_jacobian(const std::vector<double>& q) const;
-    WideMatrix wide_mass(const std::vector<double>& q) const;
+    WideMatrix wide_jacobian() const;
+    WideMatrix wide_mass() const;
     /// A motion in the freedoms in terms of all velocities, in the order of bodies; turns of what turns freely about
     /// the axes of the body.
     std::vector<double> in_bodies(const std::vector<double>& q, const std::vector<double>& motion) const;
@@ -77,6 +75,8 @@ private:
     std::vector<Wide> rows(const std::vector<mechanics::Moving<DoubleDouble>>& all) const;
     /// Chooses which velocities follow from the others at a place.
     void choose(const std::vector<mechanics::Moving<DoubleDouble>>& all);
+    /// All velocities of a motion in the freedoms, where at_rest() was asked for last.
+    std::vector<double> in_all(const std::vector<double>& motion) const;
     /// Velocities that follow from a motion in the freedoms.
     Wide velocities(const std::vector<Wide>& rows, const Wide& motion) const;
     /// Q of the freedoms.
@@ -101,7 +101,8 @@ private:
     std::vector<double> start_;
     double size_ = 1.0;                 // of the scene [m]
     std::vector<double> reach_;         // from P of each body to where something acts on it at most [m]
-    std::vector<Wide> basis_;           // of each freedom the velocities, where at_rest() was asked last
+    Wide place_;                        // where at_rest() was asked last, on the constraints,
+    std::vector<Wide> basis_;           // and of each freedom all velocities there
     std::optional<Function> function_;  // Q of all velocities, and what it is made of
     Program program_;
     std::unique_ptr<RoundingSizes> sizes_;

@@ -74,7 +74,8 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
     const int n = freedoms();
     State s;
     s.jacobian = SquareMatrix(n);
-    const Wide x = std::all_of(q.begin(), q.end(), [](double c) { return std::isfinite(c); }) ? wide(q) : Wide{};
+    place_ = std::all_of(q.begin(), q.end(), [](double c) { return std::isfinite(c); }) ? wide(q) : Wide{};
+    const Wide& x = place_;
     if (x.empty()) {
         // a place that is none
         const double none = std::numeric_limits<double>::quiet_NaN();
@@ -97,7 +98,7 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
     set_signs(program_, parameters_, q);
     sizes_->set_parameters(parameters_);
     (*sizes_)(0.0, q);
-    const WideMatrix slope = wide_jacobian(q), mass = wide_mass(q);
+    const WideMatrix slope = wide_jacobian(), mass = wide_mass();
     for (int i = 0; i < n; ++i) {
         s.effort.push_back(effort(x, basis_[at(i)]));
         s.metric.push_back(static_cast<double>(mass(i, i)));
@@ -142,11 +143,11 @@ RBDYN_INLINE std::string TreeForces::not_finite(const std::vector<double>& q) co
     return "a derivative of the forces";
 }
 
-RBDYN_INLINE WideMatrix TreeForces::wide_jacobian(const std::vector<double>& q) const {
+RBDYN_INLINE WideMatrix TreeForces::wide_jacobian() const {
     constexpr double part = 0x1p-33;
     const int n = freedoms();
     WideMatrix result(n);
-    const Wide x = wide(q);
+    const Wide& x = place_;
     for (int j = 0; j < n; ++j) {
         // as far as the body that moves most moves by a part of the scene's size
         double most = 0.0;
@@ -170,12 +171,11 @@ RBDYN_INLINE WideMatrix TreeForces::wide_jacobian(const std::vector<double>& q) 
     return result;
 }
 
-RBDYN_INLINE WideMatrix TreeForces::wide_mass(const std::vector<double>& q) const {
+RBDYN_INLINE WideMatrix TreeForces::wide_mass() const {
     using Moves = std::vector<mechanics::Moving<DoubleDouble>>;
     const int n = freedoms();
-    const Wide x = wide(q);
     std::vector<Moves> motions;
-    for (int j = 0; j < n; ++j) motions.push_back(tree_.moving<DoubleDouble>(0.0, x.data(), basis_[at(j)].data()));
+    for (int j = 0; j < n; ++j) motions.push_back(tree_.moving<DoubleDouble>(0.0, place_.data(), basis_[at(j)].data()));
     WideMatrix result(n);
     for (int b = 0; b < bodies(); ++b) {
         const mechanics::Node& node = tree_.node(b);
@@ -198,11 +198,16 @@ RBDYN_INLINE WideMatrix TreeForces::wide_mass(const std::vector<double>& q) cons
     return result;
 }
 
+RBDYN_INLINE std::vector<double> TreeForces::in_all(const std::vector<double>& motion) const {
+    std::vector<double> v(at(tree_.velocities()), 0.0);
+    for (std::size_t i = 0; i < basis_.size(); ++i)
+        for (std::size_t k = 0; k < v.size(); ++k) v[k] += static_cast<double>(basis_[i][k]) * motion[i];
+    return v;
+}
+
 RBDYN_INLINE std::vector<double> TreeForces::in_bodies(const std::vector<double>& q,
                                                        const std::vector<double>& motion) const {
-    std::vector<double> v(at(tree_.velocities()), 0.0);
-    for (std::size_t i = 0; i < motion.size(); ++i)
-        for (std::size_t k = 0; k < v.size(); ++k) v[k] += static_cast<double>(basis_[i][k]) * motion[i];
+    std::vector<double> v = in_all(motion);
     for (int i = 0; i < bodies(); ++i) {
         const int turns = tree_.node(i).joint.attitude();
         if (turns < 0) continue;

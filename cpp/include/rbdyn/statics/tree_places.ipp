@@ -20,7 +20,7 @@
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
-RBDYN_INLINE int TreeForces::coordinates_of(const Scene::Body& b) {
+RBDYN_INLINE int coordinates_of(const Scene::Body& b) {
     if (std::holds_alternative<Free>(b.joint)) return b.rigid() != nullptr ? 7 : 3;
     if (std::holds_alternative<Spherical>(b.joint)) return 4;
     if (std::holds_alternative<Universal>(b.joint) || std::holds_alternative<Cylindrical>(b.joint)) return 2;
@@ -75,11 +75,7 @@ RBDYN_INLINE std::vector<double> TreeForces::coordinates(const std::vector<doubl
         if (std::holds_alternative<Free>(b.joint))
             for (const double place : b.position) add(place);
         if (tree_.node(i).joint.attitude() >= 0) {
-            Quaternion p = b.attitude.quaternion();
-            if (p.w < 0.0) p = {-p.w, -p.x, -p.y, -p.z};
-            // below the last digit of one a component is rounding
-            for (const double part : {p.w, p.x, p.y, p.z})
-                add(std::abs(part) < 0.5 * std::numeric_limits<double>::epsilon() ? 0.0 : part);
+            tell(b.attitude.quaternion(), c);
         } else if (const int count = coordinates_of(b); count == 1) {
             add(b.parameter);
         } else if (!std::holds_alternative<Free>(b.joint)) {
@@ -108,7 +104,7 @@ RBDYN_INLINE std::vector<double> TreeForces::turned(std::vector<double> q, int b
         std::copy_n(g.data(), 3, own);
         own += moves;
     }
-    for (const double part : {p.w, p.x, p.y, p.z}) *own++ = part;
+    write(own, p);
     return q;
 }
 
@@ -131,7 +127,7 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
         if (angle == 0.0) continue;
         const Quaternion p = normalized(turn(Vector3(by / angle), angle) * attitude(q, i));
         own += turns;
-        for (const double part : {p.w, p.x, p.y, p.z}) *own++ = part;
+        write(own, p);
     }
     if (rows_.empty()) return q;
     const Wide on = wide(q);
@@ -143,9 +139,7 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
 
 RBDYN_INLINE double TreeForces::largest_turn(const std::vector<double>& step) const {
     double most = 0.0;
-    std::vector<double> v(at(tree_.velocities()), 0.0);
-    for (std::size_t i = 0; i < basis_.size(); ++i)
-        for (std::size_t k = 0; k < v.size(); ++k) v[k] += static_cast<double>(basis_[i][k]) * step[i];
+    const std::vector<double> v = in_all(step);
     for (const mechanics::Node& n : tree_.nodes()) {
         const double* own = v.data() + n.v;
         if (const int turns = n.joint.attitude(); turns >= 0) {
