@@ -4,6 +4,7 @@
 #include "rbdyn/closed_form/carlson.ipp"
 #include "rbdyn/closed_form/closed_form.ipp"
 #include "rbdyn/closed_form/free_rotation.ipp"
+#include "rbdyn/closed_form/kepler_motion.ipp"
 #include "rbdyn/closed_form/lagrange_top.ipp"
 #include "rbdyn/closed_form/linear_flow.ipp"
 #include "rbdyn/closed_form/linear_modes.ipp"
@@ -24,3 +25,4 @@
 #include "rbdyn/plan/plan.ipp"
 #include "rbdyn/plan/planning.ipp"
 #include "rbdyn/plan/simulated.ipp"
+#include "rbdyn/plan/two_body_motion.ipp"

@@ -502,6 +502,14 @@ private:
                     const Real most = Real(0.25);
                     if (next - from > most) next = from + most;
                     if (from - next > most) next = from - most;
+                    if (shape == cycloid) {
+                        // no step over a cusp, where |r'| has a corner
+                        const Real turn = 8 * arctangent_of_one();
+                        const Real n = std::floor(static_cast<double>(from / turn) + 0.5);
+                        const Real above = turn * (n + Real(0.5)), below = turn * (n - Real(0.5));
+                        if (from < above && next > above) next = above;
+                        if (from > below && next < below) next = below;
+                    }
                 }
                 sum += part(from, next);
                 from = next;

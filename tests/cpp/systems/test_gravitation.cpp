@@ -11,8 +11,9 @@ namespace {
 
 using nlohmann::json;
 
-/// Positions and velocities at all samples until a time: within what is told, and what doubles can hold.
-void hold_to(const std::string& name, double error, double until) {
+/// Positions and velocities at all samples until a time: within what is told, and what doubles can hold of a state that
+/// is carried on; a closed form does without that.
+void hold_to(const std::string& name, double error, double until, const std::string& engine = "taylor") {
     const json file = reference(name);
     const Attracted made(file);
     const json& samples = file["values"]["samples"];
@@ -21,14 +22,14 @@ void hold_to(const std::string& name, double error, double until) {
     std::vector<double> times;
     for (const json& s : samples)
         if (digits(s["t"]) <= until) times.push_back(static_cast<double>(digits(s["t"])));
-    const Attempt run = attempt(made.scene, {.until = times.back(), .error = error});
+    const Attempt run = attempt(made.scene, {.until = times.back(), .error = error, .engine = engine});
     ASSERT_EQ(run.outcome, simulating::Outcome::good) << name << " at " << error << ": " << run.message;
     ASSERT_TRUE(run.run.error());
     EXPECT_LE(*run.run.error(), error) << name;
     std::vector<Scales> own;
     for (const BodyHandle b : made.bodies) own.push_back(scales(run.run, b));
     for (std::size_t k = 0; k < times.size(); ++k) {
-        const double held = 64.0 * epsilon * static_cast<double>(digits(growth[k]));
+        const double held = engine == "closed form" ? 0.0 : 64.0 * epsilon * static_cast<double>(digits(growth[k]));
         for (std::size_t i = 0; i < made.bodies.size(); ++i) {
             const std::string what =
                 name + " at " + text(error) + ", body " + std::to_string(i + 1) + ", t = " + text(times[k]);
@@ -41,10 +42,12 @@ void hold_to(const std::string& name, double error, double until) {
                 << what;
         }
     }
+    // far from the origin the distance of two, 1 m at the start, is a difference of what is rounded
+    const double digits_lost = engine == "closed form" ? std::max(own[0].extent, 1.0) : 1.0;
     const auto drift = run.run.drift();
     for (const char* integral : {"energy", "momentum x", "momentum y", "momentum z", "angular momentum"}) {
         ASSERT_TRUE(drift.contains(integral)) << name << ": " << integral;
-        EXPECT_LE(drift.at(integral), 10.0 * *run.run.error() + 64.0 * epsilon)
+        EXPECT_LE(drift.at(integral), 10.0 * *run.run.error() + 64.0 * epsilon * digits_lost)
             << name << " at " << error << ": " << integral;
     }
 }
@@ -61,6 +64,9 @@ TEST(Gravitation, moves_keplers_ellipses_as_the_reference_digits_say) {
     for (const double error : {1e-6, 1e-9}) hold_to("o_kepler_e09", error, 1800.0);
     hold_to("o_kepler_e01", 1e-6, 700.0);
     hold_to("o_kepler_e0999", 1e-6, 2e5);
+    // a thousand turns, passages of the pericentre among them, to the last digits
+    for (const char* name : {"o_kepler_e01", "o_kepler_e09", "o_kepler_e0999"})
+        hold_to(name, 1e-12, 1e10, "closed form");
 }
 
 /// Two particles that start at rest fall together in pi sqrt(r^3 / (8 G M)).

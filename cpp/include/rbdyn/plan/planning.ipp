@@ -36,6 +36,7 @@
 #include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/plan/linear_motion.hpp"
 #include "rbdyn/plan/simulated.hpp"
+#include "rbdyn/plan/two_body_motion.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/effects.hpp"
 #include "rbdyn/scene/handles.hpp"
@@ -167,8 +168,10 @@ RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, 
     if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, *model.special());
     if (found.form) return found;
     FoundForm linear = linear_motion(scene, dynamic_cast<const PointsModel&>(model));
-    if (!linear.form && any_rigid) return found;
-    return linear;
+    if (linear.form) return linear;
+    FoundForm two = two_body_motion(scene, *model.special());
+    if (two.form || !two.why_not.empty()) return two;
+    return any_rigid ? found : linear;
 }
 
 RBDYN_INLINE std::string reason_of(const ClosedForm& form) {

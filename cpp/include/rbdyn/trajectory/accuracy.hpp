@@ -27,6 +27,7 @@ struct Comparison {
     double certain_until = 0;  // s, up to where it is at most what was asked
     bool same_events = true;
     bool by_rounding = false;        // nothing but rounding decides which events there are
+    bool amplifies = false;          // differences grow from rounding to many times that: both runs may be as wrong
     std::vector<Event> grazes = {};  // of the run alone: holds of no length, which are none
     bool stopped = false;            // by whoever was asked whether to proceed
     ErrorScales scales = {};         // of the motion

@@ -92,14 +92,20 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     else
         compare_motion(run, better, times, uncertain);
     scales_.settle(wanted_, span);
+    // what begins as rounding and ends as a hundred times that has grown with the motion: the better run's, too
+    constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon(), growth = 100.0;
+    double early = std::numeric_limits<double>::epsilon();
     for (const Difference& d : differences_) {
         const double found = d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value);
         double& difference = d.what < 0 ? result.event_difference : result.motion_difference;
         if (!d.is_shared) difference = std::max(difference, found);
+        if (!d.is_shared && d.since - start < 0.25 * span) early = std::max(early, found);
         const double error = widening_ * found;
         result.error = std::max(result.error, error);
         if (error > wanted_) uncertain = std::min(uncertain, d.since);
     }
+    result.amplifies =
+        early <= rounding && std::max(result.motion_difference, result.event_difference) > growth * early;
     // rounding: what two runs share is not seen by comparing them
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
     const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
