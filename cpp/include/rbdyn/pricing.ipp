@@ -106,7 +106,7 @@ RBDYN_INLINE Measured Runner::run(const std::vector<std::string>& engines, doubl
                                          keeps_all ? Keep{} : compared_)
                 .record;
         // set up, and asked for one state and all events
-        const auto form = planning::closed_form(part.scene, *part.plan.model, true).form;
+        const auto form = begun(planning::closed_form(part.scene, *part.plan.model, true).form, options.start);
         Record record = simulating::solve_closed(*part.plan.model, part.start, options, {options.start}, form).record;
         std::vector<double> end(part.start.size());
         form->state({base_.until - base_.start, 0.0}, end);
@@ -120,7 +120,7 @@ RBDYN_INLINE Measured Runner::run_reference(const std::vector<std::string>& engi
     return measured(allowed, options, [&](std::size_t i) {
         const Plan& plan = parts_[i].plan;
         return simulating::integrate(*plan.model, parts_[i].start, options, engines[i], tolerance, compared_, manner,
-                                     engines[i] == "closed form" ? plan.closed : nullptr)
+                                     engines[i] == "closed form" ? begun(plan.closed, options.start) : nullptr)
             .record;
     });
 }
@@ -283,7 +283,8 @@ RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::s
 RBDYN_INLINE double rounding_of(const Part& part, const SimulateOptions& base) {
     SimulateOptions options = base;
     options.rtol.reset();
-    return simulating::solve_closed(*part.plan.model, part.start, options, {options.start}, part.plan.closed)
+    return simulating::solve_closed(*part.plan.model, part.start, options, {options.start},
+                                    begun(part.plan.closed, options.start))
         .error.value_or(std::numeric_limits<double>::infinity());
 }
 

@@ -180,14 +180,15 @@ RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions
             asked.events.each(e);
         };
     const SceneModel& model = *plan.model;
-    const auto begun = [&] {
+    const auto from_start = [&] {
         require_squares(scene);
         const std::vector<double> x = model.start(options.start);
         const Beginning beginning{options.start};
-        return engine == "closed form" ? solve_closed(model, x, options, beginning, plan.closed)
-                                       : solve(model, x, options, beginning, engine, plan.integrator, plan.closed);
+        return engine == "closed form"
+                   ? solve_closed(model, x, options, beginning, begun(plan.closed, beginning.origin))
+                   : solve(model, x, options, beginning, engine, plan.integrator, begun(plan.closed, beginning.origin));
     };
-    Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : begun();
+    Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : from_start();
     // what is a square loses its digits from here on
     constexpr double least = 1e-150;
     require_size(solution.record, "Scene", least);
@@ -200,7 +201,8 @@ RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const 
                                const SimulateOptions& options, const RunData& before) {
     const bool stands = before.course && before.record.end.hi == options.start;
     if (engine == "closed form" && stands && before.course->engine == engine)
-        return solve_closed(model, before.course->halt.x, options, {before.origin, &before.course->halt}, plan.closed);
+        return solve_closed(model, before.course->halt.x, options, {before.origin, &before.course->halt},
+                            begun(plan.closed, before.origin));
     const bool has_estimate = before.judge && before.error && !before.asked.rtol &&
                               options.error >= before.asked.error && before.course->engine == engine;
     if (stands && engine != "closed form" && (options.rtol || has_estimate)) {
@@ -218,7 +220,8 @@ RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const 
         course.halt.winding = better.halt.winding = winding_at(model, before, options.start, course.halt.x);
         const Standing standing{before.origin, course, judge != nullptr ? &better : nullptr, before.scales,
                                 before.error.value_or(0.0)};
-        if (auto solution = carry_on(model, standing, options, plan.closed)) return *std::move(solution);
+        if (auto solution = carry_on(model, standing, options, begun(plan.closed, before.origin)))
+            return *std::move(solution);
     }
     // all of it anew; times that are kept are those wanted and the start, so that there is a state
     SimulateOptions whole = options;
@@ -235,9 +238,10 @@ RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const 
                         8.0 * std::numeric_limits<double>::epsilon() * std::abs(options.start);
     const Beginning beginning{before.origin, nullptr, options.start + near};
     const std::vector<double> x = model.start(before.origin);
-    Solution solution = engine == "closed form"
-                            ? solve_closed(model, x, whole, beginning, plan.closed)
-                            : solve(model, x, whole, beginning, engine, plan.integrator, plan.closed);
+    Solution solution =
+        engine == "closed form"
+            ? solve_closed(model, x, whole, beginning, begun(plan.closed, beginning.origin))
+            : solve(model, x, whole, beginning, engine, plan.integrator, begun(plan.closed, beginning.origin));
     const auto had = [&](const Event& e) {
         return std::any_of(before.record.events.begin(), before.record.events.end(), [&](const Event& b) {
             return b.kind == e.kind && b.subject == e.subject && b.contact == e.contact &&

@@ -1,6 +1,7 @@
 // Motion known in closed form: the state of a whole scene at any time, at the same cost.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,8 +29,14 @@ public:
     /// How the attitude of a body comes back, by order of addition; none if it does not, or nobody knows.
     virtual std::optional<Recurrence> recurrence(int /*body*/) const;
 
+    /// The same motion begun at another time than 0 [s]; none if that changes nothing but the time.
+    virtual std::shared_ptr<const ClosedForm> begun(double time) const;
+
     /// What it is, in words.
     virtual std::string name() const = 0;
 };
+
+/// A form, if there is one, of a motion that begins at a time [s].
+std::shared_ptr<const ClosedForm> begun(const std::shared_ptr<const ClosedForm>& form, double time);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
+#include "rbdyn/closed_form/waves.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/points.hpp"
@@ -26,6 +28,9 @@ namespace rbdyn::inline RBDYN_FORM {
 class LinearMotion : public ClosedForm {
 public:
     LinearMotion(LinearBlocks solution, std::vector<double> start, std::vector<VariableGroup> groups);
+    /// One that is forced in time, and its solution from some time on.
+    LinearMotion(ForcedSystem forced, LinearBlocks solution, std::vector<double> start,
+                 std::vector<VariableGroup> groups);
 
     void state(Instant since, std::span<double> x) const override;
 
@@ -35,10 +40,14 @@ public:
 
     double pace() const override;
 
+    std::shared_ptr<const ClosedForm> begun(double time) const override;
+
     std::string name() const override;
 
 private:
+    std::optional<ForcedSystem> forced_;
     LinearBlocks solution_;
+    std::size_t behind_ = 0;  // variables of what forces it
     std::vector<double> start_;
     std::vector<VariableGroup> groups_;
 };

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/linear_block.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
+#include "rbdyn/closed_form/waves.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -29,6 +31,7 @@
 #include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/model/state_map.hpp"
+#include "rbdyn/plan/forced_system.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
 
@@ -38,12 +41,26 @@ RBDYN_INLINE LinearMotion::LinearMotion(LinearBlocks solution, std::vector<doubl
                                         std::vector<VariableGroup> groups)
     : solution_(std::move(solution)), start_(std::move(start)), groups_(std::move(groups)) {}
 
+RBDYN_INLINE LinearMotion::LinearMotion(ForcedSystem forced, LinearBlocks solution, std::vector<double> start,
+                                        std::vector<VariableGroup> groups)
+    : forced_(std::move(forced)),
+      solution_(std::move(solution)),
+      behind_(static_cast<std::size_t>(forced_->size() - forced_->own())),
+      start_(std::move(start)),
+      groups_(std::move(groups)) {}
+
 RBDYN_INLINE void LinearMotion::state(Instant since, std::span<double> x) const {
     if (since.hi == 0.0 && since.lo == 0.0) {
         std::copy(start_.begin(), start_.end(), x.begin());
         return;
     }
-    for (const auto& block : solution_.blocks) block->state(since, x);
+    if (behind_ == 0) {
+        for (const auto& block : solution_.blocks) block->state(since, x);
+        return;
+    }
+    std::vector<double> all(start_.size() + behind_);
+    for (const auto& block : solution_.blocks) block->state(since, all);
+    std::copy_n(all.begin(), start_.size(), x.begin());
 }
 
 RBDYN_INLINE double LinearMotion::error(double since, double wanted) const {
@@ -51,7 +68,7 @@ RBDYN_INLINE double LinearMotion::error(double since, double wanted) const {
     // enough to meet most of the extent of a motion, and what it was before it died away; more would make the error
     // less
     constexpr int even = 3, growing = 5;
-    std::vector<double> errors(start_.size()), x(start_), low(x), high(x);
+    std::vector<double> errors(start_.size() + behind_), x(start_), low(x), high(x);
     for (const auto& block : solution_.blocks) block->add_errors(since, errors);
     const double ratio = std::pow(std::max(since / pace(), 1.0), 1.0 / growing);
     double later = since;
@@ -106,7 +123,13 @@ RBDYN_INLINE double LinearMotion::pace() const {
     return 1.0 / fastest;
 }
 
+RBDYN_INLINE std::shared_ptr<const ClosedForm> LinearMotion::begun(double time) const {
+    if (!forced_ || time == 0.0) return nullptr;
+    return std::make_shared<const LinearMotion>(*forced_, solve(forced_->begun(time)), start_, groups_);
+}
+
 RBDYN_INLINE std::string LinearMotion::name() const {
+    if (forced_) return "forced motion of a linear scene";
     return solution_.by_modes ? "modes of a linear scene" : "exponential of a linear scene";
 }
 
@@ -163,7 +186,7 @@ RBDYN_INLINE std::string why_not_linear(const Program& program, int slot) {
     const Degree& rate = at(slot);
     if (rate.variables > 1) return "are not linear";
     if (rate.factors_vary) return "are linear, but their coefficients vary in time";
-    return "are linear, but what forces them varies in time";
+    return "are linear, but what forces them varies in time otherwise than sines, exponentials and powers of it";
 }
 
 RBDYN_INLINE Program wide_rates(const PointsModel& model, const std::vector<double>& start,
@@ -214,6 +237,34 @@ RBDYN_INLINE LinearSystem linear_system(const Program& program) {
     return result;
 }
 
+/// Of a scene whose rates depend on time.
+RBDYN_INLINE FoundForm forced_motion(const PointsModel& model, const std::vector<double>& start,
+                                     const std::vector<double>& rest, const std::vector<signed char>& slip) {
+    const PointLaws& laws = model.laws();
+    const Equations& e = model.equations(slip);
+    std::vector<DoubleDouble> wide(start.begin(), start.end());
+    for (std::size_t i = 0; i < rest.size(); ++i) wide[i] += rest[i];
+    std::optional<ForcedSystem> forced = forced_system(wide_rates(model, start, slip), std::move(wide));
+    if (!forced) {
+        const std::vector<Dependence> known = dependences(e.program);
+        for (const PointLaws::Body& b : laws.bodies())
+            for (int k = 0; k < b.velocities(); ++k)
+                if (const int i = laws.map().place(b.first_rate + k);
+                    i >= 0 && known[static_cast<std::size_t>(e.program.output(i))] == Dependence::other)
+                    return {nullptr,
+                            "the equations of " + b.name + " " + why_not_linear(e.program, e.program.output(i))};
+        return {nullptr, "the equations depend on time"};
+    }
+    const LinearSystem whole = forced->begun(0.0);
+    if (whole.is_polynomial()) return {nullptr, "a polynomial in time, of which one step of a Taylor series is exact"};
+    LinearBlocks solution = solve(whole);
+    if (solution.too_large > 0)
+        return {nullptr, "linear, but " + std::to_string(solution.too_large) +
+                             " variables, those of what forces them among them, depend on each other: their motion "
+                             "costs more than integration"};
+    return {std::make_shared<const LinearMotion>(*std::move(forced), std::move(solution), start, e.groups)};
+}
+
 RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& model) {
     const PointLaws& laws = model.laws();
     for (const PointLaws::Body& b : laws.bodies()) {
@@ -229,25 +280,30 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     if (!e.branches.empty()) return {nullptr, changing};
     const Program& program = e.program;
     const std::vector<Dependence> known = dependences(program);
-    bool is_even = true;
+    bool is_even = true, is_forced = false;
     for (const PointLaws::Body& b : laws.bodies())
         for (int k = 0; k < b.positions() + b.velocities(); ++k) {
             const int i = laws.map().place(k < b.positions() ? b.first + k : b.first_rate + k - b.positions());
             if (i < 0) continue;
             const Dependence rate = known[static_cast<std::size_t>(program.output(i))];
+            if (rate == Dependence::other && program.uses_time()) {
+                is_forced = true;
+                continue;
+            }
             if (rate == Dependence::other)
                 return {nullptr, "the equations of " + b.name + " " + why_not_linear(program, program.output(i))};
             is_even = is_even && (k < b.positions() || rate == Dependence::constant);
         }
     constexpr const char* polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
-    if (is_even) return {nullptr, polynomial};
+    if (is_even && !is_forced) return {nullptr, polynomial};
     const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
     if (std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers()) return {nullptr, changing};
     std::vector<double> start = model.start();
+    const std::vector<double> rest = model.start_rest();
+    if (is_forced) return forced_motion(model, start, rest, slip);
     LinearSystem system = linear_system(wide_rates(model, start, slip));
     if (system.is_polynomial()) return {nullptr, polynomial};
     system.start.assign(start.begin(), start.end());
-    const std::vector<double> rest = model.start_rest();
     for (std::size_t i = 0; i < rest.size(); ++i) system.start[i] += rest[i];
     LinearBlocks solution = solve(system);
     if (solution.too_large > 0)

@@ -302,6 +302,7 @@ RBDYN_INLINE Record take_record(Reader& r, const Limits& limits) {
         record.closed = limits.closed;
     }
     r.take(record.closed_from);
+    record.closed = begun(record.closed, record.closed_from);
     int most_modes = -1;
     for (std::size_t left = r.count(sizeof(double)); left > 0; --left) {
         Record::Entry e{};
