@@ -72,7 +72,8 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
                   o.rtol.has_value(), tolerance);
     driver.pass_stops(beginning.stops_from);
     if (streams_events(o)) driver.keep_events(o.events);
-    driver.watch_memory({o.warn, streams_events(o) ? 2.0 : 3.0});
+    // those that are let go while it runs do not count
+    driver.watch_memory({o.warn, !streams_events(o) ? 3.0 : o.events.keeps_all() ? 2.0 : 0.0});
     Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
                                            : driver.run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

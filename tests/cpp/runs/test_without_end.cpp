@@ -7,6 +7,7 @@
 #include <rbdyn/basics/interruption.hpp>
 #include <rbdyn/basics/memory.hpp>
 #include <rbdyn/rbdyn.hpp>
+#include <rbdyn/trajectory/run_data.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -93,7 +94,8 @@ TEST(Runs, that_need_more_memory_than_there_is_say_so_once_with_figures) {
         const std::size_t at = said[0].find("would take ") + 11;
         const double told = std::stod(said[0].substr(at));
         EXPECT_NE(said[0].find("TB at t = 1e+10 s"), std::string::npos) << said[0];
-        EXPECT_NEAR(told, kept * 1e-12, 0.1 * told) << said[0];
+        // from the hundredth part of the run, whose steps are not all alike
+        EXPECT_NEAR(told, kept * 1e-12, 0.25 * told) << said[0];
         EXPECT_GT(told, 1.0);
     }
 }
@@ -123,7 +125,7 @@ TEST(Runs, memory_is_told_in_words) {
     EXPECT_EQ(bytes_text(1234.0), "1.2 kB");
     EXPECT_EQ(bytes_text(2.5e10), "25 GB");
     EXPECT_EQ(bytes_text(9.62e12), "9.6 TB");
-    if (const auto bytes = available_memory()) EXPECT_GT(*bytes, 1e7);
+    EXPECT_GT(available_memory().value_or(1e8), 1e7);
 }
 
 TEST(Runs, what_takes_long_is_interrupted) {

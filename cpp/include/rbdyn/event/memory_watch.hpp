@@ -1,8 +1,8 @@
 // Whether what a run keeps will fit into memory: said before it is full.
 //
 // What is kept is looked at after 256 steps, 512, 1024 and so on. If in two such rows of steps, one after the other, it
-// grew so fast that at the end of the run, or by max_steps, it takes more than half of the memory that is available,
-// whoever runs is warned, once. Short runs and small ones cost a comparison a step.
+// grew with them, and so fast that at the end of the run, or by max_steps, it takes more than half of the memory that
+// is available, whoever runs is warned, once. Short runs and small ones cost a comparison a step.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +30,8 @@ private:
     // bytes that are worth asking how many there are
     static constexpr double little = 5e7;
     static constexpr double share = 0.5;
+    // of what is kept, in a row of steps as long as all before: what grows with them grows by half
+    static constexpr double steadily = 0.3;
 
     Warn warn_;
     double copies_;

@@ -23,7 +23,8 @@ RBDYN_INLINE void MemoryWatch::look(std::int64_t steps, const Record& record, do
     const double once = static_cast<double>(record.events.size() * sizeof(Event)), events = copies_ * once,
                  bytes = record.bytes() - once + events;
     // what it grew by since the last look, and how often that will be so
-    const double since = steps_ == 0 ? record.start : t_, took = t - since;
+    const bool is_known = steps_ > 0;
+    const double since = is_known ? t_ : record.start, took = t - since;
     const double grown = bytes - bytes_, by_events = events - events_;
     const double rows =
         std::min((until - t) / took, static_cast<double>(max_steps - steps) /
@@ -34,7 +35,10 @@ RBDYN_INLINE void MemoryWatch::look(std::int64_t steps, const Record& record, do
     bytes_ = bytes;
     events_ = events;
     t_ = t;
-    const std::optional<double> available = needed > little ? available_memory() : std::nullopt;
+    // the last piece alone is larger or smaller as it happens
+    constexpr double trifle = 1e5;
+    const bool grows = is_known && bytes > trifle && grown > steadily * bytes;
+    const std::optional<double> available = grows && needed > little ? available_memory() : std::nullopt;
     const bool is_much = available && needed > share * (*available + bytes);
     if (!std::exchange(was_much_, is_much) || !is_much) return;
     next_ = std::numeric_limits<std::int64_t>::max();
