@@ -34,6 +34,22 @@ std::string shown(py::handle value) {
 
 std::string shape_of(const py::array& array) { return py::str(array.attr("shape")); }
 
+/// Whether a value, or an item of a list, has a unit, which NumPy would drop.
+static bool has_unit(py::handle value) {
+    const auto is_plain = [](PyObject* one) {
+        return PyFloat_CheckExact(one) || PyLong_CheckExact(one) ||
+               Py_TYPE(one) == py::detail::npy_api::get().PyArray_Type_;
+    };
+    if (is_plain(value.ptr())) return false;
+    if (PyList_CheckExact(value.ptr()) || PyTuple_CheckExact(value.ptr())) {
+        const auto items = py::reinterpret_borrow<py::sequence>(value);
+        bool all = true;
+        for (std::size_t i = 0; all && i < items.size(); ++i) all = is_plain(py::object(items[i]).ptr());
+        if (all) return false;
+    }
+    return py::module_::import("rbdyn.quantities").attr("has_unit")(value).cast<bool>();
+}
+
 Array doubles(py::handle value, const std::string& object, const std::string& what) {
     if (has_parameters(value))
         throw InvalidInput(object + ": " + what + " is " + shown(value) +
@@ -42,6 +58,9 @@ Array doubles(py::handle value, const std::string& object, const std::string& wh
     const auto refuse = [&] {
         throw InvalidInput(object + ": " + what + " is " + shown(value) + "; give numbers, or an array of numbers");
     };
+    if (has_unit(value))
+        throw InvalidInput(object + ": " + what + " is " + shown(value) + "; " +
+                           py::module_::import("rbdyn.quantities").attr("RULE").cast<std::string>());
     const py::array array = py::array::ensure(value);
     if (!array) refuse();
     switch (array.dtype().kind()) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <ostream>
 #include <rbdyn/basics/error.hpp>
+#include <rbdyn/basics/interruption.hpp>
 #include <rbdyn/basics/vector.hpp>
 #include <rbdyn/expression/callback.hpp>
 #include <rbdyn/expression/given.hpp>
@@ -272,6 +273,29 @@ py::object to_python(const T& value) {
     return result;
 }
 
+/// As long as it lives its thread is without Python's lock, so that other threads run, and what takes long asks now and
+/// then (rbdyn::Interruption) whether a signal has come: Ctrl-C ends it, with KeyboardInterrupt.
+class Unlocked {
+public:
+    Unlocked() : asked_(&ask) {}
+
+private:
+    static void ask() {
+        const py::gil_scoped_acquire lock;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+
+    rbdyn::Interruption asked_;
+    py::gil_scoped_release free_;
+};
+
+/// What f returns, computed so.
+template <class F>
+auto unlocked(F&& f) {
+    const Unlocked here;
+    return f();
+}
+
 /// f at one argument, or at each of an array of them; the components of a vector or a matrix come last.
 template <class F>
 auto over(const ArrayLike& argument, const char* object, const char* what, F&& f) {
@@ -286,7 +310,13 @@ auto over(const ArrayLike& argument, const char* object, const char* what, F&& f
     py::array_t<double> result(shape);
     double* out = result.mutable_data();
     const double* in = x.data();
-    for (py::ssize_t i = 0; i < x.size(); ++i) write(out, f(in[i]));
+    const py::ssize_t count = x.size();
+    unlocked([&] {
+        for (py::ssize_t i = 0; i < count; ++i) {
+            write(out, f(in[i]));
+            rbdyn::Interruption::point();
+        }
+    });
     return py::reinterpret_borrow<Returned>(result);
 }
 
@@ -301,7 +331,21 @@ Values over_both(const ArrayLike& first, const ArrayLike& second, const std::str
             throw InvalidInput(object + ": " + a + " has shape " + shape_of(x) + " and " + b + " " + shape_of(y) +
                                "; give two of one shape, or a number and an array");
     }
-    return py::reinterpret_borrow<Values>(py::object(py::vectorize(f)(x, y)));
+    if (x.ndim() == 0 && y.ndim() == 0)
+        return py::reinterpret_borrow<Values>(to_python(unlocked([&] { return f(*x.data(), *y.data()); })));
+    const py::sequence both = py::module_::import("numpy").attr("broadcast_arrays")(x, y);
+    const auto u = both[0].template cast<Array>(), v = both[1].template cast<Array>();
+    py::array_t<double> result(std::vector<py::ssize_t>(u.shape(), u.shape() + u.ndim()));
+    const double *in = u.data(), *other = v.data();
+    double* const out = result.mutable_data();
+    const py::ssize_t count = u.size();
+    unlocked([&] {
+        for (py::ssize_t i = 0; i < count; ++i) {
+            out[i] = f(in[i], other[i]);
+            rbdyn::Interruption::point();
+        }
+    });
+    return py::reinterpret_borrow<Values>(result);
 }
 
 /// What operator<< writes, without its last end of line.

@@ -304,7 +304,7 @@ at an end, or where the curvature of a rail changes at once.)")
                 Spline kind{rows(points, "Spline", "points", "one a row"), closed, {}};
                 for (const auto& [k, slope] : slopes)
                     kind.slopes.emplace(k, vector3(slope, "Spline", "slope at point " + std::to_string(k)));
-                return CurveOf<Spline>(kind);
+                return unlocked([&] { return CurveOf<Spline>(kind); });
             }),
             py::arg("points"), py::arg("closed") = false, py::kw_only(), py::arg("slopes") = py::dict(),
             R"(points: (n, 3), at u = 0 .. n-1 [m]; neighbours differ. closed: from the last point on to the first, which is

@@ -8,13 +8,13 @@
 
 namespace {
 
-/// Puts the signature that inspect.signature() reads before the docstring of a function or method.
-void describe(const pybind11::object& function, const std::string& signature) {
+/// Gives a function or method the signature that inspect.signature() reads, and a docstring.
+void describe(const pybind11::object& function, const std::string& signature, const std::string& text) {
     PyObject* f = function.ptr();
     if (PyInstanceMethod_Check(f)) f = PyInstanceMethod_GET_FUNCTION(f);
     if (!PyCFunction_Check(f)) return;
     PyMethodDef* method = reinterpret_cast<PyCFunctionObject*>(f)->m_ml;
-    const std::string doc = signature + "\n--\n\n" + (method->ml_doc != nullptr ? method->ml_doc : "");
+    const std::string doc = signature + "\n--\n\n" + text;
     // pybind11 frees it when the function goes
     char* const kept = strdup(doc.c_str());
     if (kept == nullptr) return;
@@ -167,6 +167,6 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_system(m);
     binding::bind_verbs(m);
     binding::bind_many(m);
-    m.def("_describe", &describe, py::arg("function"), py::arg("signature"));
+    m.def("_describe", &describe, py::arg("function"), py::arg("signature"), py::arg("text"));
     guard(m);
 }

@@ -94,7 +94,12 @@ void bind_plan(py::module_& m) {
         });
 
     m.def(
-        "plan", [](const BoundScene& scene) { return rbdyn::make_plan(scene.scene); }, py::arg("scene"),
+        "plan",
+        [](const BoundScene& scene) {
+            const rbdyn::Scene copy = scene.scene;
+            return unlocked([&] { return rbdyn::make_plan(copy); });
+        },
+        py::arg("scene"),
         R"(What a scene calls for and what it does not: coordinates, effects, guards, engine, first integrals.
 
 Raises InvalidInput for a scene without bodies.)");

@@ -40,7 +40,14 @@ Vectors states_over(const ArrayLike& times, int count, const char* user, F&& f) 
     shape.push_back(count);
     py::array_t<double> result(shape);
     double* out = result.mutable_data();
-    for (py::ssize_t i = 0; i < t.size(); ++i) out = std::ranges::copy(f(t.data()[i]), out).out;
+    const double* in = t.data();
+    const py::ssize_t size = t.size();
+    unlocked([&] {
+        for (py::ssize_t i = 0; i < size; ++i) {
+            out = std::ranges::copy(f(in[i]), out).out;
+            rbdyn::Interruption::point();
+        }
+    });
     return py::reinterpret_borrow<Vectors>(result);
 }
 

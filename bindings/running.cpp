@@ -59,6 +59,14 @@ void Watch::look(double fraction) {
     }
 }
 
+void Watch::say(const std::string& sentence) {
+    const py::gil_scoped_acquire lock;
+    if (raised_) return;
+    // of the line that called the verb, which is a function of Python's (python/rbdyn/signatures.py)
+    constexpr int caller = 2;
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), caller) != 0) raised_.emplace();
+}
+
 rbdyn::KeepEvents events_of(const py::object& events, const std::shared_ptr<const Handles>& handles) {
     using What = rbdyn::KeepEvents::What;
     if (py::isinstance<py::str>(events))

@@ -34,6 +34,10 @@ public:
     rbdyn::Monitor monitor(double start, double until) {
         return [this, start, until](double t) { return goes_on((t - start) / (until - start)); };
     }
+    /// Shows Python a RuntimeWarning; where warnings are errors, it stops the run.
+    rbdyn::Warn warn() {
+        return [this](const std::string& sentence) { say(sentence); };
+    }
     const std::optional<py::error_already_set>& raised() const { return raised_; }
 
     /// With the lock held: what Python raised is raised again, with `run` on it.
@@ -45,6 +49,8 @@ public:
     }
 
 private:
+    void say(const std::string& sentence);
+
     using Clock = std::chrono::steady_clock;
     // far below the second within which Ctrl-C is obeyed, far above the time that taking the lock needs
     static constexpr auto interval = std::chrono::milliseconds(50);

@@ -93,7 +93,8 @@ A heavy body on a ball joint has the vertical; `coordinates` are then one of the
                                        "; it is a list of the coordinates, in order of addition");
                 place.assign(given.data(), given.data() + given.size());
             }
-            return rbdyn::equilibria(scene.scene, place);
+            const rbdyn::Scene copy = scene.scene;
+            return unlocked([&] { return rbdyn::equilibria(copy, place); });
         },
         py::arg("scene"), py::arg("near") = py::none(),
         R"(The states of rest of a scene, velocities zero (eqs. 7.16, 7.60).
@@ -163,7 +164,10 @@ place of its centre of mass, if it is free, and small turns about the body's axe
         .def("__repr__", [](const NormalModes& n) { return "<NormalModes: squares " + tuple_text(n.squares) + ">"; });
     m.def(
         "normal_modes",
-        [](const BoundScene& scene, const rbdyn::Equilibrium& at) { return rbdyn::normal_modes(scene.scene, at); },
+        [](const BoundScene& scene, const rbdyn::Equilibrium& at) {
+            const rbdyn::Scene copy = scene.scene;
+            return unlocked([&] { return rbdyn::normal_modes(copy, at); });
+        },
         py::arg("scene"), py::arg("at"),
         R"(The small oscillations of a scene about one of its equilibria: K s = square M s.
 
@@ -181,6 +185,14 @@ struct BoundPotential : rbdyn::RailPotential {
     BoundScene scene;
     BodyHandle bead;
 };
+
+/// A quantity of one, without Python's lock.
+template <class R, class... Arguments>
+auto without_lock(R (rbdyn::RailPotential::*quantity)(Arguments...) const) {
+    return [quantity](const BoundPotential& self, Arguments... arguments) {
+        return unlocked([&] { return (self.*quantity)(arguments...); });
+    };
+}
 
 void bind_rail_potential(py::module_& m) {
     using rbdyn::RailPotential, rbdyn::TurningPoints;
@@ -240,19 +252,19 @@ shape.)")
             },
             py::arg("u"), py::arg("energy"),
             "|ds/dt| at u of the motion with an energy [m/s] (eq. 7.21). Raises InvalidInput where it does not come.")
-        .def("turning_points", &RailPotential::turning_points, py::arg("energy"), py::arg("start"),
+        .def("turning_points", without_lock(&RailPotential::turning_points), py::arg("energy"), py::arg("start"),
              R"(Where the motion with an energy [J] that passes the parameter `start` turns round next, either way.
 
 None where it passes on for ever or the curve ends; on a curve without end that is looked for as far as 1000 Taylor
 series go. At rest in equilibrium both are the start. With the energy of a separatrix: the equilibrium that it only
 comes nearer to.)")
-        .def("period", &RailPotential::period, py::arg("energy"), py::arg("start"),
+        .def("period", without_lock(&RailPotential::period), py::arg("energy"), py::arg("start"),
              R"(The time there and back between the turning points [s] (eq. 7.22).
 
 On a closed curve round which it passes on: of the next round from `start`, the parameter growing. At rest in stable
 equilibrium that of small oscillations, at other equilibria and on a separatrix infinite. Raises InvalidInput for a
 motion that does not come back.)")
-        .def("time", &RailPotential::time, py::arg("energy"), py::arg("u0"), py::arg("u1"),
+        .def("time", without_lock(&RailPotential::time), py::arg("energy"), py::arg("u0"), py::arg("u1"),
              R"(The time of the motion with an energy [J] straight from u0 to u1 [s] (eq. 7.22), negative if u1 < u0.
 
 Raises InvalidInput if it turns round before.)")

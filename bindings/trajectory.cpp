@@ -188,7 +188,8 @@ Statistics statistics_from(const py::tuple& d) {
 /// A run is its scene, with the numbers it ran with, and what was computed.
 py::tuple data_of(const BoundTrajectory& r) {
     try {
-        return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(rbdyn::bytes_of(*r.run.data())));
+        const std::string bytes = unlocked([&] { return rbdyn::bytes_of(*r.run.data()); });
+        return py::make_tuple(BoundScene{r.run.scene(), *r.handles}, py::bytes(bytes));
     } catch (const InvalidInput& e) {
         // as everything that cannot be pickled
         throw py::type_error(e.what());
@@ -196,7 +197,9 @@ py::tuple data_of(const BoundTrajectory& r) {
 }
 BoundTrajectory trajectory_from(const py::tuple& d) {
     const auto& scene = d[0].cast<const BoundScene&>();
-    return {Trajectory(rbdyn::run_from(scene.scene, d[1].cast<std::string>())),
+    const rbdyn::Scene own = scene.scene;
+    const auto bytes = d[1].cast<std::string>();
+    return {Trajectory(unlocked([&] { return rbdyn::run_from(own, bytes); })),
             std::make_shared<const Handles>(scene.handles)};
 }
 
@@ -688,11 +691,7 @@ and outlives its scene.)");
             "error", [](const BoundTrajectory& r) { return r.run.error(); },
             "Estimated global error, each quantity relative to its own scale in this motion; None with rtol.")
         .def_property_readonly(
-            "drift",
-            [](const BoundTrajectory& r) {
-                const py::gil_scoped_release free;
-                return r.run.drift();
-            },
+            "drift", [](const BoundTrajectory& r) { return unlocked([&] { return r.run.drift(); }); },
             R"(For each first integral of the scene its largest departure from the value at the start, relative to the largest
 size of its terms.)")
         .def_property_readonly(
@@ -779,7 +778,9 @@ Loads, gravity, rails and joints, and couplings to the world and to other bodies
     run.def(
            "work",
            [](const BoundTrajectory& self, double t0, double t1, const Of& of) {
-               return parts_of(self, of).sum([&](const auto& part) { return self.run.work(t0, t1, part); });
+               const Parts parts = parts_of(self, of);
+               return unlocked(
+                   [&] { return parts.sum([&](const auto& part) { return self.run.work(t0, t1, part); }); });
            },
            py::arg("t0"), py::arg("t1"), py::arg("of") = py::none(),
            R"(Work of all forces on the bodies from t0 to t1, reactions included (Thm 7.9) [J].

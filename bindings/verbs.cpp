@@ -1,5 +1,6 @@
 // simulate() and effects(): they run without Python's lock, look for Ctrl-C and show progress. The engines are built
 // here.
+#include <cmath>
 #include <optional>
 #include <rbdyn/rbdyn.hpp>
 #include <variant>
@@ -15,12 +16,17 @@ using rbdyn::EffectRow, rbdyn::EffectTable, rbdyn::Trajectory;
 
 namespace {
 
+/// The fraction of a run that is done; of one without an end of its own all.
+double done_of(double end, double start, double until) {
+    return std::isfinite(until) ? (end - start) / (until - start) : 1.0;
+}
+
 /// What an attempt came to, or the error that it did.
 BoundTrajectory finished(const rbdyn::Attempt& result, const std::shared_ptr<const Handles>& handles, Watch& watch,
                          double start, double until) {
     const std::optional<BoundTrajectory> run = BoundTrajectory{result.run, handles};
     // also what came since the last look
-    watch.look((run->run.end() - start) / (until - start));
+    watch.look(done_of(run->run.end(), start, until));
     watch.raise_if_raised(run);
     if (result.outcome != rbdyn::simulating::Outcome::good) raise(failure_of(result, *run));
     return *run;
@@ -43,6 +49,7 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
     rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
     options.events = events_of(events, handles);
     options.monitor = watch.monitor(start, until);
+    options.warn = watch.warn();
 
     std::optional<rbdyn::Attempt> result;
     {
@@ -64,6 +71,7 @@ BoundTrajectory simulate_on(const BoundTrajectory& before, double until, std::op
     options.events = events_of(events, before.handles);
     options.max_steps = max_steps;
     options.monitor = watch.monitor(start, until);
+    options.warn = watch.warn();
     std::optional<rbdyn::Attempt> result;
     {
         std::optional<py::gil_scoped_release> free;
@@ -91,7 +99,7 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
             failure = e.what();
         }
     }
-    watch.look((run->end() - start) / (until - start));
+    watch.look(done_of(run->end(), start, until));
     watch.raise_if_raised(run);
     if (failure.empty()) return *run;
     const bool inaccurate = run->status() == rbdyn::Status::accuracy_not_reached;
@@ -106,6 +114,7 @@ rbdyn::SystemRun simulate_system(const BoundSystem& system, double until, double
     Watch watch(progress);
     rbdyn::SimulateOptions options = options_of(until, start, error, rtol, engine, keep, max_steps);
     options.monitor = watch.monitor(start, until);
+    options.warn = watch.warn();
     options.events = events_of(events, std::make_shared<const Handles>());
     std::optional<rbdyn::SystemAttempt> result;
     {
@@ -113,7 +122,7 @@ rbdyn::SystemRun simulate_system(const BoundSystem& system, double until, double
         if (!copy.calls_python()) free.emplace();
         result = rbdyn::attempt(copy, options);
     }
-    watch.look((result->run.end() - start) / (until - start));
+    watch.look(done_of(result->run.end(), start, until));
     watch.raise_if_raised(std::optional(result->run));
     if (result->outcome != rbdyn::simulating::Outcome::good) raise(failure_of(*result, result->run));
     return result->run;
@@ -177,6 +186,11 @@ void bind_effects(py::module_& m) {
 
 void bind_verbs(py::module_& m) {
     m.attr("__version__") = rbdyn::version;
+    m.def(
+        "engines", [] { return rbdyn::engines(); },
+        R"(The names of the engines that this build has, as engine= takes them beside "auto".
+
+"closed form", "taylor" and "dop853"; with SUNDIALS "cvode-adams" and "cvode-bdf".)");
     bind_effects(m);
     const rbdyn::SimulateOptions defaults;
     m.def("simulate", &simulate, py::arg("scene"), py::arg("until"), py::kw_only(), py::arg("start") = defaults.start,
@@ -185,11 +199,14 @@ void bind_verbs(py::module_& m) {
           py::arg("initial") = py::none(), py::arg("events") = "all",
           R"(Runs a scene, as accurately as asked for.
 
-until, start: times [s]. error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the
-scene is run again more accurately until the two agree. rtol, instead of it: local tolerance only, no estimate: the cheap
-way. engine: "auto", "closed form",
-"taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
-integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+until, start: times [s]. until may be inf where something can stop the run: a watched function with action "stop", or the
+end of a rail.
+error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the scene is run again more
+accurately until the two agree. rtol, instead of it: local tolerance only, no estimate: the cheap way.
+engine: "auto", "closed form", "taylor", "dop853", "cvode-adams" or "cvode-bdf" (engines() tells what this build has).
+keep: "all" of the motion, its "end", or times [s]. A RuntimeWarning tells, with figures, of a run that would need more
+than half of the memory there is. max_steps: of each integration.
+progress: True for a bar, or a function of the fraction done; it starts again with each integration.
 initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
 and the scene stays as it is.
 events: "all" are kept; the "last" of each kind, name and subject with its count; or a function that is called with each

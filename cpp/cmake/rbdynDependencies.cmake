@@ -1,29 +1,42 @@
 # Finds what rbdyn stands on; the build and an installed rbdyn both read this file.
-# Targets: Eigen3::Eigen, Boost::headers, Threads::Threads, nlohmann_json::nlohmann_json and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing.
+# Targets: Eigen3::Eigen, Boost::headers, Threads::Threads, nlohmann_json::nlohmann_json and, if RBDYN_SUNDIALS, rbdyn::sundials. What is lacking is said in rbdyn_missing,
+# all of it; how to do without SUNDIALS is for whoever reads this file to say, in rbdyn_without_sundials.
 #
 # SUNDIALS is looked for by file, not by its own package file: Debian's asks for OpenMP, MPI and PETSc, none of which CVODE
 # needs. The static archive is preferred, so that what links it needs no SUNDIALS where it runs. To point at another copy,
 # put its folder in CMAKE_PREFIX_PATH.
 set(rbdyn_missing "")
 
+# rbdyn_lack(TEXT WHAT APT DNF BREW CONDA): adds to a text what is not there, and the package that has it
+function(rbdyn_lack text what apt dnf brew conda)
+  set(${text} "${${text}}rbdyn needs ${what}, and CMake finds none:\n"
+              "  apt install ${apt}  (Debian, Ubuntu)\n"
+              "  dnf install ${dnf}  (Fedora)\n"
+              "  brew install ${brew}  (Homebrew)\n"
+              "  conda install -c conda-forge ${conda}\n"
+              "If it is elsewhere, name its folder: -DCMAKE_PREFIX_PATH=...\n")
+  string(CONCAT ${text} ${${text}})
+  set(${text} "${${text}}" PARENT_SCOPE)
+endfunction()
+
 find_package(Eigen3 QUIET CONFIG)
 if(NOT TARGET Eigen3::Eigen OR Eigen3_VERSION VERSION_LESS 3.4)
-  set(rbdyn_missing "rbdyn needs Eigen 3.4 or later: apt install libeigen3-dev")
+  rbdyn_lack(rbdyn_missing "Eigen 3.4 or later" libeigen3-dev eigen3-devel eigen eigen)
 endif()
 
 find_package(Boost 1.74 QUIET)
 if(NOT TARGET Boost::headers)
-  set(rbdyn_missing "rbdyn needs the headers of Boost 1.74 or later: apt install libboost-dev")
+  rbdyn_lack(rbdyn_missing "the headers of Boost 1.74 or later" libboost-dev boost-devel boost libboost-headers)
 endif()
 
 find_package(Threads QUIET)
 if(NOT TARGET Threads::Threads)
-  set(rbdyn_missing "rbdyn needs the threads of the C++ library, which this compiler cannot link")
+  string(APPEND rbdyn_missing "rbdyn needs the threads of the C++ library, which this compiler cannot link.\n")
 endif()
 
 find_package(nlohmann_json 3.9 QUIET CONFIG)
 if(NOT TARGET nlohmann_json::nlohmann_json)
-  set(rbdyn_missing "rbdyn needs nlohmann's JSON 3.9 or later, for scenes as files: apt install nlohmann-json3-dev")
+  rbdyn_lack(rbdyn_missing "nlohmann's JSON 3.9 or later, for scenes as files" nlohmann-json3-dev json-devel nlohmann-json nlohmann_json)
 endif()
 
 if(RBDYN_SUNDIALS AND NOT TARGET rbdyn::sundials)
@@ -43,7 +56,9 @@ if(RBDYN_SUNDIALS AND NOT TARGET rbdyn::sundials)
   endif()
   set(rbdyn_sundials_parts "${RBDYN_SUNDIALS_CVODE}")
   if(rbdyn_sundials_version VERSION_LESS 6.4)
-    set(rbdyn_missing "rbdyn needs SUNDIALS CVODE 6.4 or later: apt install libsundials-dev")
+    rbdyn_lack(rbdyn_missing "SUNDIALS CVODE 6.4 or later, for the engines cvode-adams and cvode-bdf" libsundials-dev sundials-devel sundials
+                sundials)
+    string(APPEND rbdyn_missing "${rbdyn_without_sundials}\n")
   elseif(NOT rbdyn_sundials_version VERSION_LESS 7)
     # from 7 on contexts and vectors live in a library of their own, and an MPI build shows mpi.h in its headers
     get_filename_component(rbdyn_folder "${RBDYN_SUNDIALS_CVODE}" DIRECTORY)
@@ -51,12 +66,14 @@ if(RBDYN_SUNDIALS AND NOT TARGET rbdyn::sundials)
     mark_as_advanced(RBDYN_SUNDIALS_CORE)
     list(APPEND rbdyn_sundials_parts "${RBDYN_SUNDIALS_CORE}")
     if(NOT RBDYN_SUNDIALS_CORE)
-      set(rbdyn_missing "rbdyn found SUNDIALS ${rbdyn_sundials_version} without its sundials_core library: apt install libsundials-dev")
+      rbdyn_lack(rbdyn_missing "the sundials_core library of SUNDIALS ${rbdyn_sundials_version}, which it found" libsundials-dev sundials-devel sundials
+                  sundials)
     elseif(rbdyn_sundials_mpi)
       find_package(MPI QUIET COMPONENTS CXX)
       list(APPEND rbdyn_sundials_parts MPI::MPI_CXX)
       if(NOT TARGET MPI::MPI_CXX)
-        set(rbdyn_missing "rbdyn found SUNDIALS ${rbdyn_sundials_version} built with MPI and needs its headers: apt install mpi-default-dev")
+        rbdyn_lack(rbdyn_missing "the headers of MPI, with which the SUNDIALS ${rbdyn_sundials_version} found was built" mpi-default-dev openmpi-devel
+                    open-mpi openmpi)
       endif()
     endif()
   endif()

@@ -18,3 +18,4 @@
 #include "rbdyn/trajectory/theorems.ipp"
 #include "rbdyn/trajectory/trajectory.ipp"
 #include "rbdyn/trajectory/work.ipp"
+#include "rbdyn/until_stopped.ipp"

@@ -2,6 +2,8 @@
 #include "exported.hpp"
 
 #include "rbdyn/basics/error.ipp"
+#include "rbdyn/basics/interruption.ipp"
+#include "rbdyn/basics/memory.ipp"
 #include "rbdyn/basics/vector.ipp"
 #include "rbdyn/body/mass_properties.ipp"
 #include "rbdyn/body/momentum.ipp"

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from rbdyn.signatures import shortened
+
 SUBJECTS = {
     "Scenes": [
         *("Scene", "Handle", "BodyHandle", "BodyPoint", "BodyShape", "CouplingHandle", "ConstraintHandle"),
@@ -22,7 +24,10 @@ SUBJECTS = {
         *("parameter", "Parameter", "Function", "UserFunction", "Expression", "Condition", "where"),
         *("Watched", "Now", "BodyNow", "CouplingNow"),
     ],
-    "Verbs": ["simulate", "simulate_many", "plan", "equilibria", "normal_modes", "rail_potential", "save", "load"],
+    "Verbs": [
+        *("simulate", "simulate_many", "engines", "plan", "equilibria", "normal_modes", "rail_potential"),
+        *("save", "load"),
+    ],
     "Plans and rests": [
         *("Plan", "Omission", "Size", "Equilibrium", "NormalModes", "RailPotential", "TurningPoints"),
     ],
@@ -70,23 +75,6 @@ def write_pages(folder: Path) -> list[tuple[str, str]]:
         index.append(f"| {{doc}}`{file_of(subject).removesuffix('.rst')}` | {links} |")
     (folder / "index.md").write_text("\n".join(index) + "\n")
     return [("By subject", "index.md"), *((subject, file_of(subject)) for subject in SUBJECTS)]
-
-
-# types as a reader would name them
-SHORT = [
-    (r"\brbdyn\._core\.", ""),
-    (r"\btyping\.Supports(Float|Int) \| typing\.SupportsIndex", lambda found: found[1].lower()),
-    (r"\bnumpy\.typing\.ArrayLike", "array_like"),
-    (r"\bnumpy\.typing\.NDArray\[[\w.]+\]", "array"),
-    (r"\b(?:typing|collections\.abc|os)\.", ""),
-    (r"\bself(?:: [\w.]+)?(?:, )?", ""),
-]
-
-
-def shortened(signature: str) -> str:
-    for pattern, short in SHORT:
-        signature = re.sub(pattern, short, signature)
-    return signature
 
 
 def escaped(lines: list[str]) -> list[str]:

@@ -3,7 +3,7 @@
 SI units, radians, world axes unless a name says otherwise. A scene is data; simulate() runs it.
 """
 
-from rbdyn import html_tables, pictures, shapes, signatures
+from rbdyn import _core, html_tables, pictures, shapes, signatures
 from rbdyn._core import (
     Ball,
     BodyHandle,
@@ -94,14 +94,6 @@ from rbdyn._core import (
     WatchHandle,
     Weld,
     __version__,
-    cost,
-    effects,
-    equilibria,
-    normal_modes,
-    parameter,
-    plan,
-    rail_potential,
-    simulate,
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
@@ -218,6 +210,7 @@ __all__ = [
     "__version__",
     "cost",
     "effects",
+    "engines",
     "equilibria",
     "load",
     "normal_modes",
@@ -235,4 +228,13 @@ __all__ = [
 html_tables.give()
 pictures.give()
 signatures.give()
+cost = signatures.verb(_core.cost)
+effects = signatures.verb(_core.effects)
+engines = signatures.verb(_core.engines)
+equilibria = signatures.verb(_core.equilibria)
+normal_modes = signatures.verb(_core.normal_modes)
+parameter = signatures.verb(_core.parameter)
+plan = signatures.verb(_core.plan)
+rail_potential = signatures.verb(_core.rail_potential)
+simulate = signatures.verb(_core.simulate)
 del html_tables, pictures, signatures

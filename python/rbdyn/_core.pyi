@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'engines', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -4154,7 +4154,7 @@ def _check_sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing
     """
     Raises what a sweep would raise before anything runs.
     """
-def _describe(function: typing.Any, signature: str) -> None:
+def _describe(function: typing.Any, signature: str, text: str) -> None:
     ...
 def _function(inputs: typing.SupportsInt | typing.SupportsIndex, nodes: collections.abc.Sequence[tuple[str, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex]], outputs: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], names: collections.abc.Sequence[str], parameters: collections.abc.Sequence[Parameter]) -> Function:
     ...
@@ -4221,6 +4221,12 @@ def effects(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *,
 def ellipsoid(mass: typing.SupportsFloat | typing.SupportsIndex, semi_axes: numpy.typing.ArrayLike) -> RigidBody:
     """
     A solid ellipsoid centred on the origin, semi-axes along the body's axes: m (b^2 + c^2)/5 and so on.
+    """
+def engines() -> list[str]:
+    """
+    The names of the engines that this build has, as engine= takes them beside "auto".
+
+    "closed form", "taylor" and "dop853"; with SUNDIALS "cvode-adams" and "cvode-bdf".
     """
 def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list[Equilibrium]:
     """
@@ -4293,11 +4299,14 @@ def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *
     """
     Runs a scene, as accurately as asked for.
 
-    until, start: times [s]. error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the
-    scene is run again more accurately until the two agree. rtol, instead of it: local tolerance only, no estimate: the cheap
-    way. engine: "auto", "closed form",
-    "taylor", "dop853", "cvode-adams" or "cvode-bdf". keep: "all" of the motion, its "end", or times [s]. max_steps: of each
-    integration. progress: True for a bar, or a function of the fraction done; it starts again with each integration.
+    until, start: times [s]. until may be inf where something can stop the run: a watched function with action "stop", or the
+    end of a rail.
+    error: global, of each quantity relative to its own scale in the motion, 1e-9 by default; the scene is run again more
+    accurately until the two agree. rtol, instead of it: local tolerance only, no estimate: the cheap way.
+    engine: "auto", "closed form", "taylor", "dop853", "cvode-adams" or "cvode-bdf" (engines() tells what this build has).
+    keep: "all" of the motion, its "end", or times [s]. A RuntimeWarning tells, with figures, of a run that would need more
+    than half of the memory there is. max_steps: of each integration.
+    progress: True for a bar, or a function of the fraction done; it starts again with each integration.
     initial: where this run starts, by handle and word of add(), as in {(wheel, "rate"): 3.0}; the rest as the scene has it,
     and the scene stays as it is.
     events: "all" are kept; the "last" of each kind, name and subject with its count; or a function that is called with each

@@ -7,6 +7,7 @@ import reprlib
 from typing import Any
 
 from rbdyn import _core
+from rbdyn.quantities import RULE, has_unit
 
 _HEAD = re.compile(r"^([\w.]+)\(\): incompatible (function|constructor) arguments")
 _LINE = re.compile(r"^    \d+\. (?:[\w.]+)?\((.*)\)(?: -> .*)?$", re.MULTILINE)
@@ -113,6 +114,14 @@ def _may_be(value: Any, kind: str) -> bool:
         return False
 
 
+def _has_unit(value: Any) -> bool:
+    """The same of a quantity with a unit."""
+    try:
+        return has_unit(value)
+    except Exception:
+        return False
+
+
 def _lone(text: str) -> bool:
     """Whether there is half a character in it, which no file and no terminal takes."""
     return any("\ud800" <= letter <= "\udfff" for letter in text)
@@ -160,6 +169,8 @@ def _complaint(arguments: list[_Argument], given: list[Any], named: dict[str, An
     for far, (argument, value) in enumerate(pairs):
         if not any(_may_be(value, kind) for kind in _alternatives(argument.kind)):
             what = f"{argument.name} is {_shown(value)}"
+            if _has_unit(value):
+                return far, f"{what}; {RULE}"
             if "int" in _alternatives(argument.kind) and hasattr(value, "__index__"):
                 return far, f"{what}, which is out of range; it is {_rule(argument.kind)} below 2**63"
             if isinstance(value, str) and _lone(value):
@@ -179,6 +190,9 @@ def _complaint(arguments: list[_Argument], given: list[Any], named: dict[str, An
         if not argument.optional and not is_given:
             rule = _rule(argument.kind)
             return far, f"{argument.name} is missing; {'give one' if rule == 'anything' else f'it is {rule}'}"
+    for argument, value in pairs:
+        if _has_unit(value):
+            return far, f"{argument.name} is {_shown(value)}; {RULE}"
     # what it is cannot be told from the signature: a number out of range, or a list with one
     listed = ", ".join(f"{a.name} {_shown(v)}" for a, v in pairs)
     rules = ", ".join(f"{a.name} is {_rule(a.kind)}" for a in arguments if not a.optional)

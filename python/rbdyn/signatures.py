@@ -1,17 +1,56 @@
-"""Signatures that inspect.signature() reads, made from what pybind11 writes into docstrings."""
+"""Functions of _core as help() shows them: signatures that inspect.signature() reads, types as a reader names them."""
 
 from __future__ import annotations
 
 import ast
+import functools
 import inspect
 import os
 import re
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 from rbdyn import _core
 
 # what matters in a list of arguments: brackets, quoted words, and what stands between arguments and their parts
 _TOKEN = re.compile(r"'[^']*'|\"[^\"]*\"|->|[\[({<]|[\])}>]|, |: | = ")
+
+
+# types as a reader would name them
+_SHORT: list[tuple[str, str | Callable[[re.Match[str]], str]]] = [
+    (r"\brbdyn\._core\.", ""),
+    (r"\btyping\.Supports(Float|Int) \| typing\.SupportsIndex", lambda found: found[1].lower()),
+    (r"\bnumpy\.typing\.ArrayLike", "array_like"),
+    (r"\bnumpy\.typing\.NDArray\[[\w.]+\]", "array"),
+    (r"\b(?:typing|collections\.abc|os)\.", ""),
+    (r"\bself(?:: [\w.]+)?(?:, )?", ""),
+]
+
+Verb = TypeVar("Verb", bound=Callable[..., Any])
+
+
+def shortened(signature: str) -> str:
+    """A signature with such types, without self."""
+    for pattern, short in _SHORT:
+        signature = re.sub(pattern, short, signature)
+    return signature
+
+
+def readable(name: str, doc: str) -> str:
+    """A docstring of pybind11's with its signatures shortened, without its words on overloads."""
+    doc = doc.removeprefix(f"{name}(*args, **kwargs)\nOverloaded function.\n\n")
+    return re.sub(rf"^(\d+\. )?{re.escape(name)}\(.*$", lambda line: shortened(line[0]), doc, flags=re.MULTILINE)
+
+
+def verb(function: Verb) -> Verb:
+    """A function of _core as one of Python's own, which help() names by its module."""
+
+    @functools.wraps(function)
+    def call(*arguments: Any, **options: Any) -> Any:
+        return function(*arguments, **options)
+
+    call.__module__ = "rbdyn"
+    return cast(Verb, call)
 
 
 def _default(text: str) -> str:
@@ -68,4 +107,4 @@ def give() -> None:
                 continue
             text = text_of(name, function.__doc__ or "")
             if text is not None:
-                _core._describe(function, text)
+                _core._describe(function, text, readable(name, function.__doc__ or ""))

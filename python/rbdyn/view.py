@@ -60,12 +60,21 @@ def view(
     ]
     figure = graph.Figure(data=data, layout=_layout(drawing), frames=frames)
     if path is not None:
-        text = figure.to_html(include_plotlyjs=True, full_html=True, auto_play=False)
+        text = figure.to_html(include_plotlyjs=True, full_html=True, auto_play=False, post_script=_LET_GO)
         try:
             Path(path).write_text(text, encoding="utf-8")
         except OSError as problem:
             raise InvalidInput(f"view: {os.fspath(path)!r} cannot be written: {problem.strerror}") from None
     return figure
+
+
+# plotly takes a slider that was dragged for one that still is: it would stand still while the motion is played
+_LET_GO = """
+const view = document.getElementById("{plot_id}");
+view.on("plotly_sliderend", () => requestAnimationFrame(() => {
+    for (const slider of view._fullLayout.sliders) slider._dragging = false;
+}));
+"""
 
 
 def _traces(drawing: Drawing) -> tuple[list[dict[str, Any]], list[int]]:

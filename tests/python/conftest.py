@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
+import rbdyn
 import sizes
 
 # Ctrl-C is tested, also where tests run in the background, which ignores it
@@ -13,6 +14,26 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # figures are drawn to files, never to a screen
 os.environ.setdefault("MPLBACKEND", "Agg")
+
+
+# a test that asks a build without SUNDIALS for CVODE has nothing to say of it
+LACK = "need SUNDIALS, without which it was built"
+
+
+def skip_without_cvode(outcome):
+    error = outcome.excinfo and outcome.excinfo[1]
+    if "cvode-bdf" not in rbdyn.engines() and isinstance(error, rbdyn.InvalidInput) and LACK in str(error):
+        outcome.force_exception(pytest.skip.Exception("cvode-adams and cvode-bdf are not in this build"))
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_pyfunc_call(pyfuncitem):
+    skip_without_cvode((yield))
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_fixture_setup(fixturedef, request):
+    skip_without_cvode((yield))
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -222,7 +222,7 @@ def test_a_motion_that_breaks_off_raises_what_simulate_raises():
 def test_odd_requests_are_refused():
     scene = oscillator()[0]
     for options, message in (
-        ({"engines": ["euler"]}, 'an engine is "euler"; this build has auto, closed form, taylor'),
+        ({"engines": ["euler"]}, 'engine is "euler"; this build has auto, closed form, taylor'),
         ({"engines": []}, "engines is empty"),
         ({"budget": 0}, "budget is 0"),
         ({"budget": math.nan}, "budget is nan"),

@@ -60,7 +60,7 @@ def test_signatures_are_those_of_the_verbs():
 
 
 def test_docstrings_are_still_there():
-    assert rb.simulate.__doc__.startswith("simulate(") and "global" in rb.simulate.__doc__
+    assert rb.simulate.__doc__.startswith("1. simulate(") and "global" in rb.simulate.__doc__
     assert "Adds a body" in rb.Scene.add.__doc__
 
 

@@ -61,21 +61,15 @@ struct Ladder {
 /// The engines asked for, those that cannot do the scene with the reason. Throws InvalidInput for one that is none.
 RBDYN_INLINE std::vector<Ladder> ladders_of(const Plan& plan, const std::vector<Part>& parts,
                                             const CostOptions& options, double loosest) {
-    std::vector<std::string> known = {"closed form"};
-    for (std::string& name : simulating::engines()) known.push_back(std::move(name));
     std::vector<std::string> wanted = options.engines;
     if (wanted.empty()) {
-        wanted = known;
+        wanted = rbdyn::engines();
         wanted.push_back("auto");
     }
     std::vector<Ladder> ladders;
     for (const std::string& name : wanted) {
         const bool is_auto = name == "auto";
-        if (!is_auto && std::find(known.begin(), known.end(), name) == known.end()) {
-            std::string names;
-            for (const std::string& one : known) names += ", " + one;
-            throw InvalidInput("cost: an engine is \"" + name + "\"; this build has auto" + names);
-        }
+        simulating::require_engine("cost", name);
         Ladder ladder{is_auto ? plan.engine : name, {}};
         const auto is_it = [&](const Ladder& other) { return other.engine == ladder.engine; };
         if (std::any_of(ladders.begin(), ladders.end(), is_it)) continue;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "rbdyn/basics/error.ipp"
+#include "rbdyn/basics/interruption.ipp"
+#include "rbdyn/basics/memory.ipp"
 #include "rbdyn/basics/vector.ipp"
 #include "rbdyn/body/mass_properties.ipp"
 #include "rbdyn/body/momentum.ipp"
@@ -66,6 +68,7 @@
 #include "rbdyn/event/driver.ipp"
 #include "rbdyn/event/driver_ends.ipp"
 #include "rbdyn/event/event.ipp"
+#include "rbdyn/event/memory_watch.ipp"
 #include "rbdyn/event/passages.ipp"
 #include "rbdyn/event/progress.ipp"
 #include "rbdyn/event/record.ipp"
@@ -215,6 +218,7 @@
 #include "rbdyn/trajectory/theorems.ipp"
 #include "rbdyn/trajectory/trajectory.ipp"
 #include "rbdyn/trajectory/work.ipp"
+#include "rbdyn/until_stopped.ipp"
 #ifdef RBDYN_WITH_SUNDIALS
 #include "rbdyn/engine/cvode.ipp"
 #include "rbdyn/engine/cvode_integrator.ipp"

@@ -27,9 +27,10 @@ namespace simulating {
 /// Where a run that is not kept whole is compared with its better: enough to meet every phase of its motion.
 inline constexpr int compared_times = 256;
 
-/// The names of the engines of this build.
+/// The names of the engines of this build that integrate.
 std::vector<std::string> engines();
 
+/// Throws Error for a name that is none of them.
 std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {});
 
 /// The smallest tolerance that still makes an engine more accurate: below it, more steps mean more rounding.

@@ -58,9 +58,7 @@ RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride, manner.rounding);
     if (std::unique_ptr<Engine> engine = cvode::make(name, tolerance)) return engine;
-    std::string known;
-    for (const std::string& e : engines()) known += (known.empty() ? "" : ", ") + e;
-    throw InvalidInput("simulate: engine is \"" + name + "\"; this build has auto, " + known);
+    throw Error("simulate: there is no engine " + name);
 }
 
 RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
@@ -74,6 +72,8 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
                   o.rtol.has_value(), tolerance);
     driver.pass_stops(beginning.stops_from);
     if (streams_events(o)) driver.keep_events(o.events);
+    // those that are let go while it runs do not count
+    driver.watch_memory({o.warn, !streams_events(o) ? 3.0 : o.events.keeps_all() ? 2.0 : 0.0});
     Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
                                            : driver.run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

@@ -3,11 +3,48 @@
 
 #include "rbdyn/options.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/engine/cvode_factory.hpp"
+#include "rbdyn/integrate.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE std::vector<std::string> engines() {
+    std::vector<std::string> names = simulating::engines();
+    names.insert(names.begin(), "closed form");
+    return names;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
 
 namespace rbdyn::inline RBDYN_FORM::simulating {
+
+RBDYN_INLINE Warn once(Warn warn) {
+    if (!warn) return {};
+    return [warn = std::move(warn), said = std::make_shared<std::atomic<bool>>(false)](const std::string& sentence) {
+        if (!said->exchange(true)) warn(sentence);
+    };
+}
+
+RBDYN_INLINE void require_engine(const std::string& object, const std::string& engine) {
+    const std::vector<std::string> known = rbdyn::engines();
+    if (engine == "auto" || std::find(known.begin(), known.end(), engine) != known.end()) return;
+    std::string names = "auto";
+    for (const std::string& name : known) names += ", " + name;
+    const bool lacks_cvode = engine.rfind("cvode", 0) == 0 && cvode::names().empty();
+    throw InvalidInput(object + ": engine is \"" + engine + "\"; this build has " + names +
+                       (lacks_cvode ? ". cvode-adams and cvode-bdf need SUNDIALS, without which it was built: install "
+                                      "it (Debian: libsundials-dev) and build rbdyn anew, with -DRBDYN_SUNDIALS=ON"
+                                    : ""));
+}
 
 RBDYN_INLINE SimulateOptions continued(const SimulateOptions& asked, const ContinueOptions& options, double start) {
     if (options.error && options.rtol)
@@ -27,12 +64,14 @@ RBDYN_INLINE SimulateOptions continued(const SimulateOptions& asked, const Conti
     o.events = options.events;
     o.max_steps = options.max_steps.value_or(asked.max_steps);
     o.monitor = options.monitor;
+    o.warn = options.warn;
     return o;
 }
 
 RBDYN_INLINE void validate(const SimulateOptions& o) {
     require(std::isfinite(o.start), "simulate", "start", o.start, "a time is finite, in s");
-    require(std::isfinite(o.until), "simulate", "until", o.until, "a time is finite, in s");
+    require(std::isfinite(o.until), "simulate", "until", o.until,
+            "a time is finite, in s; simulate() of what something can stop takes inf");
     if (!(o.until > o.start))
         refuse("simulate", "until", o.until,
                "a run ends after its start, which is " + text(o.start) +

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdint>
 #include <exception>
+#include <limits>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
@@ -24,6 +25,7 @@
 #include "rbdyn/solve.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 #include "rbdyn/trajectory/trajectory.hpp"
+#include "rbdyn/until_stopped.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -109,17 +111,37 @@ RBDYN_INLINE void require_way_on(const RunData& run, double start) {
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Attempt attempt(const Scene& scene, const SimulateOptions& options) {
+    if (options.until == std::numeric_limits<double>::infinity()) {
+        simulating::require_stop(simulating::may_stop(scene));
+        return simulating::until_stopped(options, [&](const SimulateOptions& o) { return attempt(scene, o); });
+    }
     const auto began = std::chrono::steady_clock::now();
     simulating::validate(options);
     PlannedScene now = planned(scene);
     const double planning = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    return simulating::attempted(std::move(now), options, planning, nullptr);
+    SimulateOptions own = options;
+    own.warn = simulating::once(options.warn);
+    return simulating::attempted(std::move(now), own, planning, nullptr);
 }
 
 RBDYN_INLINE Attempt attempt(const Trajectory& run, const ContinueOptions& options) {
     const std::shared_ptr<const RunData> before = run.data();
     const double start = run.status() == Status::accuracy_not_reached ? run.certain_until() : run.end();
-    const SimulateOptions all = simulating::continued(before->asked, options, start);
+    SimulateOptions all = simulating::continued(before->asked, options, start);
+    if (all.until == std::numeric_limits<double>::infinity()) {
+        simulating::require_stop(simulating::may_stop(before->scene));
+        return simulating::until_stopped(all, [&](const SimulateOptions& o) {
+            ContinueOptions one = options;
+            one.until = o.until;
+            one.rtol = o.rtol;
+            if (o.rtol) one.error.reset();
+            one.keep = o.keep;
+            one.events = o.events;
+            one.warn = o.warn;
+            return attempt(run, one);
+        });
+    }
+    all.warn = simulating::once(options.warn);
     simulating::validate(all);
     simulating::require_way_on(*before, start);
     return simulating::attempted({before->scene, before->plan, false}, all, 0.0, before.get());

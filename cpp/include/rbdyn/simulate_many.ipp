@@ -51,6 +51,7 @@ public:
     Members(std::size_t count, const One& one, const ManyOptions& options)
         : one_(one), options_(options), members_(count) {
         validate(options_.run);
+        require_engine("simulate_many", options_.run.engine);
         require(options_.threads >= 0, "simulate_many", "threads", options_.threads,
                 "it is positive, or 0 for one on each processor");
     }

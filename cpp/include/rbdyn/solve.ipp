@@ -47,7 +47,7 @@ RBDYN_INLINE std::string engine_for(const Plan& plan, const std::string& wanted)
         throw InvalidInput("simulate: engine is \"closed form\", and this scene has none: " + why +
                            "; use \"auto\" or \"" + plan.integrator + "\"");
     }
-    (void)make_engine(engine, 1e-6);
+    require_engine("simulate", engine);
     if (engine == "taylor" && plan.calls_back)
         throw InvalidInput(
             "simulate: engine is \"taylor\", and a function of this scene is called back, which has no "
@@ -136,6 +136,7 @@ RBDYN_INLINE std::vector<double> winding_at(const SceneModel& model, const RunDa
 RBDYN_INLINE void set_origin(Solved& result, const SimulateOptions& options, const RunData* before) {
     result.data.asked = options;
     result.data.asked.monitor = {};
+    result.data.asked.warn = {};
     result.data.asked.events = {};
     result.data.origin = before != nullptr ? before->origin : options.start;
     if (before != nullptr) result.data.first_angles = angles_at(*before, options.start);
@@ -409,6 +410,7 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     data.plan = std::move(plan);
     data.asked = options;
     data.asked.monitor = {};
+    data.asked.warn = {};
     data.origin = before != nullptr ? before->origin : options.start;
     return result;
 }

@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::curves {
@@ -59,6 +60,7 @@ long double long_length(const Speed& speed, long double u0, long double u1) {
     const long double whole = std::abs(waiting.front().length);
     long double length = 0.0L;
     for (int pieces = 0; !waiting.empty(); ++pieces) {
+        Interruption::point();
         const Part p = waiting.back();
         waiting.pop_back();
         const long double middle = 0.5L * (p.begin + p.end);

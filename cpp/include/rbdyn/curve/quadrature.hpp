@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/curve/arc_length.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::curves {
@@ -35,6 +36,7 @@ double integral(F&& f, double a, double b, double floor = 0.0, const double& noi
     std::vector<Piece> waiting{measured(f, a, b)};
     double size = std::abs(waiting.front().length);
     for (int pieces = 1; !waiting.empty(); ++pieces) {
+        Interruption::point();
         const Piece piece = waiting.back();
         waiting.pop_back();
         const double middle = piece.begin + 0.5 * (piece.end - piece.begin), doubt = std::abs(piece.doubt);

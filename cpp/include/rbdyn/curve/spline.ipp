@@ -15,6 +15,7 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/checks.hpp"
@@ -135,6 +136,7 @@ RBDYN_INLINE SplineForm::SplineForm(const Spline& spline) : closed_(spline.close
     for (std::size_t k = stretches - 1; k-- > 0;) size[k] = std::max(size[k], 0.3 * size[k + 1]);
     const Vector3 present(1, axes.dimension > 1 ? 1 : 0, axes.dimension > 2 ? 1 : 0);
     for (std::size_t k = 0; k < stretches; ++k) {
+        Interruption::point();
         const WideVector &d = chord[k], &a = m[k], &b = m[k + 1];
         const DoubleDouble two = 2.0, three = 3.0;
         const Vector3 s = size[k] * present;
@@ -154,7 +156,10 @@ RBDYN_INLINE SplineForm::SplineForm(const Spline& spline) : closed_(spline.close
         if (stretches >= 2 && joined_first) lowest_ = 1;
         if (stretches >= 2 && joined_last) highest_ = std::max(lowest_, highest_ - 1);
     }
-    for (std::size_t k = 0; k < stretches; ++k) lengths_.push_back(pieces_[k].length(0.0, 1.0, name()));
+    for (std::size_t k = 0; k < stretches; ++k) {
+        Interruption::point();
+        lengths_.push_back(pieces_[k].length(0.0, 1.0, name()));
+    }
     for (const double length : lengths_) round_ += length;
 }
 

@@ -19,6 +19,7 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/keep.hpp"
+#include "rbdyn/event/memory_watch.hpp"
 #include "rbdyn/event/progress.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/search.hpp"
@@ -40,6 +41,8 @@ public:
     Record go_on(const Halt& halt, double until);
     /// What of the events is kept; by default all of them. They are handed on, or forgotten, while it runs.
     void keep_events(KeepEvents events) { keep_events_ = std::move(events); }
+    /// Whether what is kept will fit into memory is watched.
+    void watch_memory(MemoryWatch watch) { memory_ = std::move(watch); }
     /// Events up to then do not end the run.
     void pass_stops(double until) { stops_from_ = until; }
 
@@ -107,6 +110,7 @@ private:
     Monitor monitor_;
     EventSearch search_;
     Progress progress_;
+    MemoryWatch memory_{{}, 1.0};
     double began_ = 0.0;        // s: the run
     std::int64_t changes_ = 0;  // of modes, so far
     Instant chattered_;         // when there had been the last thousand

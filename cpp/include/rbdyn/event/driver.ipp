@@ -123,6 +123,7 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
         if (engine_.work().steps + engine_.work().parts >= max_steps_) return finish(record, t, Status::step_limit);
         if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
             return finish(record, t, Status::stopped_by_user);
+        memory_.after(engine_.work().steps, record, t.hi, until, max_steps_);
         const StepStatus step = engine_.step(until);
         if (step != StepStatus::ok) {
             if (!now_.fresh && !record.empty()) record.last_state(x);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -33,5 +34,8 @@ struct KeepEvents {
 
 /// Called now and then with the time reached; false stops the run.
 using Monitor = std::function<bool(double)>;
+
+/// Called with a sentence on what whoever runs should know before it is over: that it needs more memory than there is.
+using Warn = std::function<void(const std::string&)>;
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -71,6 +71,9 @@ public:
     /// Forgets what was before a time within it, events at that time included: then it starts there.
     [[gnu::cold]] void drop_before(double t);
 
+    /// The memory it takes, but for what the heap adds, in bytes.
+    double bytes() const;
+
     /// The piece that holds time t; where two meet, the later one (after) or the earlier one (before).
     std::size_t find(double t, Side side) const;
 

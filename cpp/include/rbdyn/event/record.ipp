@@ -94,6 +94,18 @@ RBDYN_INLINE void Record::drop_before(double t) {
     *this = std::move(rest);
 }
 
+RBDYN_INLINE double Record::bytes() const {
+    const auto size = [](const auto& all) { return static_cast<double>(all.size() * sizeof(all[0])); };
+    double sum = size(entries_) + size(events) + size(modes) + size(windings);
+    for (const std::vector<double>& block : blocks_) sum += size(block);
+    if (!windings.empty()) sum += static_cast<double>(windings.size()) * size(windings.back());
+    if (!modes.empty()) {
+        const Mode& m = modes.back();
+        sum += static_cast<double>(modes.size()) * (size(m.slip) + size(m.parameters) + size(m.memory));
+    }
+    return sum;
+}
+
 RBDYN_INLINE std::size_t Record::find(double t, Side side) const {
     const auto later = [&](double time, const Entry& e) {
         return side == Side::after ? time < e.start.hi : time <= e.start.hi;

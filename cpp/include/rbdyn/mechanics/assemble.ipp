@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
@@ -115,6 +116,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     constexpr int most = 200;
     constexpr double longest = 0.5;  // of one step: rad, and of the size of the scene
     for (int pass = 0; pass < most; ++pass) {
+        Interruption::point();
         const auto all = mechanics::closing::moving<double>(tree, 0.0, mechanics::closing::nearest(x));
         for (const auto& m : all) size = std::max(size, m.place.norm());
         for (const mechanics::Condition& c : conditions.all())

@@ -22,6 +22,7 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/one_side.hpp"
 #include "rbdyn/curve/point.hpp"
+#include "rbdyn/engine/cvode_factory.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/time_function.hpp"
@@ -314,6 +315,7 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
         leave_out("friction", "the rails are smooth: no modes, no guards; Coulomb(...) brings it in");
     plan.omissions.insert(plan.omissions.end(), simulated.omissions.begin(), simulated.omissions.end());
     if (plan.guards.empty()) leave_out("events", "nothing to watch for; scene.watch(...) brings them in");
+    if (cvode::names().empty()) leave_out("cvode-adams, cvode-bdf", "this build of rbdyn is without SUNDIALS");
     const FirstIntegrals conserved = first_integrals(scene, only);
     plan.integrals = conserved.names;
     plan.pole = conserved.pole;

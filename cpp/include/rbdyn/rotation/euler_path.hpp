@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
@@ -65,6 +66,7 @@ template <class Motion, class Keep>
 EulerStep follow(EulerStep last, double t, Motion&& motion, Keep&& keep) {
     const double any = std::numeric_limits<double>::infinity();
     while (last.time < t) {
+        Interruption::point();
         const double until = t - last.time;
         double step = 0.0;
         int asked = 0;

@@ -121,6 +121,7 @@ RBDYN_INLINE bool PathPieces::ends(int output) {
 }
 
 RBDYN_INLINE bool PathPieces::expand(double middle, double half) {
+    Interruption::point();
     choose(middle);
     series_->begin(0.0, 1.0);
     series_->set_input(0, 0, middle);

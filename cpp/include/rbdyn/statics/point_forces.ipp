@@ -18,6 +18,7 @@
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"
 #include "rbdyn/curve/curve.hpp"
@@ -174,6 +175,7 @@ RBDYN_INLINE std::vector<double> PointForces::difference(const std::vector<doubl
 }
 
 RBDYN_INLINE Forces::State PointForces::at_rest(const std::vector<double>& q) {
+    Interruption::point();
     choose(q);
     State s;
     s.jacobian = SquareMatrix(freedoms_);

@@ -14,6 +14,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
@@ -71,6 +72,7 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene)
 }
 
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
+    Interruption::point();
     const int n = freedoms();
     State s;
     s.jacobian = SquareMatrix(n);

@@ -3,9 +3,11 @@
 
 #include "rbdyn/system/system_run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <iomanip>
+#include <limits>
 #include <memory>
 #include <ostream>
 #include <sstream>
@@ -20,6 +22,7 @@
 #include "rbdyn/system/system_model.hpp"
 #include "rbdyn/system/system_plan.hpp"
 #include "rbdyn/trajectory/run_bytes.hpp"
+#include "rbdyn/until_stopped.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -75,6 +78,11 @@ RBDYN_INLINE SystemError::SystemError(const std::string& message, SystemRun part
     : Error(message), run(std::move(partial)) {}
 
 RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& options) {
+    if (options.until == std::numeric_limits<double>::infinity()) {
+        const auto stops = [](const System::Watch& w) { return w.options.action.kind == WatchAction::Kind::stop; };
+        simulating::require_stop(std::any_of(system.watches().begin(), system.watches().end(), stops));
+        return simulating::until_stopped(options, [&](const SimulateOptions& o) { return attempt(system, o); });
+    }
     using Clock = std::chrono::steady_clock;
     const auto began = Clock::now();
     simulating::validate(options);
@@ -84,15 +92,17 @@ RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& 
     if (engine == "closed form")
         throw InvalidInput("simulate: engine is \"closed form\", and a System has none; use \"auto\" or \"" + natural +
                            "\"");
-    (void)simulating::make_engine(engine, 1e-6);
+    simulating::require_engine("simulate", engine);
     if (engine == "taylor" && system.calls_back())
         throw InvalidInput(
             "simulate: engine is \"taylor\", and f of this System is called back, which has no Taylor series; use "
             "\"auto\" or \"dop853\", or write it so that it can be recorded (" +
             system.function().callback()->reason + ")");
     const std::int64_t calls = system.python_calls();
+    SimulateOptions own = options;
+    own.warn = simulating::once(options.warn);
     simulating::Solution solution =
-        simulating::solve(*model, system.start(), options, {.origin = options.start}, engine, natural);
+        simulating::solve(*model, system.start(), own, {.origin = options.start}, engine, natural);
     // where steps and errors, powers of a tolerance times a state, lose their digits
     constexpr double least = 1e-250;
     simulating::require_size(solution.record, "System", least);

@@ -17,6 +17,7 @@
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/event/event.hpp"
@@ -271,6 +272,7 @@ RBDYN_INLINE void put(Writer& w, const Record& record) {
     w.put(record.closed_from);
     w.put(record.entries().size());
     for (std::size_t i = 0; i < record.entries().size(); ++i) {
+        Interruption::point();
         const Record::Entry& e = record.entries()[i];
         each_field(e, [&](const auto& field) { w.put(field); });
         const Piece piece = record.piece(i);
@@ -305,6 +307,7 @@ RBDYN_INLINE Record take_record(Reader& r, const Limits& limits) {
     record.closed = begun(record.closed, record.closed_from);
     int most_modes = -1;
     for (std::size_t left = r.count(sizeof(double)); left > 0; --left) {
+        Interruption::point();
         Record::Entry e{};
         each_field(e, [&](auto& field) { r.take(field); });
         Reader::require(e.order >= 0 && e.order <= series::max_degree && e.mode >= 0 && e.unit > 0.0 && e.length >= 0.0,

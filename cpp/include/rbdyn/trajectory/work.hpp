@@ -17,6 +17,7 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
@@ -45,6 +46,7 @@ double integral(const Record& record, double t0, double t1, F&& f) {
     const auto add = [&](double begin, double finish) {
         const double lo = std::max(t0, begin), hi = std::min(t1, finish);
         if (!(hi > lo)) return;
+        Interruption::point();
         const double centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
         double part = 0.0;
         for (int i = 0; i < 5; ++i) part += weight[i] * (f(centre - half * place[i]) + f(centre + half * place[i]));

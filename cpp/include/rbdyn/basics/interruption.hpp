@@ -1,0 +1,37 @@
+// How what takes long and has no monitor (options.hpp) is ended: states of rest, work, lengths, values at many times.
+//
+// It asks at its points whether to go on. Where nobody wants to know, that is a comparison; else the clock is read so
+// often that a question is put every 50 ms, as far as the points lie no further apart.
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+/// As long as it lives, computations of its thread call a function now and then; what that throws ends them.
+class Interruption {
+public:
+    explicit Interruption(std::function<void()> ask);
+    ~Interruption();
+    Interruption(const Interruption&) = delete;
+    Interruption& operator=(const Interruption&) = delete;
+
+    /// A point where a computation may be ended: throws what the function does.
+    static void point();
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr auto interval = std::chrono::milliseconds(50);
+
+    void look();
+
+    std::function<void()> ask_;
+    Interruption* outer_;
+    Clock::time_point asked_ = Clock::now(), looked_ = asked_;
+    int points_ = 0, stride_ = 1;  // since the clock was read; until it is read again
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM
