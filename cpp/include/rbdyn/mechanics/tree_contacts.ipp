@@ -458,6 +458,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         happenings.push_back(std::move(h));
     }
     if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);
+    put_in_order(happenings);
+}
+
+RBDYN_INLINE void TreeModel::put_in_order(std::vector<Happening>& happenings) const {
     std::sort(happenings.begin(), happenings.end(), [&](const Happening& a, const Happening& b) {
         if (a.kind != b.kind) return a.kind < b.kind;
         return a.contact >= 0 && b.contact >= 0 &&

@@ -118,14 +118,20 @@ RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<doubl
 
 RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
     std::vector<DoubleDouble> x = tree_->start(t);
-    if (conditions_->all().empty()) return x;
+    return conditions_->all().empty() ? x : onto_constraints(t, std::move(x), "the start");
+}
+
+RBDYN_INLINE std::vector<DoubleDouble> TreeModel::onto_constraints(double t, std::vector<DoubleDouble> x,
+                                                                   const std::string& what) const {
     const auto all = mechanics::closing::moving<double>(*tree_, t, mechanics::closing::nearest(x));
     const double size = size_of(all);
     const std::vector<double> gaps = mechanics::open_by(*tree_, *conditions_, all);
+    const bool starts = what == "the start";
     for (std::size_t k = 0; k < gaps.size(); ++k)
         require(gaps[k] <= tree_loops::nearest_start * size, conditions_->all()[k].name, "gap", gaps[k],
-                "the start satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
-                    " m; scene.assemble() finds a start that does from a rough one");
+                what + " satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
+                    (starts ? " m; scene.assemble() finds a start that does from a rough one"
+                            : " m; change the other bodies of the loop, too"));
     const std::vector<DoubleDouble> given = x;
     mechanics::close(*tree_, *conditions_, rows_, t, x);
     // the velocities that were given, where it now is
@@ -136,8 +142,11 @@ RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
     const std::vector<double> rates = mechanics::opening_rates(*tree_, *conditions_, moving);
     for (std::size_t k = 0; k < rates.size(); ++k)
         require(rates[k] <= tree_loops::nearest_start * speed, conditions_->all()[k].name, "rate of its gap", rates[k],
-                "the velocities that a scene starts with satisfy a constraint to 1e-6 of the fastest, " + text(speed) +
-                    " m/s, those of driven joints with them; scene.assemble() finds some that do from rough ones");
+                (starts ? "the velocities that a scene starts with" : "the velocities after " + what) +
+                    " satisfy a constraint to 1e-6 of the fastest, " + text(speed) +
+                    " m/s, those of driven joints with them; " +
+                    (starts ? "scene.assemble() finds some that do from rough ones"
+                            : "change those of the other bodies of the loop, too"));
     return x;
 }
 

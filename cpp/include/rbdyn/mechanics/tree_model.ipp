@@ -327,10 +327,18 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
 
 RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     require_finite_drives(t);
+    std::vector<Happening> silent;
+    return decided_anew(undecided(), {}, t, x, silent);
+}
+
+RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const double> was, double t,
+                                          std::span<double> x, std::vector<Happening>& happenings) const {
     Mode mode = undecided();
+    const Mode as_it_was = mode;
+    const bool begins = was.empty();
     if (contacts() == 0) {
-        const Mode as_it_was = mode;
         joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
+        if (!begins && mode.impossible.empty()) tell_joints(before, mode, happenings);
         return mode;
     }
     const auto all = moving(t, x);
@@ -338,21 +346,25 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     const auto rows = conditions_->rows<double>(*tree_, all);
     std::vector<int> closed;
     for (int k = 0; k < contacts(); ++k) {
-        const auto row = at(conditions_->constraint_rows() + k);
-        const double size = size_of(k, all), gap = gaps[row];
+        const auto row = at(conditions_->normal_row(k));
+        const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all);
         require(
-            gap >= -1e-12 * size, conditions_->contacts()[at(k)].name, "gap", gap,
+            gap >= -near, conditions_->contacts()[at(k)].name, "gap", gap,
             "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
             "surface");
-        if (gap > 1e-12 * size) continue;
+        if (gap > near) continue;
         const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
         if (speed <= noise) closed.push_back(k);
     }
+    std::vector<double> impulses;
+    Strokes strokes;
+    const Kept kept = begins ? Kept{} : kept_closed(before, t, was, x);
+    const auto is_in = [](const std::vector<int>& list, int k) {
+        return std::find(list.begin(), list.end(), k) != list.end();
+    };
     // what comes towards its surface strikes it before the motion begins
     if (!closed.empty()) {
-        const Mode as_it_was = mode;
-        Strokes strokes;
-        strike(as_it_was, t, x, closed, strokes);
+        impulses = strike(as_it_was, t, x, closed, strokes);
         if (!strokes.impossible.empty()) {
             mode.impossible = strokes.impossible;
             return mode;
@@ -360,10 +372,14 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
         std::vector<int> at_rest;
         const auto then = moving(t, x);
         const auto later = conditions_->rows<double>(*tree_, then);
-        for (const int k : closed)
-            if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
-                1e-12 * speed_of(k, then))
+        for (const int k : closed) {
+            const auto row = at(conditions_->normal_row(k));
+            // what rests on its surface, and goes on to, has rounding of a speed
+            const double rounding =
+                is_in(kept.along, k) ? 8.0 * std::abs(mechanics::Conditions::rate(rows[row], all)) : 0.0;
+            if (mechanics::Conditions::rate(later[row], then) <= 1e-12 * speed_of(k, then) + rounding)
                 at_rest.push_back(k);
+        }
         // what never slips does not as the motion begins, whatever turns then
         std::vector<int> never;
         for (const int k : at_rest)
@@ -371,18 +387,24 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
         if (!never.empty()) stop(t, x, never, never);
         Fired fired;
         fired.stuck = strokes.stuck;
+        for (const int k : at_rest)
+            if (is_in(kept.held, k)) fired.stuck.push_back(k);
         settle(as_it_was, mode, t, x, at_rest, fired);
     } else {
         choose(mode, t, x, {});
     }
-    if (mode.impossible.empty()) hold(mode, t, x);
+    if (!mode.impossible.empty()) return mode;
+    hold(mode, t, x);
+    if (!begins) tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);
     return mode;
 }
 
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<int> flipped;
-    bool touches = false, rubs = false;
+    bool touches = false, rubs = false, has_changed = false;
+    int jumps = mode.jumps;
+    std::vector<double> was;
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
         if (guard.contact >= 0) {
@@ -398,13 +420,24 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
             after.impossible = opened(t, x);
             return after;
         }
-        if (guard.kind == EventKind::watch)
-            throw InvalidInput("watch " + guard.name +
-                               ": actions that change the state are not there for bodies joined to bodies in this "
-                               "version; stop, and go on from there");
+        if (guard.kind == EventKind::watch) {
+            if (was.empty()) was.assign(x.begin(), x.end());
+            happenings.push_back({EventKind::watch, -1, guard.direction, guard.name});
+            has_changed = change(mode, scene_.watches()[at(guard.watch)], t, x) || has_changed;
+            ++jumps;
+            continue;
+        }
         flip(mode, index, true, x, flipped, happenings);
     }
+    if (has_changed) {
+        // whatever else happens there is decided with it
+        Mode anew = decided_anew(mode, was, t, x, happenings);
+        if (anew.impossible.empty()) anew.impossible = jump_of_drives(mode, anew, t, x);
+        anew.jumps = jumps;
+        return anew;
+    }
     Mode after = mode;
+    after.jumps = jumps;
     if (touches) {
         touch(mode, after, fired, t, x, happenings);
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);

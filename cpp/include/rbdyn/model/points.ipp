@@ -764,7 +764,10 @@ RBDYN_INLINE void PointsModel::change(Mode& mode, const Scene::Watch& watch, dou
             change_rigid(c, b, laws_->rigid_report(i, mode.slip, t, x), user, x);
             continue;
         }
-        if (c.attitude || c.angular_velocity || c.angular_velocity_world || c.angle || c.displacement || c.rate)
+        const std::vector<std::string> words = c.words();
+        if (std::any_of(words.begin(), words.end(), [](const std::string& word) {
+                return word != "position" && word != "velocity" && word != "parameter" && word != "speed";
+            }))
             throw InvalidInput(user + ": its action changes of " + b.name +
                                ", a particle, what only rigid bodies have");
         const bool is_free = !b.curve || mode.slip[at(i)] == flies;
