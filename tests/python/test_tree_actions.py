@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 import rbdyn as rb
 
 scipy_integrate = pytest.importorskip("scipy.integrate")
@@ -43,7 +42,9 @@ def test_a_double_pendulum_is_struck_where_its_angle_says():
     )
     run = rb.simulate(scene, until=2.0, error=1e-11)
 
-    event = lambda t, y: y[0] - 0.3
+    def event(t, y):
+        return y[0] - 0.3
+
     event.terminal, event.direction = True, -1
     y, t, times = np.array([1.2, 1.6, 0.0, 0.5]), 0.0, []
     while t < 2.0:
@@ -69,7 +70,10 @@ def test_a_double_pendulum_is_struck_where_its_angle_says():
 
 def test_what_a_changed_state_makes_is_what_a_scene_that_starts_there_makes():
     scene, upper, lower = rods()
-    change = lambda now: {upper: {"angle": now[upper].angle + 0.25}, lower: {"rate": 2.0}}
+
+    def change(now):
+        return {upper: {"angle": now[upper].angle + 0.25}, lower: {"rate": 2.0}}
+
     scene.watch("at", lambda now: now.time - 0.7, action=change)
     run = rb.simulate(scene, until=2.0, error=1e-11)
     still, first, second = rods()
@@ -137,7 +141,7 @@ def test_a_ball_joint_on_what_is_changed_keeps_how_it_lies_to_it():
         spin = run[arm].angular_velocity_world(0.5, side=side) - run[base].angular_velocity_world(0.5, side=side)
         return about @ run[arm].rotation_matrix(0.5, side=side), about @ spin
 
-    for after, before in zip(relative("after"), relative("before")):
+    for after, before in zip(relative("after"), relative("before"), strict=True):
         assert after == pytest.approx(before, abs=1e-14)
     assert run[base].rate(0.5) == -1.0
 
@@ -160,7 +164,9 @@ def test_a_free_body_beside_a_tree_is_changed_in_the_world():
 
 
 def four_bar(action=None):
-    bar = lambda mass, com, moment: rb.RigidBody(mass, [moment / 2, moment / 2, moment], com=com)
+    def bar(mass, com, moment):
+        return rb.RigidBody(mass, [moment / 2, moment / 2, moment], com=com)
+
     scene = rb.Scene(gravity=[0, -GRAVITY, 0])
     crank = scene.add(bar(1.0, [0.4, 0, 0], 0.05), rb.Revolute([0, 0, 1]), angle=0.5, rate=3.0)
     coupler = scene.add(

@@ -1,4 +1,5 @@
-// Definitions of rbdyn/mechanics/tree_model.hpp: what actions of watched functions make of a state.
+// Definitions of rbdyn/mechanics/tree_model.hpp: what a motion begins with, and what actions of watched functions make
+// of a state.
 //
 // A state is taken in the words of the joints, each relative to its parent, changed there, and put back: what no word
 // changes keeps its bits, but for a ball joint on what has been changed, whose attitude is one in the world. What
@@ -174,9 +175,15 @@ RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch,
     const std::vector<double> before(x.begin(), x.end());
     for (std::size_t k = 0; k < x.size(); ++k)
         if (is_taken[k]) x[k] = static_cast<double>(changed[k]);
+    const bool has_moved = !std::equal(x.begin(), x.begin() + tree_->positions(), before.begin());
+    for (const mechanics::Foot& f : tree_->feet()) {
+        // rounds of a closed curve are counted on
+        const double period = f.curve.period(), there = static_cast<double>(changed[at(f.q)]);
+        const double rounds = period > 0.0 ? std::round((x[at(f.q)] - there) / period) : 0.0;
+        if (has_moved) x[at(f.q)] = there + rounds * period;
+    }
     if (!conditions_->all().empty()) {
         const auto positions = static_cast<std::ptrdiff_t>(tree_->positions());
-        const bool has_moved = !std::equal(x.begin(), x.begin() + positions, before.begin());
         const std::vector<double> on = mechanics::closing::nearest(
             onto_constraints(t, std::vector<DoubleDouble>(x.begin(), x.end()), "the action of " + user));
         // where nothing has moved they are satisfied
@@ -190,6 +197,78 @@ RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch,
                 "gap its action leaves", gap, "what touches is not inside what it touches; move it less far");
     }
     return true;
+}
+
+RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const double> was, double t,
+                                          std::span<double> x, std::vector<Happening>& happenings) const {
+    Mode mode = undecided();
+    const Mode as_it_was = mode;
+    const bool begins = was.empty();
+    if (contacts() == 0) {
+        joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
+        if (!begins && mode.impossible.empty()) tell_joints(before, mode, happenings);
+        return mode;
+    }
+    const auto all = moving(t, x);
+    const auto gaps = conditions_->gaps<double>(*tree_, all);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    std::vector<int> closed;
+    for (int k = 0; k < contacts(); ++k) {
+        const auto row = at(conditions_->normal_row(k));
+        const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all);
+        require(
+            gap >= -near, conditions_->contacts()[at(k)].name, "gap", gap,
+            "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
+            "surface");
+        if (gap > near) continue;
+        const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
+        if (speed <= noise) closed.push_back(k);
+    }
+    std::vector<double> impulses;
+    Strokes strokes;
+    const Kept kept = begins ? Kept{} : kept_closed(before, t, was, x);
+    const auto is_in = [](const std::vector<int>& list, int k) {
+        return std::find(list.begin(), list.end(), k) != list.end();
+    };
+    // what comes towards its surface strikes it before the motion begins
+    if (!closed.empty()) {
+        impulses = strike(as_it_was, t, x, closed, strokes);
+        if (!strokes.impossible.empty()) {
+            mode.impossible = strokes.impossible;
+            return mode;
+        }
+        std::vector<int> at_rest;
+        const auto then = moving(t, x);
+        const auto later = conditions_->rows<double>(*tree_, then);
+        for (const int k : closed) {
+            const auto row = at(conditions_->normal_row(k));
+            // what rests on its surface, and goes on to, has rounding of a speed
+            const double rounding =
+                is_in(kept.along, k) ? 8.0 * std::abs(mechanics::Conditions::rate(rows[row], all)) : 0.0;
+            if (mechanics::Conditions::rate(later[row], then) <= 1e-12 * speed_of(k, then) + rounding)
+                at_rest.push_back(k);
+        }
+        // what never slips does not as the motion begins, whatever turns then
+        std::vector<int> never;
+        for (const int k : at_rest)
+            if (std::isinf(conditions_->contacts()[at(k)].mu_static)) never.push_back(k);
+        if (!never.empty()) stop(t, x, never, never);
+        Fired fired;
+        fired.stuck = strokes.stuck;
+        for (const int k : at_rest)
+            if (is_in(kept.held, k)) fired.stuck.push_back(k);
+        settle(as_it_was, mode, t, x, at_rest, fired);
+    } else {
+        choose(mode, t, x, {});
+    }
+    if (!mode.impossible.empty()) return mode;
+    hold(mode, t, x);
+    if (!begins) {
+        tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);
+        tell_rest(before, was, mode, t, x, happenings);
+        put_in_order(happenings);
+    }
+    return mode;
 }
 
 RBDYN_INLINE double TreeModel::nearest_touch(const Mode& mode, int contact) const {
@@ -233,7 +312,6 @@ RBDYN_INLINE void TreeModel::tell_anew(const Mode& mode, const Mode& after, cons
     }
     if (conditions_->is_rough()) tell_friction(mode, after, {}, before, now, happenings);
     tell_joints(mode, after, happenings);
-    put_in_order(happenings);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

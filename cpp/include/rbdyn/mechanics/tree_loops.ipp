@@ -17,12 +17,15 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/equations_writer.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+#include "rbdyn/model/rail_singular.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -113,6 +116,11 @@ RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<doubl
     }
     for (const mechanics::Condition& c : conditions_->all())
         for (const mechanics::Anchor* a : {&c.a, &c.b}) take(tree_->point<double>(*a, all).place);
+    for (std::size_t k = 0; k < tree_->feet().size(); ++k) {
+        const mechanics::Moving<double>& foot = all[at(tree_->size()) + k];
+        for (const double side : {-1.0, 1.0})
+            take(foot.place + foot.joint.front().move * (side * tree_->feet()[k].part()));
+    }
     return (high - low).norm();
 }
 
@@ -187,6 +195,20 @@ RBDYN_INLINE void TreeModel::require_finite_drives(double t) const {
                                        " at t = " + text(t) +
                                        " s; a motion is a finite function of time with finite derivatives, from where "
                                        "the scene starts");
+}
+
+RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::span<const double> x) const {
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    for (const Guard& guard : mode.equations->guards) {
+        if (guard.kind != EventKind::rail_end) continue;
+        const bool is_there = std::abs(values.output(guard.output)) <= 8.0 * epsilon * values.magnitude(guard.output);
+        if (is_there && leading_sign(mode, t, x, guard.output) < 0)
+            throw InvalidInput((guard.name.empty() ? name(guard.subject) : guard.name) +
+                               ": it starts at an end of its curve, which it leaves at once; start it within the curve "
+                               "or moving inward");
+    }
 }
 
 RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const {
@@ -271,6 +293,13 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
             for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
                 if (!std::isfinite(value))
                     return "the motion of the joint of " + n.name + ", or a rate of it, which is " + text(value);
+    for (const mechanics::Node& n : tree_->nodes())
+        if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>())
+            if (const std::string what = singular_at(*rail->curve, x[at(n.q)]); !what.empty())
+                return "the rail of " + n.name + " at u = " + text(x[at(n.q)]) + ", where " + what;
+    for (const mechanics::Foot& f : tree_->feet())
+        if (const std::string what = singular_at(f.curve, x[at(f.q)]); !what.empty())
+            return "the curve of " + f.name + " at u = " + text(x[at(f.q)]) + ", where " + what;
     if (mode.equations != nullptr) {
         const mechanics::TreeState state = look(mode, t, x);
         for (std::size_t k = 0; k < state.couplings.size(); ++k)

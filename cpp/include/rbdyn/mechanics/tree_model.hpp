@@ -191,6 +191,14 @@ private:
                        const std::vector<mechanics::Moving<double>>& before,
                        const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
     void own_parameters(Mode& mode, std::span<const double> x) const override;
+    // --- what comes to rest (tree_rest.ipp) ---
+
+    /// Whether a body that touches surfaces is at rest on all of them, and stays so, but for rounding.
+    bool is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const;
+    /// Which bodies come to rest, from a mode and the state `was` in it.
+    void tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
+                   std::span<const double> x, std::vector<Happening>& happenings) const;
+
     /// What contacts tell at one instant: by kind, then by name.
     void put_in_order(std::vector<Happening>& happenings) const;
 
@@ -285,6 +293,8 @@ private:
     /// empty if none does.
     std::string jump_of_drives(const Mode& before, const Mode& after, double t, std::span<const double> x) const;
     void require_finite_drives(double t) const;
+    /// Throws InvalidInput for what starts at an end of its curve and moves off it.
+    void require_no_end(const Mode& mode, double t, std::span<const double> x) const;
     /// The constraints of which some rows depend on others, but for a small part; empty if none do.
     std::string locked(double t, std::span<const double> x) const;
 

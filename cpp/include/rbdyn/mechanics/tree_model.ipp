@@ -23,6 +23,7 @@
 #include "rbdyn/mechanics/tree_observables.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/rail_singular.hpp"
 #include "rbdyn/model/sliding.hpp"
 #include "rbdyn/model/within.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
@@ -328,74 +329,8 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
 RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     require_finite_drives(t);
     std::vector<Happening> silent;
-    return decided_anew(undecided(), {}, t, x, silent);
-}
-
-RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const double> was, double t,
-                                          std::span<double> x, std::vector<Happening>& happenings) const {
-    Mode mode = undecided();
-    const Mode as_it_was = mode;
-    const bool begins = was.empty();
-    if (contacts() == 0) {
-        joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
-        if (!begins && mode.impossible.empty()) tell_joints(before, mode, happenings);
-        return mode;
-    }
-    const auto all = moving(t, x);
-    const auto gaps = conditions_->gaps<double>(*tree_, all);
-    const auto rows = conditions_->rows<double>(*tree_, all);
-    std::vector<int> closed;
-    for (int k = 0; k < contacts(); ++k) {
-        const auto row = at(conditions_->normal_row(k));
-        const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all);
-        require(
-            gap >= -near, conditions_->contacts()[at(k)].name, "gap", gap,
-            "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
-            "surface");
-        if (gap > near) continue;
-        const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
-        if (speed <= noise) closed.push_back(k);
-    }
-    std::vector<double> impulses;
-    Strokes strokes;
-    const Kept kept = begins ? Kept{} : kept_closed(before, t, was, x);
-    const auto is_in = [](const std::vector<int>& list, int k) {
-        return std::find(list.begin(), list.end(), k) != list.end();
-    };
-    // what comes towards its surface strikes it before the motion begins
-    if (!closed.empty()) {
-        impulses = strike(as_it_was, t, x, closed, strokes);
-        if (!strokes.impossible.empty()) {
-            mode.impossible = strokes.impossible;
-            return mode;
-        }
-        std::vector<int> at_rest;
-        const auto then = moving(t, x);
-        const auto later = conditions_->rows<double>(*tree_, then);
-        for (const int k : closed) {
-            const auto row = at(conditions_->normal_row(k));
-            // what rests on its surface, and goes on to, has rounding of a speed
-            const double rounding =
-                is_in(kept.along, k) ? 8.0 * std::abs(mechanics::Conditions::rate(rows[row], all)) : 0.0;
-            if (mechanics::Conditions::rate(later[row], then) <= 1e-12 * speed_of(k, then) + rounding)
-                at_rest.push_back(k);
-        }
-        // what never slips does not as the motion begins, whatever turns then
-        std::vector<int> never;
-        for (const int k : at_rest)
-            if (std::isinf(conditions_->contacts()[at(k)].mu_static)) never.push_back(k);
-        if (!never.empty()) stop(t, x, never, never);
-        Fired fired;
-        fired.stuck = strokes.stuck;
-        for (const int k : at_rest)
-            if (is_in(kept.held, k)) fired.stuck.push_back(k);
-        settle(as_it_was, mode, t, x, at_rest, fired);
-    } else {
-        choose(mode, t, x, {});
-    }
-    if (!mode.impossible.empty()) return mode;
-    hold(mode, t, x);
-    if (!begins) tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);
+    Mode mode = decided_anew(undecided(), {}, t, x, silent);
+    if (mode.impossible.empty()) require_no_end(mode, t, x);
     return mode;
 }
 
@@ -563,6 +498,20 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             tree.touch(write);
             tree.rub(write);
             tree.guard_drives(write);
+            if (!stands_still) {
+                tree.guard_ends(write);
+                // where a curve has no tangent there is no law of motion along it
+                const auto cusps = [&](const Curve& curve, int body, int q) {
+                    if (curve.always_regular()) return;
+                    const auto place = std::make_shared<const RailSingularity>(curve, state.x[at(q)], q, -1);
+                    write.outside(
+                        {.kind = EventKind::singular, .role = GuardRole::stop, .subject = body, .locator = place});
+                };
+                for (int i = 0; i < bodies(); ++i)
+                    if (const mechanics::RailLaw* rail = tree_->node(i).joint.as<mechanics::RailLaw>())
+                        cusps(*rail->curve, i, tree_->node(i).q);
+                for (const mechanics::Foot& f : tree_->feet()) cusps(f.curve, f.held.body, f.q);
+            }
             guard_loops(write, tree);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
