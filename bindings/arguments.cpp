@@ -108,6 +108,14 @@ std::vector<double> list_of_doubles(py::handle value, const std::string& object,
     return {array.data(), array.data() + array.size()};
 }
 
+std::array<double, 2> pair_of(py::handle value, const std::string& object, const std::string& what) {
+    const std::vector<double> values = list_of_doubles(value, object, what);
+    if (values.size() != 2)
+        throw InvalidInput(object + ": " + what + " has " + std::to_string(values.size()) +
+                           " numbers; it is two, as in [0.5, 0]");
+    return {values[0], values[1]};
+}
+
 py::array_t<double> rows_of(const std::vector<Vector3>& vectors) {
     py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
     double* out = result.mutable_data();

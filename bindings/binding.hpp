@@ -154,6 +154,8 @@ std::vector<Vector3> rows(py::handle value, const std::string& object, const std
 rbdyn::Attitude attitude(py::handle value, const std::string& object);
 /// A list of numbers.
 std::vector<double> list_of_doubles(py::handle value, const std::string& object, const std::string& what);
+/// Two numbers.
+std::array<double, 2> pair_of(py::handle value, const std::string& object, const std::string& what);
 
 // --- functions of the user's: recorded, or called back (functions.cpp; recording.hpp for other kinds) ---
 

@@ -5,7 +5,8 @@
 
 namespace binding {
 
-using rbdyn::Sphere, rbdyn::Ball, rbdyn::Hinge, rbdyn::Plane, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld;
+using rbdyn::Sphere, rbdyn::Ball, rbdyn::Hinge, rbdyn::Plane, rbdyn::PointOnCurve, rbdyn::PointOnPlane, rbdyn::Rod,
+    rbdyn::Weld;
 
 void bind_constraints(py::module_& m) {
     py::class_<Plane> plane(m, "Plane", "A plane through a point.");
@@ -108,6 +109,21 @@ void bind_constraints(py::module_& m) {
     as_data(
         on_plane, [](const PointOnPlane& p) { return py::make_tuple(p.plane); },
         [](const py::tuple& d) { return PointOnPlane{d[0].cast<Plane>()}; });
+
+    py::class_<PointOnCurve> on_curve(m, "PointOnCurve", "A point stays on a curve.");
+    on_curve
+        .def(py::init([](const rbdyn::Curve& curve) { return PointOnCurve{curve}; }), py::arg("curve"),
+             "curve: in the axes of b.")
+        .def_property_readonly(
+            "curve",
+            [](const PointOnCurve& p) {
+                return py::reinterpret_steal<py::typing::Union<rbdyn::Curve>>(curve_object(p.curve).release());
+            },
+            "In the axes of b.")
+        .def("__repr__", [](const PointOnCurve& p) { return "PointOnCurve(" + p.curve.name() + ")"; });
+    as_data(
+        on_curve, [](const PointOnCurve& p) { return py::make_tuple(curve_object(p.curve)); },
+        [](const py::tuple& d) { return PointOnCurve{d[0].cast<rbdyn::Curve>()}; });
 }
 
 }  // namespace binding

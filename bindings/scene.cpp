@@ -10,10 +10,10 @@
 
 namespace binding {
 
-using rbdyn::Ball, rbdyn::Hinge, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld, rbdyn::Cylindrical, rbdyn::Fixed,
-    rbdyn::Planar, rbdyn::Universal, rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart, rbdyn::Joint,
-    rbdyn::Particle, rbdyn::Prismatic, rbdyn::Rail, rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody, rbdyn::Scene,
-    rbdyn::Spherical;
+using rbdyn::Ball, rbdyn::Hinge, rbdyn::PointOnCurve, rbdyn::PointOnPlane, rbdyn::Rod, rbdyn::Weld, rbdyn::Cylindrical,
+    rbdyn::Fixed, rbdyn::Planar, rbdyn::Universal, rbdyn::BodyStart, rbdyn::DoubleDouble, rbdyn::Free, rbdyn::FreeStart,
+    rbdyn::Joint, rbdyn::Particle, rbdyn::Prismatic, rbdyn::Rail, rbdyn::RailStart, rbdyn::Revolute, rbdyn::RigidBody,
+    rbdyn::Scene, rbdyn::Spherical;
 
 namespace {
 
@@ -70,7 +70,7 @@ CouplingHandle connect(BoundScene& self, const AnyCoupling& given, const ArrayLi
     return add_coupling(self, added.index);
 }
 
-using AnyConstraint = std::variant<Ball, Rod, Weld, Hinge, PointOnPlane, Universal>;
+using AnyConstraint = std::variant<Ball, Rod, Weld, Hinge, PointOnPlane, PointOnCurve, Universal>;
 
 ConstraintHandle constrain(BoundScene& self, const AnyConstraint& constraint, const ArrayLike& a,
                            const std::optional<ArrayLike>& b, const std::optional<std::string>& name) {

@@ -44,12 +44,7 @@ public:
         if (has(key)) read(key, value.emplace());
     }
     void read(const char* key, std::array<double, 2>& value) const {
-        if (!has(key)) return;
-        const std::vector<double> values = list_of_doubles(words_.given[key], words_.object, key);
-        if (values.size() != 2)
-            throw InvalidInput(words_.object + ": " + key + " has " + std::to_string(values.size()) +
-                               " numbers; it is two, as in [0.5, 0]");
-        value = {values[0], values[1]};
+        if (has(key)) value = pair_of(words_.given[key], words_.object, key);
     }
     void read(const char* key, rbdyn::Attitude& value) const {
         if (has(key)) value = binding::attitude(words_.given[key], words_.object);

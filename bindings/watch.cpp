@@ -96,10 +96,21 @@ std::vector<rbdyn::StateChange> changes(const py::object& returned, const Handle
         rbdyn::StateChange change{handles.body(key.cast<const Handle&>(), user)};
         for (const auto& [word, what] : value.cast<py::dict>()) {
             const auto name = word.cast<std::string>();
-            if (name == "position")
+            // along a plane both have two numbers
+            const bool is_in_plane =
+                (name == "position" || name == "velocity") && py::hasattr(what, "__len__") && py::len(what) == 2;
+            if (is_in_plane)
+                (name == "position" ? change.position_in_plane : change.velocity_in_plane) = pair_of(what, user, name);
+            else if (name == "position")
                 change.position = vector3(what, user, name);
             else if (name == "velocity")
                 change.velocity = vector3(what, user, name);
+            else if (name == "angles")
+                change.angles = pair_of(what, user, name);
+            else if (name == "rates")
+                change.rates = pair_of(what, user, name);
+            else if (name == "displacement_rate")
+                change.displacement_rate = number(what, user, name);
             else if (name == "parameter")
                 change.parameter = number(what, user, name);
             else if (name == "speed")

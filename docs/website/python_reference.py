@@ -19,7 +19,17 @@ SUBJECTS = {
         *("Force", "Torque", "Potential", "Drag", "Lorentz", "TorsionSpring", "JointForce", "JointTorque"),
         *("Spring", "Gravitation", "Central", "PairForce"),
     ],
-    "Constraints and contacts": ["Ball", "Rod", "Weld", "Hinge", "PointOnPlane", "Plane", "Sphere", "Coulomb"],
+    "Constraints and contacts": [
+        "Ball",
+        "Rod",
+        "Weld",
+        "Hinge",
+        "PointOnCurve",
+        "PointOnPlane",
+        "Plane",
+        "Sphere",
+        "Coulomb",
+    ],
     "Functions of your own": [
         *("parameter", "Parameter", "Function", "UserFunction", "Expression", "Condition", "where"),
         *("Watched", "Now", "BodyNow", "CouplingNow"),

@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'engines', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnCurve', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'engines', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -1644,6 +1644,29 @@ class PointOnPlane:
         """
         In the axes of b.
         """
+class PointOnCurve:
+    """
+    A point stays on a curve.
+    """
+    def __eq__(self, arg0: typing.Any) -> bool:
+        ...
+    def __getstate__(self) -> tuple[typing.Any]:
+        ...
+    def __hash__(self) -> int:
+        ...
+    def __init__(self, curve: Curve) -> None:
+        """
+        curve: in the axes of b.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def curve(self) -> Curve:
+        """
+        In the axes of b.
+        """
 class Force:
     """
     A force on a body, constant or a function of time, position and velocity.
@@ -2236,7 +2259,7 @@ class Scene:
         Joins two ends by a Spring, a Gravitation, a Central or a PairForce: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
         or one of them a point of the world (3,) [m]. Returns a handle.
         """
-    def constrain(self, constraint: Ball | Rod | Weld | Hinge | PointOnPlane | Universal, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike | None = None, *, name: str | None = None) -> ConstraintHandle:
+    def constrain(self, constraint: Ball | Rod | Weld | Hinge | PointOnPlane | PointOnCurve | Universal, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike | None = None, *, name: str | None = None) -> ConstraintHandle:
         """
         Holds a to b beside their joints: closes a loop, holds a point. Ends as in connect(); axes, planes and curves are in
         the axes of b. Without b: the world, and of two points that coincide the place where a starts. Returns a handle.

@@ -58,7 +58,7 @@ def test_a_ball_that_rolls_and_spins_between_a_curve_and_its_stop():
         assert np.linalg.norm(run[ball].position(1.0) - found.y[:3, -1]) < max(error, 1e-12)
         assert np.linalg.norm(run[ball].velocity(1.0) - found.y[3:, -1]) < max(error, 1e-12)
         assert abs(run[ball].angular_velocity_world(1.0) @ normal - (spin - sigma * load / (0.4 * r * r))) < 30 * error
-        assert [e.kind for e in run.events] == ["stick", "stick"]
+        assert [e.kind for e in run.events] == ["stick", "stick", "rest"]
         assert np.linalg.norm(run[ball].velocity(30.0)) == 0.0
         assert np.linalg.norm(run[ball].angular_velocity(30.0)) == 0.0
 

@@ -63,8 +63,9 @@ TEST(RoughContacts, a_block_thrown_up_an_incline_stops_and_stays) {
         const auto touch = scene.contact(block, Plane{{-3, 4, 0}},
                                          {.friction = Coulomb{given(file, "mu_static"), given(file, "mu_dynamic")}});
         const Trajectory run = simulate(scene, {.until = 1e5, .error = error});
-        ASSERT_EQ(run.events().size(), 1u);
+        ASSERT_EQ(run.events().size(), 2u);
         EXPECT_NEAR(run.events().times("stick", touch).at(0), number(file["values"]["stop"]["t"]), error);
+        EXPECT_EQ(run.events().times("rest", block), run.events().times("stick", touch));
         for (const auto& s : file["values"]["samples"]) {
             const double t = number(s["t"]);
             EXPECT_NEAR(run[block].position(t).dot(along), number(s["s"]), error);
@@ -276,8 +277,9 @@ TEST(RoughContacts, a_direction_that_turns_to_the_end_ends_where_the_closed_form
         const auto touch = scene.contact(p, Plane{{-3, 4, 0}}, rough(mu));
         const double stop = 2.0 / 9.81 * mu * 0.8 / (mu * mu * 0.64 - 0.36);
         const Trajectory run = simulate(scene, {.until = stop + 1.0, .error = 1e-11});
-        ASSERT_EQ(run.events().size(), 1u);
+        ASSERT_EQ(run.events().size(), 2u);
         EXPECT_NEAR(run.events().times("stick", touch).at(0), stop, 2e-11 * stop) << mu;
+        EXPECT_EQ(run.events().times("rest", p), run.events().times("stick", touch));
         EXPECT_EQ(run[p].velocity(stop + 1.0).norm(), 0.0);
         const double k = mu * 0.8 / 0.6;
         for (double t = 0.1 * stop; t < 0.99 * stop; t += 0.1 * stop) {

@@ -31,8 +31,10 @@ TEST(Rolling, a_ball_rolls_out_and_stays) {
                                                   .angular_velocity = Vector3(0, 0, 1).cross(along) * (v0 / r)});
             const auto touch = scene.contact(ball.sphere(r), Plane{{0, 0, 1}}, resisting(rho, 0.0));
             const Trajectory run = simulate(scene, {.until = 1e5, .error = error});
-            ASSERT_EQ(run.events().size(), 1u);
+            ASSERT_EQ(run.events().size(), 2u);
             EXPECT_EQ(run.events()[0].kind, EventKind::stick);
+            EXPECT_EQ(run.events()[1].kind, EventKind::rest);
+            EXPECT_EQ(run.events()[1].subject, ball.index);
             EXPECT_EQ(run.events()[0].contact, touch.index);
             EXPECT_NEAR(run.events()[0].time, stops, 1e-13);
             for (const double t : {1.0, 5.0}) {
@@ -75,7 +77,7 @@ TEST(Rolling, a_spinning_ball_spins_down_in_a_line) {
                                         BodyStart{.position = {0, 0, r}, .angular_velocity = Vector3(0, 0, sign * w0)});
             scene.contact(ball.sphere(r), Plane{{0, 0, 1}}, resisting(0.0, sigma));
             const Trajectory run = simulate(scene, {.until = 20.0, .error = error});
-            ASSERT_EQ(run.events().size(), 1u);
+            ASSERT_EQ(run.events().size(), 2u);
             EXPECT_NEAR(run.events()[0].time, stops, 1e-13);
             EXPECT_NEAR(run[ball].angular_velocity(0.3 * stops)[2], sign * 0.7 * w0, 1e-12);
             EXPECT_EQ(run[ball].angular_velocity(20.0).norm(), 0.0);
@@ -89,8 +91,9 @@ TEST(Rolling, a_disc_in_a_plane_rolls_out) {
         scene.add(shapes::disc(m, r, {0, 0, 1}), Planar{}, {.position = {0, r}, .velocity = {v0, 0}, .rate = -v0 / r});
     const auto touch = scene.contact(disc.disc(r, {0, 0, 1}), Plane{{0, 1, 0}}, resisting(rho, sigma));
     const Trajectory run = simulate(scene, {.until = 10.0, .error = 1e-10});
-    ASSERT_EQ(run.events().size(), 1u);
+    ASSERT_EQ(run.events().size(), 2u);
     EXPECT_NEAR(run.events().times("stick", touch).at(0), v0 / slowing, 1e-13);
+    EXPECT_EQ(run.events().times("rest", disc), run.events().times("stick", touch));
     EXPECT_EQ(run[disc].velocity(10.0).norm(), 0.0);
 }
 
@@ -145,12 +148,14 @@ TEST(Rolling, what_slides_spins_and_rolls_stops_one_after_the_other) {
         const double inertia = 0.4 * r * r, first = -w0 * inertia / ((mu * r + rho) * g),
                      gain = (mu * r - rho) * g / inertia, v1 = v0 - mu * g * first, second = v1 / (mu * g + r * gain),
                      v2 = v1 - mu * g * second, last = v2 / (rho * g / (1.4 * r));
-        ASSERT_EQ(run.events().size(), 4u);
+        ASSERT_EQ(run.events().size(), 5u);
         EXPECT_EQ(run.events()[0].kind, EventKind::reverse);
         EXPECT_NEAR(run.events()[0].time, first, 1e-13);
         EXPECT_NEAR(run.events()[1].time, first + second, 1e-13);
         EXPECT_NEAR(run.events()[2].time, spin * inertia / (sigma * g), 1e-12);
         EXPECT_NEAR(run.events()[3].time, first + second + last, 1e-12);
+        EXPECT_EQ(run.events()[4].kind, EventKind::rest);
+        EXPECT_EQ(run.events()[4].time, run.events()[3].time);
         EXPECT_EQ(run[touch].state(19.0), "sticks");
     }
 }

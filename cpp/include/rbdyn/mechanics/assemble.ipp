@@ -122,6 +122,9 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
         for (const mechanics::Condition& c : conditions.all())
             for (const mechanics::Anchor* a : {&c.a, &c.b})
                 size = std::max(size, tree.point<double>(*a, all).place.norm());
+        for (std::size_t k = 0; k < tree.feet().size(); ++k)
+            size = std::max(
+                size, tree.feet()[k].part() * all[static_cast<std::size_t>(tree.size()) + k].joint.front().move.norm());
         const auto gaps = mechanics::closing::nearest(
             mechanics::closing::of_constraints(conditions.gaps<DoubleDouble>(tree, wide()), conditions));
         left = mechanics::closing::largest(gaps);
@@ -135,7 +138,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
         const double length = mechanics::closing::largest(step), allowed = longest * std::max(1.0, size);
         if (length > allowed)
             for (double& s : step) s *= allowed / length;
-        mechanics::closing::move<DoubleDouble>(tree, step, x);
+        mechanics::closing::move<DoubleDouble>(tree, 0.0, step, x);
         mechanics::closing::normalize<DoubleDouble>(tree, x);
         if (length <= 1e-16 * std::max(1.0, size) && pass > 5) break;
     }
@@ -186,7 +189,7 @@ RBDYN_INLINE double Scene::assemble(const std::vector<BodyHandle>& keep) {
     double moved = 0.0;
     for (int i = 0; i < tree.size(); ++i)
         mechanics::assembling::put(tree, i, last, x, bodies_[static_cast<std::size_t>(i)]);
-    for (int k = 0; k < tree.positions(); ++k)
+    for (int k = 0; k < tree.positions() - static_cast<int>(tree.feet().size()); ++k)
         moved = std::max(
             moved, std::abs(static_cast<double>(x[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)])));
     plan_.forget();

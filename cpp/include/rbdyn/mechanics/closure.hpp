@@ -84,9 +84,9 @@ std::vector<Moving<W>> moving(const Tree& tree, double t, const std::vector<W>& 
     return tree.moving<W>(W(t), x.data(), x.data() + tree.positions());
 }
 
-/// Moves positions by the changes of velocities.
+/// Moves positions by the changes of velocities, at a time.
 template <class W>
-void move(const Tree& tree, const std::vector<double>& changes, std::vector<W>& x) {
+void move(const Tree& tree, double t, const std::vector<double>& changes, std::vector<W>& x) {
     for (int i = 0; i < tree.size(); ++i) {
         const Node& n = tree.node(i);
         W v[6], rate[7];
@@ -95,6 +95,7 @@ void move(const Tree& tree, const std::vector<double>& changes, std::vector<W>& 
         n.joint.rates<W>(q, v, rate);
         for (int k = 0; k < n.joint.positions(); ++k) q[k] += rate[k];
     }
+    tree.follow<W>(t, x.data());
 }
 
 template <class W>

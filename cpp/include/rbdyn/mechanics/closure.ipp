@@ -86,6 +86,7 @@ RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const 
                           std::vector<DoubleDouble>& x, int most) {
     const auto doubles = [&] { return closing::moving<double>(tree, t, closing::nearest(x)); };
     double left = 0.0, before = std::numeric_limits<double>::infinity();
+    tree.follow<DoubleDouble>(t, x.data());
     for (int pass = 0; pass < most; ++pass) {
         const auto gaps = closing::of_constraints(
             conditions.gaps<DoubleDouble>(tree, closing::moving<DoubleDouble>(tree, t, x)), conditions);
@@ -93,7 +94,7 @@ RBDYN_INLINE double close(const Tree& tree, const Conditions& conditions, const 
         if (left == 0.0 || (pass > 3 && left >= before)) break;
         before = left;
         const closing::Responses now(tree, conditions, rows, doubles());
-        closing::move<DoubleDouble>(tree, now.changes(closing::chosen(gaps, rows)), x);
+        closing::move<DoubleDouble>(tree, t, now.changes(closing::chosen(gaps, rows)), x);
         closing::normalize<DoubleDouble>(tree, x);
     }
     for (int pass = 0; pass < 3; ++pass) {
@@ -114,6 +115,7 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
     for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
     const std::vector<Real> before = wide;
     closing::normalize<Real>(*tree_, wide);
+    tree_->follow<Real>(t, wide.data());
     if (!rows_.empty() || !closed_.empty()) {
         const auto at = closing::moving<double>(*tree_, t, {x.begin(), x.end()});
         const closing::Responses now(*tree_, *conditions_, rows_, at);
@@ -127,7 +129,7 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
             const double left = closing::largest(asked);
             if (left == 0.0 || left > 1e-3 * last) break;
             last = left;
-            closing::move<Real>(*tree_, (other ? *other : now).changes(asked), wide);
+            closing::move<Real>(*tree_, t, (other ? *other : now).changes(asked), wide);
             if (left < 1e-9) break;
         }
         const auto moved = closing::moving<Real>(*tree_, t, wide);

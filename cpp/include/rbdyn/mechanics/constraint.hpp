@@ -4,6 +4,7 @@
 //     two points          e_k . (a - b), e_k the world's axes
 //     a distance          (|a - b|^2 - l^2) / 2
 //     a point on a plane  n . (a - c), n and c fixed in b
+//     a point on a curve  n_1 . (a - f), n_2 . (a - f), f its foot, n_1 and n_2 across the curve there (foot.hpp)
 //     right angles        u . e, u fixed in a and e fixed in b:  (u . e)' = (omega_a - omega_b) . (u x e)
 // A hinge is two points and two right angles with its axis, a weld two points and three, a universal joint two and one.
 #pragma once
@@ -29,7 +30,7 @@ namespace mechanics {
 
 /// The rows of one constraint, with what is fixed in its bodies.
 struct Condition {
-    enum class Points { none, coincide, distance, plane };
+    enum class Points { none, coincide, distance, plane, curve };
 
     std::string name;
     Anchor a, b;
@@ -41,11 +42,16 @@ struct Condition {
         bool operator==(const RightAngle&) const = default;
     };
     std::vector<RightAngle> angles;
+    int foot = -1;  // of a curve: among the feet of the tree
     int first = 0;  // among all rows
 
     bool operator==(const Condition&) const = default;
     int rows() const {
-        return (points == Points::coincide ? 3 : points == Points::none ? 0 : 1) + static_cast<int>(angles.size());
+        const int of_points = points == Points::coincide ? 3
+                              : points == Points::curve  ? 2
+                              : points == Points::none   ? 0
+                                                         : 1;
+        return of_points + static_cast<int>(angles.size());
     }
 };
 
@@ -96,6 +102,12 @@ public:
                     n, Vector3Of<S>(ends.bias_a - ends.b.bias_at(arm) - cross<S>(ends.b.omega, sliding) * S(2.0)));
                 rows.push_back(pushing(ends, n, arm, bias));
             }
+            if (c.points == Condition::Points::curve) {
+                const Moving<S>& foot = foot_of<S>(tree, c, all);
+                for (std::size_t k = 1; k < 3; ++k)
+                    rows.push_back(pushing(ends, foot.joint[k].move, Vector3Of<S>(ends.arm_b + ends.apart),
+                                           dot<S>(foot.joint[k].move, Vector3Of<S>(ends.bias_a - foot.bias))));
+            }
             for (const Condition::RightAngle& angle : c.angles) {
                 const Vector3Of<S> u = ends.a.to_world(exactly<S>(angle.in_a)),
                                    e = ends.b.to_world(exactly<S>(angle.in_b)), m = cross<S>(u, e);
@@ -137,6 +149,12 @@ public:
             }
             if (c.points == Condition::Points::plane)
                 gaps.push_back(dot<S>(ends.b.to_world(exactly<S>(c.normal)), ends.apart));
+            if (c.points == Condition::Points::curve) {
+                const Moving<S>& foot = foot_of<S>(tree, c, all);
+                for (std::size_t k = 1; k < 3; ++k)
+                    gaps.push_back(
+                        dot<S>(foot.joint[k].move, Vector3Of<S>(tree.point<S>(c.a, all).place - foot.place)));
+            }
             for (const Condition::RightAngle& angle : c.angles)
                 gaps.push_back(
                     dot<S>(ends.a.to_world(exactly<S>(angle.in_a)), ends.b.to_world(exactly<S>(angle.in_b))));
@@ -186,6 +204,11 @@ private:
             if (c.b.body >= 0) relative_bias = relative_bias - b.bias_at(arm_b);
         }
     };
+
+    template <class S>
+    static const Moving<S>& foot_of(const Tree& tree, const Condition& c, const std::vector<Moving<S>>& all) {
+        return all[static_cast<std::size_t>(tree.size() + c.foot)];
+    }
 
     template <class S>
     static Row<S> pushing(const Ends<S>& ends, const Vector3Of<S>& n, const Vector3Of<S>& arm_b, const S& bias) {

@@ -86,6 +86,7 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
                                     const std::vector<Moving<DoubleDouble>>& start) {
     using Wide = Vector3Of<DoubleDouble>;
     const Moving<DoubleDouble> ground;
+    int feet = 0;
     for (const Scene::Held& held : scene.constraints()) {
         Condition c;
         c.name = held.name;
@@ -131,8 +132,13 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
         } else if (const Universal* joint = std::get_if<Universal>(&held.constraint)) {
             const Wide first = unit(joint->first);
             c.angles.push_back({first, unit(joint->second)});
-        } else if (std::holds_alternative<PointOnCurve>(held.constraint)) {
-            throw InvalidInput("constrain: PointOnCurve is not simulated in this version; a Rail guides a particle");
+        } else if (const PointOnCurve* along = std::get_if<PointOnCurve>(&held.constraint)) {
+            c.points = Condition::Points::curve;
+            c.foot = feet++;
+            // a point of the curve, in the axes of b
+            const Domain d = along->curve.domain();
+            c.b.point = widened(along->curve.position(std::isfinite(d.begin) ? d.begin : 0.0));
+            if (c.b.body >= 0) c.b.point -= tree.node(c.b.body).joint.held().point;
         }
         c.first = rows_;
         rows_ += c.rows();
@@ -159,6 +165,8 @@ RBDYN_INLINE double Conditions::gap(const Tree& tree, int index, const std::vect
         squares += std::pow(ends.apart.norm() - static_cast<double>(c.length), 2);
     if (c.points == Condition::Points::plane)
         squares += std::pow(dot<double>(ends.b.to_world(exactly<double>(c.normal)), ends.apart), 2);
+    if (c.points == Condition::Points::curve)
+        squares += (tree.point<double>(c.a, all).place - foot_of<double>(tree, c, all).place).squaredNorm();
     for (const Condition::RightAngle& angle : c.angles)
         squares += std::pow(
             dot<double>(ends.a.to_world(exactly<double>(angle.in_a)), ends.b.to_world(exactly<double>(angle.in_b))), 2);

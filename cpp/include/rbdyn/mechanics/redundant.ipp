@@ -83,7 +83,7 @@ RBDYN_INLINE std::optional<Opening> opening(const Tree& tree, const Conditions& 
         for (double& v : way) v *= moved / speed;
         std::vector<DoubleDouble> there(x.begin(), positions);
         there.resize(x.size(), DoubleDouble(0.0));
-        closing::move<DoubleDouble>(tree, way, there);
+        closing::move<DoubleDouble>(tree, t, way, there);
         for (int pass = 0; pass < 4; ++pass) closing::normalize<DoubleDouble>(tree, there);
         close(tree, conditions, rows, t, there);
         const auto all = with(there, rest);

@@ -1,14 +1,17 @@
 // Bodies on their joints: a tree whose root is the ground, and its coordinates.
 //
-// Variables: the positions of all joints in the order of bodies, then their velocities. Bodies that turn freely have
-// their attitude in the world and their angular velocity in world axes (joint/spherical.hpp); a free body with a parent
-// is one without.
+// Variables: the positions of all joints in the order of bodies, behind them the parameters of points that are held on
+// curves (foot.hpp), then the velocities of the joints. Bodies that turn freely have their attitude in the world and
+// their angular velocity in world axes (joint/spherical.hpp); a free body with a parent is one without.
 // Invariant: constants that derive from the user's doubles, and the start, are numbers of 32 digits.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
@@ -16,6 +19,8 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/body/mass_properties.hpp"
+#include "rbdyn/mechanics/anchor.hpp"
+#include "rbdyn/mechanics/foot.hpp"
 #include "rbdyn/mechanics/joint/law.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/six.hpp"
@@ -41,14 +46,6 @@ struct Node {
     Vector3Of<DoubleDouble> from_held(const Vector3& point) const { return widened(point) - joint.held().point; }
 };
 
-/// A point of a body, from its P in its axes; or of the world.
-struct Anchor {
-    int body = -1;
-    Vector3Of<DoubleDouble> point{};
-
-    bool operator==(const Anchor&) const = default;
-};
-
 class Tree {
 public:
     [[gnu::cold]] explicit Tree(const Scene& scene);
@@ -60,8 +57,10 @@ public:
     int velocities() const { return velocities_; }
     int variables() const { return positions_ + velocities_; }
     Anchor anchor(const End& end) const;
+    /// Of the points that constraints hold on curves, in their order.
+    const std::vector<Foot>& feet() const { return feet_; }
 
-    /// Where everything is, from positions and velocities.
+    /// Where everything is, from positions and velocities: all bodies, and behind them all feet.
     template <class S>
     std::vector<Moving<S>> moving(const S& t, const S* q, const S* v) const {
         std::vector<Moving<S>> all;
@@ -69,7 +68,34 @@ public:
         const Moving<S> ground;
         for (const Node& n : nodes_)
             all.push_back(n.joint.move<S>(n.parent < 0 ? ground : all[at(n.parent)], t, q + n.q, v + n.v));
+        for (const Foot& f : feet_) {
+            Moving<S> foot = f.move<S>(all, q);
+            all.push_back(std::move(foot));
+        }
         return all;
+    }
+
+    /// Moves the feet to where their points are nearest, or to an end of their curves.
+    template <class W>
+    void follow(double t, W* q) const {
+        const std::vector<W> still(at(velocities_), W(0.0));
+        for (int pass = 0; pass < 3 && !feet_.empty(); ++pass) {
+            const std::vector<Moving<W>> all = moving<W>(W(t), q, still.data());
+            double farthest = 0.0;
+            for (std::size_t k = 0; k < feet_.size(); ++k) {
+                const Foot& f = feet_[k];
+                W& u = q[f.q];
+                const W off = f.off<W>(all, all[nodes_.size() + k]);
+                farthest = std::max(farthest, std::abs(static_cast<double>(off)) / f.part());
+                u += off;
+                if (f.curve.closed()) continue;
+                const Domain d = f.curve.domain();
+                if (static_cast<double>(u) < d.begin) u = W(d.begin);
+                if (static_cast<double>(u) > d.end) u = W(d.end);
+            }
+            // what is left is a part of it as small as the gap
+            if (farthest < 1e-9) break;
+        }
     }
 
     /// The central inertia of a body in world axes: R I R^T, its third moment taken apart, for R R^T = 1.
@@ -127,6 +153,7 @@ private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
     std::vector<Node> nodes_;
+    std::vector<Foot> feet_;
     std::vector<Scene::Body> starts_;
     int positions_ = 0, velocities_ = 0;
 };

@@ -3,6 +3,7 @@
 
 #include "rbdyn/mechanics/tree.hpp"
 
+#include <cmath>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -15,6 +16,7 @@
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/rotation/attitude.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
+#include "rbdyn/scene/constraints.hpp"
 #include "rbdyn/scene/joints.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
@@ -115,6 +117,15 @@ RBDYN_INLINE Tree::Tree(const Scene& scene) : starts_(scene.bodies()) {
         }
         nodes_.push_back(std::move(n));
     }
+    for (const Scene::Held& held : scene.constraints()) {
+        const PointOnCurve* on = std::get_if<PointOnCurve>(&held.constraint);
+        if (on == nullptr) continue;
+        const int body = body_of(held.b);
+        const auto origin =
+            body < 0 ? Vector3Of<DoubleDouble>{} : Vector3Of<DoubleDouble>(-node(body).joint.held().point);
+        feet_.push_back({held.name, anchor(held.a), body, origin, on->curve, widened(Foot::direction_aside(on->curve)),
+                         positions_++});
+    }
 }
 
 RBDYN_INLINE Anchor Tree::anchor(const End& end) const {
@@ -178,6 +189,22 @@ RBDYN_INLINE std::vector<DoubleDouble> Tree::start(double t, const std::vector<S
         }
         all.push_back(n.joint.move<DoubleDouble>(parent, DoubleDouble(t), own_q, own_v));
     }
+    for (const Foot& f : feet_) {
+        const Moving<DoubleDouble>& on = f.on < 0 ? ground : all[at(f.on)];
+        const auto held = point<DoubleDouble>(f.held, all);
+        const Vector3 place = rounded(on.to_body(held.place - on.place) - f.origin),
+                      velocity = rounded(on.to_body(held.velocity - on.velocity_at(held.place - on.place)));
+        // where a curve meets itself, along the branch that the point moves along
+        double most = -1.0;
+        for (const double u : Foot::nearest(f.curve, place)) {
+            const Vector3 along = f.curve.first(u);
+            const double fits = std::abs(along.dot(velocity)) / along.norm();
+            if (!(fits > most)) continue;
+            most = fits;
+            q[f.q] = u;
+        }
+    }
+    follow(t, q);
     return x;
 }
 
@@ -199,6 +226,7 @@ RBDYN_INLINE std::vector<VariableGroup> Tree::groups() const {
             if (n.joint.as<FreePointLaw>() != nullptr) continue;
             for (int k = 0; k < count; ++k) groups.push_back({first + k, 1, is_position});
         }
+    for (const Foot& f : feet_) groups.push_back({f.q, 1, true});
     return groups;
 }
 

@@ -347,6 +347,7 @@ RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const d
 
 RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,
                                    std::span<double> x, std::vector<Happening>& happenings) const {
+    const std::vector<double> was(x.begin(), x.end());
     const auto all = moving(t, x);
     const auto gaps = conditions_->gaps<double>(*tree_, all);
     const auto before = conditions_->rows<double>(*tree_, all);
@@ -458,10 +459,18 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         happenings.push_back(std::move(h));
     }
     if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);
-    std::sort(happenings.begin(), happenings.end(), [&](const Happening& a, const Happening& b) {
-        if (a.kind != b.kind) return a.kind < b.kind;
-        return a.contact >= 0 && b.contact >= 0 &&
-               conditions_->contacts()[at(a.contact)].name < conditions_->contacts()[at(b.contact)].name;
+    tell_rest(mode, was, after, t, x, happenings);
+    put_in_order(happenings);
+}
+
+RBDYN_INLINE void TreeModel::put_in_order(std::vector<Happening>& happenings) const {
+    const auto name = [&](const Happening& h) {
+        return h.contact >= 0   ? conditions_->contacts()[at(h.contact)].name
+               : h.subject >= 0 ? tree_->node(h.subject).name
+                                : h.name;
+    };
+    std::stable_sort(happenings.begin(), happenings.end(), [&](const Happening& a, const Happening& b) {
+        return a.kind != b.kind ? a.kind < b.kind : name(a) < name(b);
     });
 }
 

@@ -506,9 +506,14 @@ RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const 
         memory.put(after.memory.data() + place_of_joint(guard.joint));
     }
     changes ? settle_joints(mode, after, t, x, breaking) : choose(after, t, x, {});
-    if (!after.impossible.empty()) return;
+    if (after.impossible.empty()) tell_joints(mode, after, happenings);
+}
+
+RBDYN_INLINE void TreeModel::tell_joints(const Mode& mode, const Mode& after,
+                                         std::vector<Happening>& happenings) const {
+    using namespace mechanics::joint_state;
     for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
-        const signed char was = mode.slip[at(contacts() + i)], is = after.slip[at(contacts() + i)];
+        const signed char was = mode.slip[at(first_joint() + i)], is = after.slip[at(first_joint() + i)];
         const int from = sign(was), to = sign(is);
         const Direction direction = (to != 0 ? to : -from) > 0 ? Direction::rising : Direction::falling;
         const int body = joints_[at(i)].body;

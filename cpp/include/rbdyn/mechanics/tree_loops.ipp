@@ -17,12 +17,15 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/equations_writer.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+#include "rbdyn/model/rail_singular.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -113,19 +116,30 @@ RBDYN_INLINE double TreeModel::size_of(const std::vector<mechanics::Moving<doubl
     }
     for (const mechanics::Condition& c : conditions_->all())
         for (const mechanics::Anchor* a : {&c.a, &c.b}) take(tree_->point<double>(*a, all).place);
+    for (std::size_t k = 0; k < tree_->feet().size(); ++k) {
+        const mechanics::Moving<double>& foot = all[at(tree_->size()) + k];
+        for (const double side : {-1.0, 1.0})
+            take(foot.place + foot.joint.front().move * (side * tree_->feet()[k].part()));
+    }
     return (high - low).norm();
 }
 
 RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
     std::vector<DoubleDouble> x = tree_->start(t);
-    if (conditions_->all().empty()) return x;
+    return conditions_->all().empty() ? x : onto_constraints(t, std::move(x), "the start");
+}
+
+RBDYN_INLINE std::vector<DoubleDouble> TreeModel::onto_constraints(double t, std::vector<DoubleDouble> x,
+                                                                   const std::string& what) const {
     const auto all = mechanics::closing::moving<double>(*tree_, t, mechanics::closing::nearest(x));
     const double size = size_of(all);
     const std::vector<double> gaps = mechanics::open_by(*tree_, *conditions_, all);
+    const bool starts = what == "the start";
     for (std::size_t k = 0; k < gaps.size(); ++k)
         require(gaps[k] <= tree_loops::nearest_start * size, conditions_->all()[k].name, "gap", gaps[k],
-                "the start satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
-                    " m; scene.assemble() finds a start that does from a rough one");
+                what + " satisfies a constraint to 1e-6 of the scene's size, " + text(size) +
+                    (starts ? " m; scene.assemble() finds a start that does from a rough one"
+                            : " m; change the other bodies of the loop, too"));
     const std::vector<DoubleDouble> given = x;
     mechanics::close(*tree_, *conditions_, rows_, t, x);
     // the velocities that were given, where it now is
@@ -136,8 +150,11 @@ RBDYN_INLINE std::vector<DoubleDouble> TreeModel::exact_start(double t) const {
     const std::vector<double> rates = mechanics::opening_rates(*tree_, *conditions_, moving);
     for (std::size_t k = 0; k < rates.size(); ++k)
         require(rates[k] <= tree_loops::nearest_start * speed, conditions_->all()[k].name, "rate of its gap", rates[k],
-                "the velocities that a scene starts with satisfy a constraint to 1e-6 of the fastest, " + text(speed) +
-                    " m/s, those of driven joints with them; scene.assemble() finds some that do from rough ones");
+                (starts ? "the velocities that a scene starts with" : "the velocities after " + what) +
+                    " satisfy a constraint to 1e-6 of the fastest, " + text(speed) +
+                    " m/s, those of driven joints with them; " +
+                    (starts ? "scene.assemble() finds some that do from rough ones"
+                            : "change those of the other bodies of the loop, too"));
     return x;
 }
 
@@ -178,6 +195,20 @@ RBDYN_INLINE void TreeModel::require_finite_drives(double t) const {
                                        " at t = " + text(t) +
                                        " s; a motion is a finite function of time with finite derivatives, from where "
                                        "the scene starts");
+}
+
+RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::span<const double> x) const {
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    for (const Guard& guard : mode.equations->guards) {
+        if (guard.kind != EventKind::rail_end) continue;
+        const bool is_there = std::abs(values.output(guard.output)) <= 8.0 * epsilon * values.magnitude(guard.output);
+        if (is_there && leading_sign(mode, t, x, guard.output) < 0)
+            throw InvalidInput((guard.name.empty() ? name(guard.subject) : guard.name) +
+                               ": it starts at an end of its curve, which it leaves at once; start it within the curve "
+                               "or moving inward");
+    }
 }
 
 RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const {
@@ -262,6 +293,13 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
             for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
                 if (!std::isfinite(value))
                     return "the motion of the joint of " + n.name + ", or a rate of it, which is " + text(value);
+    for (const mechanics::Node& n : tree_->nodes())
+        if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>())
+            if (const std::string what = singular_at(*rail->curve, x[at(n.q)]); !what.empty())
+                return "the rail of " + n.name + " at u = " + text(x[at(n.q)]) + ", where " + what;
+    for (const mechanics::Foot& f : tree_->feet())
+        if (const std::string what = singular_at(f.curve, x[at(f.q)]); !what.empty())
+            return "the curve of " + f.name + " at u = " + text(x[at(f.q)]) + ", where " + what;
     if (mode.equations != nullptr) {
         const mechanics::TreeState state = look(mode, t, x);
         for (std::size_t k = 0; k < state.couplings.size(); ++k)

@@ -191,6 +191,16 @@ private:
                        const std::vector<mechanics::Moving<double>>& before,
                        const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
     void own_parameters(Mode& mode, std::span<const double> x) const override;
+    // --- what comes to rest (tree_rest.ipp) ---
+
+    /// Whether a body that touches surfaces is at rest on all of them, and stays so, but for rounding.
+    bool is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const;
+    /// Which bodies come to rest, from a mode and the state `was` in it.
+    void tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
+                   std::span<const double> x, std::vector<Happening>& happenings) const;
+
+    /// What contacts tell at one instant: by kind, then by name.
+    void put_in_order(std::vector<Happening>& happenings) const;
 
     /// Takes from the velocities what moves contacts, by impulses along their normals, less the friction of those that
     /// slide.
@@ -266,6 +276,9 @@ private:
     void rub(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
              std::vector<Happening>& happenings) const;
 
+    /// What became of them.
+    void tell_joints(const Mode& mode, const Mode& after, std::vector<Happening>& happenings) const;
+
     // --- loops and driven joints (tree_loops.ipp) ---
 
     /// Chooses the rows that are used. Refuses what the others would lose when the scene moves.
@@ -280,6 +293,8 @@ private:
     /// empty if none does.
     std::string jump_of_drives(const Mode& before, const Mode& after, double t, std::span<const double> x) const;
     void require_finite_drives(double t) const;
+    /// Throws InvalidInput for what starts at an end of its curve and moves off it.
+    void require_no_end(const Mode& mode, double t, std::span<const double> x) const;
     /// The constraints of which some rows depend on others, but for a small part; empty if none do.
     std::string locked(double t, std::span<const double> x) const;
 
@@ -287,12 +302,37 @@ private:
     void hold(const Mode& mode, double t, std::span<double> x) const;
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
 
+    // --- actions that change the state (tree_change.ipp) ---
+
+    /// What a motion begins with: which contacts are closed, struck, slide, which joints are held. Of one that comes
+    /// from another mode, which has equations, tells what becomes of them.
+    /// `was`: the state there; empty at a start.
+    Mode decided_anew(const Mode& before, std::span<const double> was, double t, std::span<double> x,
+                      std::vector<Happening>& happenings) const;
+    /// Of closed contacts those whose sides go on to move against each other as they did, but for rounding: along the
+    /// normal, and of held ones altogether.
+    struct Kept {
+        std::vector<int> along, held;
+    };
+    Kept kept_closed(const Mode& mode, double t, std::span<const double> was, std::span<const double> x) const;
+    /// Changes the state as the action of a watched function says. Returns whether it does. Throws InvalidInput for
+    /// words that are not a joint's own, for driven joints, and for what leaves constraints open or contacts inside
+    /// each other.
+    bool change(const Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const;
+    /// How near, of its size, a contact of a mode is taken to touch.
+    double nearest_touch(const Mode& mode, int contact) const;
+    void tell_anew(const Mode& mode, const Mode& after, const std::vector<double>& impulses, const Strokes& strokes,
+                   const std::vector<mechanics::Moving<double>>& before,
+                   const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
+
     std::vector<mechanics::Moving<double>> moving(double t, std::span<const double> x) const;
     /// All that is known at a state of a mode.
     mechanics::TreeState look(const Mode& mode, double t, std::span<const double> x) const;
     bool has_angles(int body) const { return !tree_->node(body).is_point; }
     /// All variables as the scene starts, on its constraints.
     std::vector<DoubleDouble> exact_start(double t) const;
+    /// All variables moved onto the constraints from where they nearly are. `what` put them there, in words.
+    std::vector<DoubleDouble> onto_constraints(double t, std::vector<DoubleDouble> x, const std::string& what) const;
 
     Scene scene_;
     std::shared_ptr<const mechanics::Tree> tree_;

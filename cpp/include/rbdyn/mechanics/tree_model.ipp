@@ -23,6 +23,7 @@
 #include "rbdyn/mechanics/tree_observables.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/rail_singular.hpp"
 #include "rbdyn/model/sliding.hpp"
 #include "rbdyn/model/within.hpp"
 #include "rbdyn/rotation/euler_path.hpp"
@@ -327,62 +328,18 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
 
 RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
     require_finite_drives(t);
-    Mode mode = undecided();
-    if (contacts() == 0) {
-        const Mode as_it_was = mode;
-        joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
-        return mode;
-    }
-    const auto all = moving(t, x);
-    const auto gaps = conditions_->gaps<double>(*tree_, all);
-    const auto rows = conditions_->rows<double>(*tree_, all);
-    std::vector<int> closed;
-    for (int k = 0; k < contacts(); ++k) {
-        const auto row = at(conditions_->constraint_rows() + k);
-        const double size = size_of(k, all), gap = gaps[row];
-        require(
-            gap >= -1e-12 * size, conditions_->contacts()[at(k)].name, "gap", gap,
-            "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
-            "surface");
-        if (gap > 1e-12 * size) continue;
-        const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
-        if (speed <= noise) closed.push_back(k);
-    }
-    // what comes towards its surface strikes it before the motion begins
-    if (!closed.empty()) {
-        const Mode as_it_was = mode;
-        Strokes strokes;
-        strike(as_it_was, t, x, closed, strokes);
-        if (!strokes.impossible.empty()) {
-            mode.impossible = strokes.impossible;
-            return mode;
-        }
-        std::vector<int> at_rest;
-        const auto then = moving(t, x);
-        const auto later = conditions_->rows<double>(*tree_, then);
-        for (const int k : closed)
-            if (mechanics::Conditions::rate(later[at(conditions_->constraint_rows() + k)], then) <=
-                1e-12 * speed_of(k, then))
-                at_rest.push_back(k);
-        // what never slips does not as the motion begins, whatever turns then
-        std::vector<int> never;
-        for (const int k : at_rest)
-            if (std::isinf(conditions_->contacts()[at(k)].mu_static)) never.push_back(k);
-        if (!never.empty()) stop(t, x, never, never);
-        Fired fired;
-        fired.stuck = strokes.stuck;
-        settle(as_it_was, mode, t, x, at_rest, fired);
-    } else {
-        choose(mode, t, x, {});
-    }
-    if (mode.impossible.empty()) hold(mode, t, x);
+    std::vector<Happening> silent;
+    Mode mode = decided_anew(undecided(), {}, t, x, silent);
+    if (mode.impossible.empty()) require_no_end(mode, t, x);
     return mode;
 }
 
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<int> flipped;
-    bool touches = false, rubs = false;
+    bool touches = false, rubs = false, has_changed = false;
+    int jumps = mode.jumps;
+    std::vector<double> was;
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
         if (guard.contact >= 0) {
@@ -398,13 +355,24 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
             after.impossible = opened(t, x);
             return after;
         }
-        if (guard.kind == EventKind::watch)
-            throw InvalidInput("watch " + guard.name +
-                               ": actions that change the state are not there for bodies joined to bodies in this "
-                               "version; stop, and go on from there");
+        if (guard.kind == EventKind::watch) {
+            if (was.empty()) was.assign(x.begin(), x.end());
+            happenings.push_back({EventKind::watch, -1, guard.direction, guard.name});
+            has_changed = change(mode, scene_.watches()[at(guard.watch)], t, x) || has_changed;
+            ++jumps;
+            continue;
+        }
         flip(mode, index, true, x, flipped, happenings);
     }
+    if (has_changed) {
+        // whatever else happens there is decided with it
+        Mode anew = decided_anew(mode, was, t, x, happenings);
+        if (anew.impossible.empty()) anew.impossible = jump_of_drives(mode, anew, t, x);
+        anew.jumps = jumps;
+        return anew;
+    }
     Mode after = mode;
+    after.jumps = jumps;
     if (touches) {
         touch(mode, after, fired, t, x, happenings);
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
@@ -530,6 +498,20 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             tree.touch(write);
             tree.rub(write);
             tree.guard_drives(write);
+            if (!stands_still) {
+                tree.guard_ends(write);
+                // where a curve has no tangent there is no law of motion along it
+                const auto cusps = [&](const Curve& curve, int body, int q) {
+                    if (curve.always_regular()) return;
+                    const auto place = std::make_shared<const RailSingularity>(curve, state.x[at(q)], q, -1);
+                    write.outside(
+                        {.kind = EventKind::singular, .role = GuardRole::stop, .subject = body, .locator = place});
+                };
+                for (int i = 0; i < bodies(); ++i)
+                    if (const mechanics::RailLaw* rail = tree_->node(i).joint.as<mechanics::RailLaw>())
+                        cusps(*rail->curve, i, tree_->node(i).q);
+                for (const mechanics::Foot& f : tree_->feet()) cusps(f.curve, f.held.body, f.q);
+            }
             guard_loops(write, tree);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));

@@ -47,6 +47,8 @@ public:
     /// The independence of the used rows of constraints: of each, what of it is independent of those before it, over
     /// what that was as the scene started.
     void guard_pivots(EquationsWriter& write, const std::vector<double>& first) const;
+    /// The ends of curves: of rails, and of those that points are held on.
+    void guard_ends(EquationsWriter& write) const;
     /// What driven joints do, and that it is finite.
     void guard_drives(EquationsWriter& write);
     /// The first of their outputs; -1: there are none.

@@ -225,6 +225,8 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
     for (const Node& n : tree_.nodes()) n.joint.rates<S>(&q_[0] + n.q, v_.data() + n.v, values.data() + n.q);
+    for (std::size_t k = 0; k < tree_.feet().size(); ++k)
+        values[at(tree_.feet()[k].q)] = tree_.feet()[k].rate<S>(moving_, moving_[at(tree_.size()) + k]);
     const std::vector<S> changes = velocity_changes<S>(tree_, result);
     values.insert(values.end(), changes.begin(), changes.end());
     // what turns freely: all of its angular acceleration
@@ -341,6 +343,22 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     const S across = dot<S>(cross<S>(t.normal, f.along), slip);
     write.guard(turns, f.least - across);
     write.guard(turns, f.least + across);
+}
+
+RBDYN_INLINE void TreeWriter::guard_ends(EquationsWriter& write) const {
+    const auto guard = [&](const Curve& curve, int body, const std::string& name, const S& u) {
+        const Domain d = curve.domain();
+        if (curve.closed()) return;
+        const Guard end{.kind = EventKind::rail_end, .role = GuardRole::stop, .subject = body, .name = name};
+        if (std::isfinite(d.begin)) write.guard(end, u - S(d.begin));
+        if (std::isfinite(d.end)) write.guard(end, S(d.end) - u);
+    };
+    for (int i = 0; i < tree_.size(); ++i)
+        if (const RailLaw* rail = tree_.node(i).joint.as<RailLaw>())
+            guard(*rail->curve, i, "", q_[at(tree_.node(i).q)]);
+    for (const Foot& f : tree_.feet()) {
+        guard(f.curve, f.held.body, f.name, q_[at(f.q)]);
+    }
 }
 
 RBDYN_INLINE void TreeWriter::watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const {

@@ -150,9 +150,6 @@ private:
     /// The first bead on a rail that jumps, with its tangent or by itself, where a distinction changes; -1: none.
     int at_corner(const Mode& mode, std::span<const int> fired, std::span<const double> x) const;
 
-    /// What is singular in a curve near a parameter, in words; empty if nothing is.
-    static std::string singular_at(const Curve& curve, double u);
-
     static std::string title(const Load& load);
     std::string title(int coupling) const;
 

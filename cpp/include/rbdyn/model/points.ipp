@@ -553,18 +553,6 @@ RBDYN_INLINE int PointsModel::at_corner(const Mode& mode, std::span<const int> f
     return -1;
 }
 
-RBDYN_INLINE std::string PointsModel::singular_at(const Curve& curve, double u) {
-    const double speed = curve.first(u).norm(), before = curve.first(u - 0.125).norm(),
-                 usual = std::isfinite(before) ? before : curve.first(u + 0.125).norm();
-    curves::RegularStretch stretch(curve, u);
-    const double near = 1e-6 * std::max(1.0, std::abs(u));
-    // a rate of the parameter that is beyond all measure beside a finite speed, or none of the speed
-    if (speed < 1e-6 * usual) return "it has a cusp or its parameter stands still, r' = 0, and no tangent";
-    if (speed > 1e6 * usual) return "it becomes vertical, |r'| = " + text(speed) + " and growing";
-    const bool is_singular = curve.jumps_at(u) || stretch.end_above(u + near) || stretch.end_below(u - near);
-    return is_singular ? "its tangent jumps or is not defined" : "";
-}
-
 RBDYN_INLINE std::string PointsModel::title(int coupling) const {
     const PointLaws::Connected& c = laws_->couplings()[at(coupling)];
     const auto name = [&](const PointLaws::CouplingEnd& e) {
@@ -764,7 +752,10 @@ RBDYN_INLINE void PointsModel::change(Mode& mode, const Scene::Watch& watch, dou
             change_rigid(c, b, laws_->rigid_report(i, mode.slip, t, x), user, x);
             continue;
         }
-        if (c.attitude || c.angular_velocity || c.angular_velocity_world || c.angle || c.displacement || c.rate)
+        const std::vector<std::string> words = c.words();
+        if (std::any_of(words.begin(), words.end(), [](const std::string& word) {
+                return word != "position" && word != "velocity" && word != "parameter" && word != "speed";
+            }))
             throw InvalidInput(user + ": its action changes of " + b.name +
                                ", a particle, what only rigid bodies have");
         const bool is_free = !b.curve || mode.slip[at(i)] == flies;

@@ -13,6 +13,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -82,5 +83,8 @@ private:
     mutable std::mutex mutex_;
     mutable std::optional<std::vector<Vector3>> places_;
 };
+
+/// What is singular in a curve near a parameter, in words; empty if nothing is.
+std::string singular_at(const Curve& curve, double u);
 
 }  // namespace rbdyn::inline RBDYN_FORM

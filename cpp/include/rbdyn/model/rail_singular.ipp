@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/axes.hpp"
 #include "rbdyn/curve/curve.hpp"
@@ -159,6 +161,18 @@ RBDYN_INLINE const std::vector<Vector3>& SingularLanding::places() const {
         }
     }
     return *places_;
+}
+
+RBDYN_INLINE std::string singular_at(const Curve& curve, double u) {
+    const double speed = curve.first(u).norm(), before = curve.first(u - 0.125).norm(),
+                 usual = std::isfinite(before) ? before : curve.first(u + 0.125).norm();
+    curves::RegularStretch stretch(curve, u);
+    const double near = 1e-6 * std::max(1.0, std::abs(u));
+    // a rate of the parameter that is beyond all measure beside a finite speed, or none of the speed
+    if (speed < 1e-6 * usual) return "it has a cusp or its parameter stands still, r' = 0, and no tangent";
+    if (speed > 1e6 * usual) return "it becomes vertical, |r'| = " + text(speed) + " and growing";
+    const bool is_singular = curve.jumps_at(u) || stretch.end_above(u + near) || stretch.end_below(u - near);
+    return is_singular ? "its tangent jumps or is not defined" : "";
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

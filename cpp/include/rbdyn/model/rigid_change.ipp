@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
@@ -27,26 +28,12 @@ RBDYN_INLINE void change_rigid(const StateChange& c, const PointLaws::Body& body
     const RigidLaw& law = *body.rigid;
     const bool is_free = law.kind == RigidLaw::Kind::free, turns = law.turns_freely(),
                is_hinged = law.kind == RigidLaw::Kind::revolute, slides = law.kind == RigidLaw::Kind::prismatic;
-    const struct {
-        const char* word;
-        bool is_given, fits;
-    } words[] = {{"position", c.position.has_value(), is_free},
-                 {"velocity", c.velocity.has_value(), is_free},
-                 {"attitude", c.attitude.has_value(), turns},
-                 {"angular_velocity", c.angular_velocity.has_value(), turns},
-                 {"angular_velocity_world", c.angular_velocity_world.has_value(), turns},
-                 {"angle", c.angle.has_value(), is_hinged},
-                 {"displacement", c.displacement.has_value(), slides},
-                 {"rate", c.rate.has_value(), is_hinged || slides},
-                 {"parameter", c.parameter.has_value(), false},
-                 {"speed", c.speed.has_value(), false}};
-    std::string own;
-    for (const auto& w : words)
-        if (w.fits) own += (own.empty() ? "" : ", ") + std::string(w.word);
-    for (const auto& w : words)
-        if (w.is_given && !w.fits)
-            throw InvalidInput(user + ": its action changes " + w.word + " of " + body.name +
-                               ", whose joint has none; give " + own);
+    std::vector<std::string> own;
+    if (is_free) own = {"position", "velocity"};
+    if (turns) own.insert(own.end(), {"attitude", "angular_velocity", "angular_velocity_world"});
+    if (is_hinged) own = {"angle", "rate"};
+    if (slides) own = {"displacement", "rate"};
+    c.require_words(own, user, body.name);
     Scene::Body changed;
     changed.position = c.position.value_or(now.position);
     changed.velocity = c.velocity.value_or(now.velocity);

@@ -173,8 +173,9 @@ private:
     std::shared_ptr<const Callback> counter_;
 };
 
-/// A new state of one body, in its joint's own words; what is not given stays as it is: of a rigid body the origin's
-/// position and velocity, the attitude, and the angular velocity in body axes.
+/// A new state of one body, in its joint's own words, as it would start with; what is not given stays as it is: of a
+/// rigid body the origin's position and velocity, the attitude, and the angular velocity in body axes. Of a body on
+/// another one all of it is relative to that, but of a free one, which is in the world.
 struct StateChange {
     BodyHandle body;
     std::optional<Vector3> position = std::nullopt, velocity = std::nullopt;  // of a free body, world axes
@@ -184,6 +185,15 @@ struct StateChange {
     std::optional<Vector3> angular_velocity_world = std::nullopt;             // or in the world's
     std::optional<double> angle = std::nullopt, displacement = std::nullopt;  // of a hinge, of a slide
     std::optional<double> rate = std::nullopt;                                // of either
+    std::optional<double> displacement_rate = std::nullopt;                   // of a cylindrical joint
+    std::optional<std::array<double, 2>> angles = std::nullopt, rates = std::nullopt;  // of a universal joint
+    // of a planar joint: position and velocity, along its x and y
+    std::optional<std::array<double, 2>> position_in_plane = std::nullopt, velocity_in_plane = std::nullopt;
+
+    /// The words it gives.
+    std::vector<std::string> words() const;
+    /// Throws InvalidInput if any of them is none of a joint's own. `user`: the watch; `name`: of the body.
+    void require_words(const std::vector<std::string>& own, const std::string& user, const std::string& name) const;
 };
 
 /// What is done where a watched function passes zero: it is noted; the run ends; or states change.

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
@@ -101,6 +102,40 @@ RBDYN_INLINE double WatchFunction::operator()(const Observe& observe) const {
     std::vector<double> x;
     for (const Observable& o : arguments_) x.push_back(observe(o));
     return function_(std::span<const double>(x))[0];
+}
+
+RBDYN_INLINE std::vector<std::string> StateChange::words() const {
+    std::vector<std::string> given;
+    const auto look = [&](const char* word, const auto& value) {
+        if (value) given.emplace_back(word);
+    };
+    look("position", position);
+    look("velocity", velocity);
+    look("position (2)", position_in_plane);
+    look("velocity (2)", velocity_in_plane);
+    look("parameter", parameter);
+    look("speed", speed);
+    look("attitude", attitude);
+    look("angular_velocity", angular_velocity);
+    look("angular_velocity_world", angular_velocity_world);
+    look("angle", angle);
+    look("angles", angles);
+    look("displacement", displacement);
+    look("rate", rate);
+    look("rates", rates);
+    look("displacement_rate", displacement_rate);
+    return given;
+}
+
+RBDYN_INLINE void StateChange::require_words(const std::vector<std::string>& own, const std::string& user,
+                                             const std::string& name) const {
+    for (const std::string& word : words()) {
+        if (std::find(own.begin(), own.end(), word) != own.end()) continue;
+        std::string list;
+        for (const std::string& w : own) list += (list.empty() ? "" : ", ") + w;
+        throw InvalidInput(user + ": its action changes " + word + " of " + name + ", whose joint has none" +
+                           (own.empty() ? ", nor anything else to change" : "; give " + list));
+    }
 }
 
 RBDYN_INLINE bool WatchFunction::operator==(const WatchFunction& other) const {

@@ -162,7 +162,7 @@ RBDYN_INLINE WideMatrix TreeForces::wide_jacobian() const {
             Wide there(x.begin(), x.begin() + tree_.positions());
             std::vector<double> changes = way;
             for (double& c : changes) c *= sign;
-            mechanics::closing::move<DoubleDouble>(tree_, changes, there);
+            mechanics::closing::move<DoubleDouble>(tree_, 0.0, changes, there);
             mechanics::closing::normalize<DoubleDouble>(tree_, there);
             const Wide on = closed(std::move(there));
             return on.empty() ? Wide(at(n), std::numeric_limits<double>::quiet_NaN()) : forces(on);

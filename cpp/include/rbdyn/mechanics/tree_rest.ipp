@@ -1,0 +1,80 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: bodies that come to rest on what they touch.
+//
+// A body is at rest on the surfaces it touches, the second sides of its contacts, if none of these slides, and neither
+// it nor they turn or move against each other, with no acceleration either. It comes to rest where that begins: where
+// its last contact sticks or lands, or stops rolling. At the limit of bounces that end `accumulation` says so.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const {
+    constexpr double rounding = 1e-11;  // of accelerations and of the squares of speeds that forces make
+    const double force = state.bodies[at(body)].effort.force.norm(), mass = static_cast<double>(tree_->node(body).mass);
+    const auto moments = tree_->inertia_of<double>(body, state.moving[at(body)]);
+    const auto inertia = [&](const Vector3& v) {
+        Vector3 sum = Vector3::Zero();
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k) sum[j] += moments[at(j)][at(k)] * v[k];
+        return sum;
+    };
+    bool touches = false;
+    for (int k = 0; k < contacts(); ++k) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        if (mode.slip[at(k)] == flies || c.a.body != body) continue;
+        touches = true;
+        if (is_rough(k) && !mechanics::contact_state::is_held(mode.slip[at(k)])) return false;
+        const auto touching = c.touching<double>(*tree_, state.moving);
+        Vector3 turns = touching.turning, turn_rate = Vector3::Zero(), acceleration = Vector3::Zero();
+        const auto take = [&](int i, const Vector3& arm, double sign) {
+            if (i < 0) return;
+            const mechanics::TreeState::Body& b = state.bodies[at(i)];
+            const Vector3& omega = state.moving[at(i)].omega;
+            turn_rate += sign * b.angular_acceleration;
+            acceleration += sign * (b.origin_acceleration + b.angular_acceleration.cross(arm) +
+                                    omega.cross(Vector3(omega.cross(arm))));
+        };
+        take(touching.a, touching.arm_a, 1.0);
+        take(touching.b, touching.arm_b, -1.0);
+        // a particle does not turn, nor does a point of it
+        if (tree_->node(body).is_point) turns = turn_rate = Vector3::Zero();
+        const double size = size_of(k, state.moving);
+        if (mass * acceleration.norm() * size + inertia(turn_rate).norm() > rounding * force * size) return false;
+        const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns));
+        if (kinetic > rounding * rounding * force * size) return false;
+    }
+    return touches;
+}
+
+RBDYN_INLINE void TreeModel::tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
+                                       std::span<const double> x, std::vector<Happening>& happenings) const {
+    namespace state = mechanics::contact_state;
+    if (std::any_of(happenings.begin(), happenings.end(),
+                    [](const Happening& h) { return h.kind == EventKind::accumulation; }))
+        return;
+    std::vector<int> candidates;
+    const auto take = [&](int contact) {
+        const int i = conditions_->contacts()[at(contact)].a.body;
+        if (std::find(candidates.begin(), candidates.end(), i) == candidates.end()) candidates.push_back(i);
+    };
+    for (int k = 0; k < contacts(); ++k) {
+        const signed char before = mode.slip[at(k)], now = after.slip[at(k)];
+        if ((before == flies && now != flies) || (!state::is_held(before) && state::is_held(now))) take(k);
+    }
+    for (int e = 0; e < resistances(); ++e)
+        if (state::slides(resisting(mode, e)) && state::is_held(resisting(after, e)))
+            take(conditions_->resistances()[at(e)].contact);
+    if (candidates.empty()) return;
+    const mechanics::TreeState there = look(mode, t, was), here = look(after, t, x);
+    for (const int i : candidates)
+        if (is_at_rest(after, i, here) && !is_at_rest(mode, i, there))
+            happenings.push_back({EventKind::rest, i, Direction::either, {}});
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
