@@ -1,0 +1,5 @@
+# Given to CMake as CMAKE_PROJECT_rbdyn_INCLUDE, with RBDYN_MUTANTS naming the folder that mutate.py wrote: the library is
+# compiled from the definitions there, and all else from what is there anyway.
+cmake_language(EVAL CODE "
+  cmake_language(DEFER CALL target_include_directories rbdyn_objects BEFORE PRIVATE \"${RBDYN_MUTANTS}/include\")
+  cmake_language(DEFER CALL target_compile_options rbdyn_objects PRIVATE -Wno-error)")
