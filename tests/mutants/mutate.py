@@ -68,7 +68,17 @@ class Mutant:
             raise SystemExit(
                 f"{self.name}: {where!r} stands {text.count(where)} times in {self.file}.ipp, and once is wanted"
             )
-        return text.index(where) + where.index(self.old)
+        place = text.index(where) + where.index(self.old)
+        # in brackets it must be the same expression as without
+        before, after = text[:place].rstrip()[-1:], text[place + len(self.old) :].lstrip()[:1]
+        outside = self.old
+        while (inner := re.sub(r"\([^()]*\)|\[[^][]*\]|\{[^{}]*\}", "", outside)) != outside:
+            outside = inner
+        sums, products = re.search(r" [-+<>=&|?]", outside), re.search(r" [*/]", outside)
+        binds = "*/!.-+" if sums else "/!." if products else ""
+        if not self.old.endswith(";") and before and (before in binds or (binds and after in "*/.[")):
+            raise SystemExit(f"{self.name}: {self.old!r} is a part of a longer expression")
+        return place
 
     def text(self) -> str:
         """What stands there instead."""
