@@ -1,5 +1,5 @@
 // Targets that are texts: scenes' files, and functions as these have them. And functions as they are pickled.
-#include <cmath>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -61,13 +61,17 @@ void program(std::string_view input) {
         n.a = index();
         if (bytes.choice(2) == 1) n.b = index();
         if (bytes.choice(2) == 1) n.c = index();
-        if (bytes.choice(4) == 1) n.d = index();
+        const bool may_have_name =
+            n.operation == Operation::sign || n.operation == Operation::whole || n.operation == Operation::select;
+        if (may_have_name && bytes.choice(4) == 1) n.d = index();
         n.value = bytes.number();
         n.is_wide = bytes.choice(8) == 1;
         if (n.is_wide) n.rest = 1e-17 * bytes.number();
         nodes.push_back(n);
     }
-    use(Function::from_data(inputs, nodes, outputs, {"a name"}, {}));
+    const bool has_name = std::any_of(nodes.begin(), nodes.end(), [](const Node& n) { return n.d >= 0; });
+    use(Function::from_data(inputs, nodes, outputs,
+                            has_name ? std::vector<std::string>{"a name"} : std::vector<std::string>(), {}));
 }
 
 }  // namespace rbdyn::fuzz

@@ -224,7 +224,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     const std::vector<S> rubbing = add_friction(tree, acts, u, multipliers);
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
-    for (const Node& n : tree_.nodes()) n.joint.rates<S>(&q_[0] + n.q, v_.data() + n.v, values.data() + n.q);
+    for (const Node& n : tree_.nodes()) n.joint.rates<S>(q_.data() + n.q, v_.data() + n.v, values.data() + n.q);
     const std::vector<S> changes = velocity_changes<S>(tree_, result);
     values.insert(values.end(), changes.begin(), changes.end());
     // what turns freely: all of its angular acceleration
