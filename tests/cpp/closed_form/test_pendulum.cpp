@@ -68,6 +68,27 @@ TEST(Pendulum, rests_in_the_highest_place_and_leaves_it_for_the_smallest_push) {
     EXPECT_NEAR((pi - pushed.at({20.0, 0.0}).angle) / (1e-30 / 3.0 * std::sinh(60.0)), 1.0, 1e-9);
 }
 
+TEST(Pendulum, rests_in_the_highest_place_however_its_turns_are_counted) {
+    for (const double turns : {-3.0, -1.0, 1.0, 3.0})
+        for (const DoubleDouble& square : {DoubleDouble(9.0), DoubleDouble(9.81) / 0.7}) {
+            const DoubleDouble top = double_double::pi * turns;
+            const Pendulum inverted(square, top, 0.0);
+            EXPECT_EQ(inverted.kind(), Pendulum::Kind::rest) << turns;
+            EXPECT_EQ(inverted.at({1e9, 0.0}).angle, top.hi) << turns;
+        }
+}
+
+// the energy of the highest place in 32 digits: what they leave is not told from none
+TEST(Pendulum, comes_to_the_highest_place_and_no_further_with_the_speed_that_takes_it_there) {
+    for (const double square : {9.81, 1.7, 0.3})
+        for (const double angle : {0.3, 1.0, 2.5, -0.7}) {
+            const DoubleDouble w = sqrt(DoubleDouble(square));
+            const Pendulum pendulum(square, angle, w * 2.0 * sine_cosine(DoubleDouble(0.5 * angle)).cosine);
+            EXPECT_EQ(pendulum.kind(), Pendulum::Kind::separatrix) << square << " " << angle;
+            EXPECT_NEAR(pendulum.at({60.0 / w.hi, 0.0}).angle, pi, 1e-12) << square << " " << angle;
+        }
+}
+
 TEST(Pendulum, follows_the_hyperbolic_functions_on_the_separatrix) {
     for (double side : {1.0, -1.0}) {
         const Pendulum pendulum(1.0, 0.0, side * 2.0);

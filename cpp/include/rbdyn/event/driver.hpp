@@ -113,6 +113,7 @@ private:
     MemoryWatch memory_{{}, 1.0};
     double began_ = 0.0;        // s: the run
     std::int64_t changes_ = 0;  // of modes, so far
+    std::int64_t passed_ = 0;   // points where no step gets on, so far: they count as steps
     Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it
     double stops_from_;

@@ -120,7 +120,8 @@ RBDYN_INLINE void Driver::proceed(Record& record, double until) {
             t = {until, 0.0};
             break;
         }
-        if (engine_.work().steps + engine_.work().parts >= max_steps_) return finish(record, t, Status::step_limit);
+        if (engine_.work().steps + engine_.work().parts + passed_ >= max_steps_)
+            return finish(record, t, Status::step_limit);
         if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
             return finish(record, t, Status::stopped_by_user);
         memory_.after(engine_.work().steps, record, t.hi, until, max_steps_);

@@ -141,6 +141,7 @@ RBDYN_INLINE bool Driver::pass(Record& record, double until) {
         if (i < n) c[3 * i + 2] = 0.5 * bend[i] * h * h;
     }
     const Piece piece{t, h, 1.0, record.variables, 2, c.data(), 3};
+    ++passed_;
     store(record, piece, 1.0, true);
     piece.state(1.0, x);
     t = piece.at(1.0);

@@ -224,7 +224,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     const std::vector<S> rubbing = add_friction(tree, acts, u, multipliers);
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
-    for (const Node& n : tree_.nodes()) n.joint.rates<S>(&q_[0] + n.q, v_.data() + n.v, values.data() + n.q);
+    for (const Node& n : tree_.nodes()) n.joint.rates<S>(q_.data() + n.q, v_.data() + n.v, values.data() + n.q);
     for (std::size_t k = 0; k < tree_.feet().size(); ++k)
         values[at(tree_.feet()[k].q)] = tree_.feet()[k].rate<S>(moving_, moving_[at(tree_.size()) + k]);
     const std::vector<S> changes = velocity_changes<S>(tree_, result);

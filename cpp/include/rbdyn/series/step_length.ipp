@@ -19,7 +19,9 @@ RBDYN_INLINE double rough_log2(double x) {
 }
 
 RBDYN_INLINE double rough_log2_ratio(double a, double b) {
-    return static_cast<double>(std::bit_cast<std::int64_t>(a) - std::bit_cast<std::int64_t>(b)) * 0x1p-52;
+    // a zero may have a sign, and then this wraps round
+    const std::uint64_t difference = std::bit_cast<std::uint64_t>(a) - std::bit_cast<std::uint64_t>(b);
+    return static_cast<double>(static_cast<std::int64_t>(difference)) * 0x1p-52;
 }
 
 RBDYN_INLINE double rough_exp2(double x) {

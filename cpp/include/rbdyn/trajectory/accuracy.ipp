@@ -216,10 +216,11 @@ RBDYN_INLINE bool AccuracyCheck::differ(const std::vector<Event>& a, std::size_t
 }
 
 RBDYN_INLINE bool AccuracyCheck::is_graze(const std::vector<Event>& events, std::size_t i, double start) const {
-    if (i + 1 >= events.size() || model_.holds_what_touches(events[i].subject)) return false;
+    if (i + 1 >= events.size()) return false;
     const Event &a = events[i], &b = events[i + 1];
-    return a.kind == EventKind::stick && b.kind == EventKind::slip && a.subject == b.subject &&
-           b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
+    if (a.kind != EventKind::stick || b.kind != EventKind::slip || a.subject != b.subject) return false;
+    // what other events are of is no body, or has no friction
+    return !model_.holds_what_touches(a.subject) && b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
 }
 
 RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {

@@ -250,7 +250,9 @@ RBDYN_INLINE std::optional<simulating::Course> take_course(Reader& r, const Scen
     simulating::Course course;
     course.engine = r.text();
     r.take(course.tolerance);
-    Reader::require(course.tolerance > 0.0 && course.tolerance < 1.0, "a tolerance is none");
+    // far below the least that any engine is ever given
+    constexpr double least_tolerance = 1e-20;
+    Reader::require(course.tolerance >= least_tolerance && course.tolerance < 1.0, "a tolerance is none");
     course.manner.order = r.whole(0, TaylorEngine::max_order);
     r.take(course.manner.stride);
     Reader::require(course.manner.stride > 0.0 && course.manner.stride <= 1.0, "a stride is none");
