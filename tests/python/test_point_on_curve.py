@@ -185,6 +185,19 @@ def test_a_start_at_an_end_that_is_left_at_once_is_refused():
             rb.simulate(scene, until=0.5)
 
 
+def test_a_cusp_ends_the_run_by_name():
+    cycloid = rb.Cycloid(0.3, [1, 0, 0], [0, 0, 1])
+    scene = rb.Scene(gravity=[0, 0, -GRAVITY])
+    start = {"position": cycloid.position(1.0), "velocity": 5.0 * cycloid.frenet(1.0)[0]}
+    scene.constrain(rb.PointOnCurve(cycloid), scene.add(rb.Particle(1.0), **start), name="arc")
+    with pytest.raises(rb.IntegrationError, match="the curve of arc at u = 3.14.*cusp") as caught:
+        rb.simulate(scene, until=3.0)
+    # along the arc it swings like a spring: s'' = -g s/(4 R), s = 4 R sin(u/2), up to s = 4 R
+    size, rate = 4 * 0.3, np.sqrt(GRAVITY / (4 * 0.3))
+    reach, phase = np.hypot(size * np.sin(0.5), 5.0 / rate), np.arctan2(5.0 / rate, size * np.sin(0.5))
+    assert caught.value.run.end == pytest.approx((phase - np.arccos(size / reach)) / rate, abs=1e-10)
+
+
 def test_a_cusp_of_a_rail_on_a_body_ends_the_run_by_name():
     scene = rb.Scene(gravity=[0, 0, -GRAVITY])
     table = scene.add(rb.shapes.box(2.0, [1, 1, 1]), rb.Prismatic([1, 0, 0]))

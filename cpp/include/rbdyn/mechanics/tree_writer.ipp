@@ -358,6 +358,14 @@ RBDYN_INLINE void TreeWriter::guard_ends(EquationsWriter& write) const {
             guard(*rail->curve, i, "", q_[at(tree_.node(i).q)]);
     for (const Foot& f : tree_.feet()) {
         guard(f.curve, f.held.body, f.name, q_[at(f.q)]);
+        if (f.curve.always_regular()) continue;
+        // where r' vanishes, or grows beyond all bounds, it varies within a small part of the curve; further on the
+        // point leaves the curve along its tangent, which no row tells of
+        const CurvePoint<S> c = f.curve.own<S>(q_[at(f.q)]);
+        const double part = 1e-7 * f.part();
+        const S clear = c.speed_squared - dot<S>(c.second, c.second) * (part * part);
+        write.guard({.kind = EventKind::singular, .role = GuardRole::stop, .subject = f.held.body, .name = f.name},
+                    clear);
     }
 }
 
