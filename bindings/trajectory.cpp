@@ -32,6 +32,10 @@ struct BoundMotion {
     const rbdyn::Scene::Body* body;  // of the run's scene, which the motion keeps
     std::string name;
 };
+struct BoundPoint {
+    rbdyn::BodyPointMotion motion;
+    std::string name;
+};
 struct BoundCoupling {
     CouplingMotion motion;
     std::string name;
@@ -454,6 +458,19 @@ point: that of the axis nearest to the centre of mass [m]; direction: of unit le
             "Names of the quantities this body has.")
         .def("__repr__", [](const BoundMotion& b) { return "<BodyMotion: " + b.name + ">"; });
 
+    using P = rbdyn::BodyPointMotion;
+    py::class_<BoundPoint> point(
+        m, "BodyPointMotion",
+        "A point fixed in a rigid body of a run, run[handle.point([x, y, z])]; each a method of "
+        "time [s].");
+    point
+        .def("position", of_time<BoundPoint>(&P::position), py::arg("t"), py::arg("side") = after(), "[m], world axes.")
+        .def("velocity", of_time<BoundPoint>(&P::velocity), py::arg("t"), py::arg("side") = after(),
+             "[m/s], world axes.")
+        .def("acceleration", of_time<BoundPoint>(&P::acceleration), py::arg("t"), py::arg("side") = after(),
+             "[m/s^2], world axes.")
+        .def("__repr__", [](const BoundPoint& p) { return "<BodyPointMotion: " + p.name + ">"; });
+
     py::class_<BoundCoupling> spring(m, "CouplingMotion",
                                      "Length and force of a coupling of a run, each a method of time [s].");
     spring
@@ -528,6 +545,12 @@ BoundMotion motion_of_body(const BoundTrajectory& self, const BodyHandle& handle
     self.handles->require(handle, "Trajectory");
     const auto& body = self.run.scene().bodies()[static_cast<std::size_t>(handle.index)];
     return {self.run[rbdyn::BodyHandle{handle.index}], &body, handle.name};
+}
+
+BoundPoint motion_of_point(const BoundTrajectory& self, const BodyPoint& point) {
+    self.handles->require(point.body, "Trajectory");
+    return {self.run[rbdyn::BodyPoint{point.body.index, point.point}],
+            point.body.name + " at " + list_text(point.point)};
 }
 
 BoundCoupling motion_of_coupling(const BoundTrajectory& self, const CouplingHandle& handle) {
@@ -712,6 +735,7 @@ size of its terms.)")
             },
             "The ends of the integrator's pieces (n,) [s].")
         .def("__getitem__", &motion_of_body, py::arg("handle"))
+        .def("__getitem__", &motion_of_point, py::arg("handle"))
         .def("__getitem__", &motion_of_coupling, py::arg("handle"))
         .def("__getitem__", &motion_of_constraint, py::arg("handle"))
         .def("__getitem__", &motion_of_contact, py::arg("handle"))

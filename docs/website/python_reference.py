@@ -42,7 +42,16 @@ SUBJECTS = {
         *("Plan", "Omission", "Size", "Equilibrium", "NormalModes", "RailPotential", "TurningPoints"),
     ],
     "Runs": [
-        *("Trajectory", "BodyMotion", "CouplingMotion", "ConstraintMotion", "ContactMotion", "PointMotion", "Axis"),
+        *(
+            "Trajectory",
+            "BodyMotion",
+            "BodyPointMotion",
+            "CouplingMotion",
+            "ConstraintMotion",
+            "ContactMotion",
+            "PointMotion",
+            "Axis",
+        ),
         *("Event", "Events", "Statistics", "Sample", "Many"),
     ],
     "Prices and checks": [

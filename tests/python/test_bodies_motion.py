@@ -292,6 +292,25 @@ def test_the_reaction_of_a_ball_joint_is_what_the_motion_of_g_asks_for(spinning)
     assert max(run.drift[name] for name in ("energy", "vertical angular momentum", "spin")) < 1e-13
 
 
+def test_a_point_of_a_body_moves_as_the_body_carries_it():
+    scene, stone = held(velocity=[1, 2, 3], angular_velocity=[0.3, -2.0, 1.1], attitude=ANGLES)
+    run = rb.simulate(scene, until=2.0, error=1e-13)
+    place = np.array([0.4, -0.7, 0.2])
+    point = run[stone.point(place)]
+    t = np.linspace(0.1, 1.9, 7)
+    turned = run[stone].rotation_matrix(t) @ place
+    assert_allclose(point.position(t), run[stone].position(t) + turned, rtol=0, atol=1e-14)
+    h = 1e-3
+    weights = {-3: -1 / 60, -2: 3 / 20, -1: -3 / 4, 1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
+    for value, slope in ((point.position, point.velocity), (point.velocity, point.acceleration)):
+        assert_allclose(sum(w * value(t + k * h) for k, w in weights.items()) / h, slope(t), rtol=0, atol=1e-10)
+    # at the centre of mass gravity alone
+    assert_allclose(run[stone.point(STONE.com)].acceleration(t), [GRAVITY] * 7, rtol=0, atol=1e-12)
+    assert_array_equal(run[stone.point([0, 0, 0])].velocity(0.7), run[stone].velocity(0.7))
+    with pytest.raises(rb.InvalidInput):
+        run[held()[1].point(place)]
+
+
 def test_points_of_the_instantaneous_axis_move_along_it():
     scene, body = held(position=[1, 0, 0], velocity=[0, 2, 1], attitude=ANGLES, angular_velocity=[1, -2, 3])
     motion = rb.simulate(scene, 1.0, error=1e-12)[body]

@@ -113,6 +113,21 @@ private:
     int body_;
 };
 
+/// A point that is fixed in a rigid body of a run. Vectors are in world axes.
+class BodyPointMotion {
+public:
+    /// `place`: in body axes [m].
+    BodyPointMotion(BodyMotion body, const Vector3& place);
+
+    Vector3 position(double t, Side side = Side::after) const;      // m
+    Vector3 velocity(double t, Side side = Side::after) const;      // m/s
+    Vector3 acceleration(double t, Side side = Side::after) const;  // m/s^2
+
+private:
+    BodyMotion body_;
+    Vector3 place_;
+};
+
 /// What a constraint of a run does.
 class ConstraintMotion {
 public:

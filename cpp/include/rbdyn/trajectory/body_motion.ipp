@@ -244,6 +244,22 @@ RBDYN_INLINE EulerAngles BodyMotion::euler_angles(double t, Side side) const {
         record.closed ? record.closed->recurrence(body_) : std::nullopt);
 }
 
+RBDYN_INLINE BodyPointMotion::BodyPointMotion(BodyMotion body, const Vector3& place)
+    : body_(std::move(body)), place_(place) {}
+
+RBDYN_INLINE Vector3 BodyPointMotion::position(double t, Side side) const { return body_.point(place_, t, side).first; }
+
+RBDYN_INLINE Vector3 BodyPointMotion::velocity(double t, Side side) const {
+    return body_.point(place_, t, side).second;
+}
+
+// a_O + alpha x p + omega x (omega x p), of a point at rest in the body
+RBDYN_INLINE Vector3 BodyPointMotion::acceleration(double t, Side side) const {
+    const Vector3 omega = body_.angular_velocity(t, side);
+    const Vector3 own = body_.angular_acceleration(t, side).cross(place_) + omega.cross(omega.cross(place_));
+    return body_.acceleration(t, side) + to_world<double>(body_.quaternion(t, side), own);
+}
+
 RBDYN_INLINE ConstraintMotion::ConstraintMotion(const std::shared_ptr<const RunData>& data, int index) {
     std::tie(data_, index_) = part_of(data, &SceneParts::constraints, index);
 }

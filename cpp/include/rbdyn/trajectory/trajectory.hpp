@@ -48,6 +48,7 @@ public:
     std::vector<double> t() const;
 
     BodyMotion operator[](BodyHandle body) const;
+    BodyPointMotion operator[](const BodyPoint& point) const;
     CouplingMotion operator[](CouplingHandle coupling) const;
     ConstraintMotion operator[](ConstraintHandle constraint) const;
     ContactMotion operator[](ContactHandle contact) const;

@@ -123,6 +123,10 @@ RBDYN_INLINE BodyMotion Trajectory::operator[](BodyHandle body) const {
     return {data_, body.index};
 }
 
+RBDYN_INLINE BodyPointMotion Trajectory::operator[](const BodyPoint& point) const {
+    return {(*this)[BodyHandle{point.body}], point.point};
+}
+
 RBDYN_INLINE CouplingMotion Trajectory::operator[](CouplingHandle coupling) const {
     require(coupling.index >= 0 && coupling.index < static_cast<int>(data_->scene.connections().size()), "Trajectory",
             "coupling", coupling.index, "a handle comes from the scene of this run");
