@@ -18,12 +18,27 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 
 # a test that asks a build without SUNDIALS for CVODE has nothing to say of it
 LACK = "need SUNDIALS, without which it was built"
+REASON = "cvode-adams and cvode-bdf are not in this build"
+# documents and notebooks that show what CVODE does, or the plan of a build that has it
+SHOW_CVODE = ("docs/plan.md", "docs/verification.md", "2_top")
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "cvode: counts or compares the engines by CVODE with others")
+
+
+def pytest_collection_modifyitems(items):
+    if "cvode-bdf" in rbdyn.engines():
+        return
+    for item in items:
+        if item.get_closest_marker("cvode") or item.name.partition("[")[2].removesuffix("]") in SHOW_CVODE:
+            item.add_marker(pytest.mark.skip(reason=REASON))
 
 
 def skip_without_cvode(outcome):
     error = outcome.excinfo and outcome.excinfo[1]
     if "cvode-bdf" not in rbdyn.engines() and isinstance(error, rbdyn.InvalidInput) and LACK in str(error):
-        outcome.force_exception(pytest.skip.Exception("cvode-adams and cvode-bdf are not in this build"))
+        outcome.force_exception(pytest.skip.Exception(REASON, _use_item_location=True))
 
 
 @pytest.hookimpl(hookwrapper=True)

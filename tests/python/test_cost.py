@@ -76,6 +76,7 @@ def reasons(price):
 # --- rows ---
 
 
+@pytest.mark.cvode
 def test_every_engine_goes_from_loose_to_tight(price):
     assert {row.engine for row in price} == set(ENGINES)
     for engine in ENGINES:
@@ -86,6 +87,7 @@ def test_every_engine_goes_from_loose_to_tight(price):
     assert price.automatic == "taylor" and reasons(price)["closed form"].startswith("cannot: ")
 
 
+@pytest.mark.cvode
 def test_a_row_is_the_run_that_simulate_makes_with_its_tolerance(price):
     scene, planet = orbit()
     times = np.linspace(0, 20, 2001)
@@ -150,6 +152,7 @@ def test_an_event_that_is_missed_is_counted_and_no_part_of_the_error():
 # --- what is missing ---
 
 
+@pytest.mark.cvode
 def test_what_cannot_do_a_scene_says_why():
     scene = rb.Scene(gravity=DOWN)
     ball = scene.add(rb.Particle(1.0), position=[0, 0, 1])
@@ -162,6 +165,7 @@ def test_what_cannot_do_a_scene_says_why():
     assert "this scene has contacts" in found["dop853"]
 
 
+@pytest.mark.cvode
 def test_what_is_called_back_has_no_taylor_series_and_a_price_all_the_same():
     scene = rb.Scene()
     ball = scene.add(rb.Particle(1.0), position=[1, 0, 0])
@@ -177,6 +181,7 @@ def test_what_is_called_back_has_no_taylor_series_and_a_price_all_the_same():
     assert price.reference.startswith("dop853 at tolerance 2e-15 (rows of dop853: cvode-adams")
 
 
+@pytest.mark.cvode
 def test_stiffness_has_its_name():
     price = rb.cost(stiff(), until=5.0)
     assert {row.engine for row in price} == {"cvode-bdf"}
@@ -188,6 +193,7 @@ def test_stiffness_has_its_name():
     assert all(row.error > 0 and row.tolerance > 1e-14 for row in price)
 
 
+@pytest.mark.cvode
 def test_a_floor_is_said(price):
     for engine, reason in reasons(price).items():
         if engine != "closed form":
@@ -196,6 +202,7 @@ def test_a_floor_is_said(price):
     assert f"an error of {least:.2g}" in reasons(price)["cvode-bdf"] and least > 1e-12
 
 
+@pytest.mark.cvode
 def test_a_budget_that_is_too_small_says_so():
     top = rb.RigidBody(0.5, com=[0.01, 0.005, 0.05], inertia=[0.0022, 0.0019, 0.001], inertia_about="origin")
     scene = rb.Scene(gravity=DOWN)
@@ -351,6 +358,7 @@ def labels_of(axes):
     return [line.get_label() for line in axes.lines if not line.get_label().startswith("_")]
 
 
+@pytest.mark.cvode
 def test_the_work_precision_diagram_has_a_line_an_engine(price, tmp_path):
     figure = price.plot(tmp_path / "price.png")
     (axes,) = figure.axes
@@ -405,6 +413,7 @@ def test_what_a_function_raises_arrives_unchanged():
         rb.cost(scene, until=2.0)
 
 
+@pytest.mark.cvode
 def test_a_closed_form_too_long_to_step_along_leaves_the_others_out():
     price = rb.cost(oscillator()[0], until=1e9, budget=0.5)
     assert {row.engine for row in price} == {"closed form"}

@@ -169,6 +169,7 @@ def test_a_power_is_told_from_a_corner_near_it(engine, until):
     assert len(run.events.times("corner")) == 0
 
 
+@pytest.mark.cvode
 def test_random_scenes_lose_no_event_and_make_none_up():
     count = random_events().tried(200, seed=12)
     assert count.wrong == 0, count.examples[:5]

@@ -33,7 +33,7 @@ def long_calls():
     times = np.linspace(0.0, run.end, 20_000_000)
     spline = rb.Spline(np.random.default_rng(1).normal(size=(20, 3)))
     places = np.linspace(0.0, 19.0, 5_000_000)
-    points = np.random.default_rng(1).normal(size=(100_000, 3))
+    points = np.random.default_rng(1).normal(size=(60_000, 3))
     long = chain(64)
     system = rb.simulate(rb.System(lambda t, x: [x[1], -x[0]], [1.0, 0.0]), 5.0)
     hill = rb.Scene(gravity=[0, 0, -9.81])

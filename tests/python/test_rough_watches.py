@@ -15,5 +15,6 @@ def rough_watches():
     return module
 
 
+@pytest.mark.cvode
 def test_of_functions_with_poles_and_ends_every_root_is_found_and_nothing_else(rough_watches):
     assert [message for seed in range(60) if (message := rough_watches.check(seed))] == []

@@ -51,6 +51,7 @@ def test_the_quick_set_is_held_in_less_than_45_s(card):
     assert card.cases == tuple(one.name for one in CASES.values() if one.quick)
 
 
+@pytest.mark.cvode
 def test_every_engine_holds_what_it_claims_and_says_why_where_it_does_not(card):
     for name in card.cases:
         held = {row.engine for row in card if row.case == name and row.status == "held"}
@@ -61,6 +62,7 @@ def test_every_engine_holds_what_it_claims_and_says_why_where_it_does_not(card):
     assert all(f"refused: {row.case}: " in str(card) for row in refused)
 
 
+@pytest.mark.cvode
 def test_what_is_held_is_within_what_was_asked_and_within_what_the_run_tells(card):
     for row in card.of("held"):
         # what the digits of an answer leave is at most 1e-3, of two ends that a run creeps up to
@@ -71,6 +73,7 @@ def test_what_is_held_is_within_what_was_asked_and_within_what_the_run_tells(car
     assert np.mean([row.error <= row.estimate + 1e-15 for row in told]) > 0.95
 
 
+@pytest.mark.cvode
 def test_a_wrong_answer_fails_and_so_does_the_exit_code(entered, capsys):
     entered("a right fall")(fall(0.5))
     entered("a wrong fall")(fall(0.5 * (1 + 1e-8)))

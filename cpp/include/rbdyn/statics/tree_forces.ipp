@@ -72,7 +72,6 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene)
 }
 
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
-    Interruption::point();
     const int n = freedoms();
     State s;
     s.jacobian = SquareMatrix(n);
@@ -281,6 +280,7 @@ RBDYN_INLINE void TreeForces::choose(const std::vector<mechanics::Moving<DoubleD
 }
 
 RBDYN_INLINE TreeForces::Wide TreeForces::velocities(const std::vector<Wide>& rows, const Wide& motion) const {
+    Interruption::point();
     Wide v(at(tree_.velocities()), 0.0);
     for (std::size_t i = 0; i < leading_.size(); ++i) v[at(leading_[i])] = motion[i];
     if (rows.empty()) return v;
@@ -316,6 +316,7 @@ RBDYN_INLINE TreeForces::Wide TreeForces::reduced(const std::vector<Wide>& rows,
 }
 
 RBDYN_INLINE TreeForces::Wide TreeForces::forces(const Wide& x) const {
+    Interruption::point();
     const Wide q = (*function_)(std::span<const DoubleDouble>(x.data(), at(tree_.positions())));
     return reduced(rows_.empty() ? std::vector<Wide>{} : rows(moving(x)), q);
 }
