@@ -100,6 +100,13 @@ TEST(Pendulum, follows_the_hyperbolic_functions_on_the_separatrix) {
     }
 }
 
+// on its separatrix what 32 digits leave grows like the distance from the highest place
+TEST(Pendulum, says_that_its_error_grows_on_the_separatrix) {
+    const Pendulum pendulum(1.0, 0.0, 2.0);
+    EXPECT_LT(pendulum.error(20.0), limit);
+    EXPECT_GT(pendulum.error(60.0), 1e-8);
+}
+
 TEST(Pendulum, swings_harmonically_when_tiny_and_turns_evenly_without_weight) {
     for (double size : {1e-9, 1e-200}) {
         const Pendulum pendulum(4.0, size, size);

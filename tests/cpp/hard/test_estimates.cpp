@@ -85,5 +85,16 @@ TEST(Estimates, say_nothing_beyond_the_end_of_a_judge_that_ends_early) {
     EXPECT_EQ(early.error, std::numeric_limits<double>::infinity());
 }
 
+// what was wrong before is wrong after, however little is added
+TEST(Estimates, of_what_goes_on_are_those_of_the_whole_motion) {
+    Scene scene(down);
+    const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {0.5, 0, 4}});
+    scene.apply(Drag{.quadratic = 0.5}, ball);
+    const Trajectory first = simulate(scene, {.until = 2.0, .error = 1e-5, .engine = "dop853"}),
+                     on = simulate(first, {.until = 2.0 + 0x1p-30});
+    ASSERT_GT(*first.error(), 1e-9);
+    EXPECT_GE(*on.error(), *first.error());
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_estimates

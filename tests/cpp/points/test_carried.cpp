@@ -1,0 +1,37 @@
+// Beads that a moving surface carries: what they need to be held, and when it is too much.
+#include <gtest/gtest.h>
+
+#include "support.hpp"
+
+namespace rbdyn::test::test_carried {
+namespace {
+
+// held by mu N against m a + c v with v = a t: until t = (mu g / a - 1) m / c
+TEST(Carried, beads_are_held_against_drag_too) {
+    Scene scene(down);
+    RailOptions belt;
+    belt.drive = TimeFunction([](const auto& t) { return 1.0 * t; });
+    const BodyHandle bead = scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.5, 0.25}, belt), {.parameter = 0.0});
+    scene.apply(Drag{.linear = 1.0}, bead);
+    const Trajectory run = simulate(scene, {.until = 5.0, .error = 1e-10});
+    ASSERT_FALSE(run.events().empty());
+    EXPECT_EQ(run.events()[0].kind, EventKind::slip);
+    EXPECT_NEAR(run.events()[0].time, 0.5 * gravity - 1.0, 1e-9);
+    EXPECT_NEAR(run[bead].tangential_force(2.0), -2.0, 1e-12);
+}
+
+// a straight way whose parameter goes ever slower needs no force
+TEST(Carried, beads_need_no_force_for_the_parameter_of_a_straight_way) {
+    Scene scene(down);
+    RailOptions belt;
+    belt.drive = 1.0;
+    const Polynomial way{.coefficients = {{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}}, .domain = {0.0, 4.0}};
+    const BodyHandle bead =
+        scene.add(Particle{1.0}, Rail(way, Coulomb{1e-3, 1e-3}, belt), {.parameter = 0.25, .speed = 1.0});
+    const Trajectory run = simulate(scene, {.until = 5.0, .error = 1e-10});
+    EXPECT_TRUE(run.events().empty()) << kinds(run);
+    EXPECT_NEAR(run[bead].position(5.0)[0], 0.28125 + 5.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace rbdyn::test::test_carried
