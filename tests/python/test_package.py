@@ -44,6 +44,9 @@ def test_the_engines_of_the_build_are_told_and_listed_in_errors():
     for call in (
         lambda: rbdyn.simulate(scene, 1.0, engine="rk4"),
         lambda: rbdyn.simulate(rbdyn.System(lambda t, x: [1.0], [0.0]), 1.0, engine="rk4"),
+        lambda: rbdyn.simulate(
+            rbdyn.EulerTop(rbdyn.shapes.box(1.0, [1, 1, 2]), 9.81), [0, 0, 1, 0, 0, 1], 1.0, engine="rk4"
+        ),
         lambda: rbdyn.cost(scene, 1.0, engines=["rk4"]),
         lambda: rbdyn.effects(scene, 1.0, engine="rk4"),
         lambda: rbdyn.simulate_many(scene, vary, 1.0, engine="rk4"),

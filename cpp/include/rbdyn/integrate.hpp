@@ -30,7 +30,7 @@ inline constexpr int compared_times = 256;
 /// The names of the engines of this build that integrate.
 std::vector<std::string> engines();
 
-/// Throws Error for a name that is none of them.
+/// Throws InvalidInput for a name that is none of them.
 std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner = {});
 
 /// The smallest tolerance that still makes an engine more accurate: below it, more steps mean more rounding.

@@ -58,7 +58,9 @@ RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride, manner.rounding);
     if (std::unique_ptr<Engine> engine = cvode::make(name, tolerance)) return engine;
-    throw Error("simulate: there is no engine " + name);
+    require_engine("simulate", name);
+    throw InvalidInput("simulate: engine is \"" + name +
+                       "\", and this model has no closed form; use \"auto\" or one of the others");
 }
 
 RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
