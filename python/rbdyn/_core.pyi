@@ -9,7 +9,7 @@ import os
 import rbdyn.frames
 import rbdyn.sample
 import typing
-__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnCurve', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'engines', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
+__all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint', 'BodyPointMotion', 'BodyShape', 'Central', 'Circle', 'Condition', 'ConstraintHandle', 'ConstraintMotion', 'ContactHandle', 'ContactMotion', 'CostRow', 'Coulomb', 'CouplingHandle', 'CouplingMotion', 'CouplingNow', 'Curve', 'Cycloid', 'Cylindrical', 'Drag', 'EffectRow', 'EffectTable', 'Equilibrium', 'EulerAngles', 'EulerTop', 'Event', 'Events', 'Expression', 'Fixed', 'Force', 'Free', 'Function', 'Gravitation', 'Handle', 'Helix', 'Hinge', 'JointForce', 'JointTorque', 'Line', 'LoadHandle', 'Lorentz', 'MissingEngine', 'NormalModes', 'Now', 'Omission', 'PairForce', 'Parabola', 'Parameter', 'Particle', 'Plan', 'Planar', 'Plane', 'PoinsotMotion', 'PointOnCurve', 'PointOnPlane', 'Polynomial', 'Potential', 'Prediction', 'Price', 'Prismatic', 'Rail', 'RailPotential', 'Revolute', 'RigidBody', 'Rod', 'Scene', 'Size', 'Sphere', 'Spherical', 'Spline', 'Spring', 'StateRun', 'Statistics', 'System', 'SystemNow', 'SystemPlan', 'SystemRun', 'SystemVariable', 'Torque', 'TorsionSpring', 'Trajectory', 'TurningPoints', 'Universal', 'UserFunction', 'WatchHandle', 'Watched', 'Weld', 'box', 'cone', 'cost', 'cylinder', 'disc', 'effects', 'ellipsoid', 'engines', 'equilibria', 'normal_modes', 'parameter', 'plan', 'points', 'rail_potential', 'ring', 'rod', 'shell', 'simulate', 'solid', 'sphere']
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
@@ -3179,6 +3179,24 @@ class BodyMotion:
         """
         Names of the quantities this body has.
         """
+class BodyPointMotion:
+    """
+    A point fixed in a rigid body of a run, run[handle.point([x, y, z])]; each a method of time [s].
+    """
+    def __repr__(self) -> str:
+        ...
+    def acceleration(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s^2], world axes.
+        """
+    def position(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        [m], world axes.
+        """
+    def velocity(self, t: numpy.typing.ArrayLike, side: typing.Literal['after', 'before'] = 'after') -> numpy.typing.NDArray[numpy.float64]:
+        """
+        [m/s], world axes.
+        """
 class CouplingMotion:
     """
     Length and force of a coupling of a run, each a method of time [s].
@@ -3280,6 +3298,9 @@ class Trajectory:
     """
     @typing.overload
     def __getitem__(self, handle: BodyHandle) -> BodyMotion:
+        ...
+    @typing.overload
+    def __getitem__(self, handle: BodyPoint) -> BodyPointMotion:
         ...
     @typing.overload
     def __getitem__(self, handle: CouplingHandle) -> CouplingMotion:

@@ -158,6 +158,16 @@ TEST(LinearScenes, are_known_by_their_equations) {
                      }),
                      b);
          },
+         "forced motion of a linear scene"},
+        {"a force that changes in time as nothing linear does",
+         [&](Scene& s) {
+             const BodyHandle b = particle(s, 1.0, {0, 1, 2});
+             pulled(s, b);
+             s.apply(Force([](const auto& t, const auto&, const auto&) {
+                         return Vector3Of<std::decay_t<decltype(t)>>{tanh(t), 0.0 * t, 0.0 * t};
+                     }),
+                     b);
+         },
          "what forces them varies in time"},
         {"a side of a case distinction",
          [&](Scene& s) {

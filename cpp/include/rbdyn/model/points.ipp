@@ -752,12 +752,11 @@ RBDYN_INLINE void PointsModel::change(Mode& mode, const Scene::Watch& watch, dou
             change_rigid(c, b, laws_->rigid_report(i, mode.slip, t, x), user, x);
             continue;
         }
-        const std::vector<std::string> words = c.words();
-        if (std::any_of(words.begin(), words.end(), [](const std::string& word) {
-                return word != "position" && word != "velocity" && word != "parameter" && word != "speed";
-            }))
-            throw InvalidInput(user + ": its action changes of " + b.name +
-                               ", a particle, what only rigid bodies have");
+        for (const std::string& word : c.words())
+            if (word != "position" && word != "velocity" && word != "parameter" && word != "speed")
+                throw InvalidInput(user + ": its action changes " + word + " of " + b.name +
+                                   ", a particle; give position and velocity, three numbers each, or on a rail "
+                                   "parameter and speed");
         const bool is_free = !b.curve || mode.slip[at(i)] == flies;
         if (is_free ? c.parameter || c.speed : c.position || c.velocity)
             throw InvalidInput(
