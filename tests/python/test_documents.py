@@ -165,6 +165,13 @@ def test_outputs_that_are_not_what_is_shown_are_found():
     assert differs("1 0.25...", "1 0.2512") is None and differs("1 0.25...", "1 0.26") is not None
 
 
+def test_each_mutant_is_a_place_of_the_core(root, tmp_path):
+    done = subprocess.run(
+        [sys.executable, root / "tests" / "mutants" / "mutate.py", tmp_path], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_each_promise_names_a_test_that_there_is(root):
     text = (root / "docs" / "promises.md").read_text()
     rows = re.findall(r"^\| (?!promised|---).* \| (.*) \|$", text, re.MULTILINE)
