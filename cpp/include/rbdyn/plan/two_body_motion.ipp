@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/vector.hpp"

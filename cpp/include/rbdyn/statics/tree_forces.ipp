@@ -22,6 +22,7 @@
 #include "rbdyn/mechanics/assemble.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/statics/path_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
