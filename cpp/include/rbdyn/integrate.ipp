@@ -376,8 +376,10 @@ RBDYN_INLINE double rounding_seen(const HybridModel& model, const Mode& mode, co
         scales.widen(seen);
     }
     scales.settle(options.error, span);
-    // of some six sums and products
-    return 6.0 * scales.rounding();
+    // of some four sums and products; of six as long as these are the last digits. Where a scale has its floor for
+    // rounding (least_share) four are what it is made for
+    constexpr double last_digits = 1e-14;
+    return std::max(4.0 * scales.rounding(), std::min(6.0 * scales.rounding(), last_digits));
 }
 
 RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,

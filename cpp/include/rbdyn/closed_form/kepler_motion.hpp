@@ -41,12 +41,12 @@ public:
     double pericentre() const { return pericentre_; }
     double largest_speed() const { return largest_speed_; }
 
-    /// Estimated error at a time [s]: of the place relative to its extent, of the velocity likewise.
+    /// Estimated error at a time [s]: of the place relative to its extent, of the velocity likewise; before they are
+    /// rounded to doubles.
     double error(double t) const;
 
 private:
-    static constexpr double noise = 1e-29;     // what an evaluation loses of 32 digits, of its largest terms
-    static constexpr double rounding = 2e-16;  // of the last few operations
+    static constexpr double noise = 1e-29;  // what an evaluation loses of 32 digits, of its largest terms
 
     struct G {
         DoubleDouble g0, g1, g2, g3;

@@ -69,34 +69,40 @@ RBDYN_INLINE KeplerMotion::G KeplerMotion::functions(const DoubleDouble& s) cons
 }
 
 RBDYN_INLINE DoubleDouble KeplerMotion::anomaly(const DoubleDouble& t) const {
-    // t grows with s, by r at least the pericentre: the root lies between 0 and t over that, or within a turn
-    DoubleDouble low = 0.0, high = t / pericentre_;
+    // t grows with s, by r at least the pericentre: the root lies between 0 and t over that, or within a turn. What the
+    // pericentre of a circle is known to is allowed for
+    DoubleDouble low = 0.0, high = 2.0 * t / pericentre_;
     if (t.hi < 0.0) std::swap(low, high);
     if (std::isfinite(period_.hi)) {
         const DoubleDouble turn = 4.0 * double_double::half_pi / root_;
         high = std::min(high.hi, turn.hi);
         low = std::max(low.hi, -turn.hi);
     }
+    // Newton's steps where they halve the last one and stay between; else the middle: what grows exponentially is
+    // climbed down too slowly
     DoubleDouble s = std::clamp(t.hi / r0_.hi, low.hi, high.hi);
-    for (int i = 0; i < 400; ++i) {
+    double last = high.hi - low.hi;
+    for (int i = 0; i < 2000; ++i) {
         const G g = functions(s);
         const DoubleDouble off = r0_ * g.g1 + e0_ * g.g2 + mu_ * g.g3 - t, r = r0_ * g.g0 + e0_ * g.g1 + mu_ * g.g2;
-        if (off.hi == 0.0) break;
-        // what overflows is beyond
-        if (off.hi < 0.0)
-            low = s;
-        else
-            high = s;
+        if (off.hi == 0.0) return s;
+        // what overflows is beyond, on the side of t
+        const bool is_beyond = std::isfinite(off.hi) ? off.hi > 0.0 : t.hi > 0.0;
+        (is_beyond ? high : low) = s;
         DoubleDouble next = s - off / r;
-        if (!(next.hi > low.hi && next.hi < high.hi)) {
-            const bool is_at_end = std::abs((next - s).hi) <= 0x1p-50 * std::abs(s.hi);
-            if (!is_at_end || !std::isfinite(next.hi)) next = 0.5 * (low + high);
+        double change = std::abs((next - s).hi);
+        const bool is_last = change <= 0x1p-54 * std::abs(s.hi);
+        if (!is_last && !(next.hi >= low.hi && next.hi <= high.hi && change <= 0.5 * last)) {
+            next = 0.5 * (low + high);
+            change = std::abs((next - s).hi);
+            // what is left is the rounding of Kepler's equation itself
+            if (change <= 0x1p-90 * std::abs(s.hi)) return next;
         }
-        const double change = std::abs((next - s).hi);
+        last = change;
         s = next;
-        if (change <= 0x1p-54 * std::abs(s.hi)) break;  // the next one would be beyond 32 digits
+        if (is_last) return s;  // the next one would be beyond 32 digits
     }
-    return s;
+    return std::numeric_limits<double>::quiet_NaN();
 }
 
 RBDYN_INLINE KeplerMotion::State KeplerMotion::at(Instant when) const {
@@ -113,7 +119,7 @@ RBDYN_INLINE KeplerMotion::State KeplerMotion::at(Instant when) const {
 RBDYN_INLINE double KeplerMotion::error(double t) const {
     const double time = std::abs(t), fastest = largest_speed_ / pericentre_;
     const double turns = time > 0.5 * period_.hi ? sensitivity_ : 0.0;
-    return std::min(2.0, rounding + noise * (1.0 + fastest * time * (1.0 + turns)));
+    return std::min(2.0, noise * (1.0 + fastest * time * (1.0 + turns)));
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -79,6 +79,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
         one.axes[0] = t.normal;
         std::tie(one.axes[1], one.axes[2]) = friction::across(t.normal);
         const int first = static_cast<int>(result.rows.size());
+        // in an impact the dynamic coefficient counts alone
+        const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
         if (c.is_rough() && !strikes) {
             const bool slid = mechanics::contact_state::slides(before.slip[at(k)]);
             const double speed = one.slip.norm(),
@@ -93,14 +95,14 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
         if (one.slides) {
             const double mu = c.mu_dynamic;
             result.pushes.back() = t.row(Vector3(t.normal - one.along * mu), Vector3(Vector3::Zero()));
-        } else if (c.is_rough()) {
+        } else if (resists) {
             for (int i = 1; i < 3; ++i) {
                 result.rows.push_back(t.row(one.axes[i], Vector3(Vector3::Zero())));
                 result.pushes.push_back(result.rows.back());
             }
         }
         if (mode != nullptr) t.add_torque(result.pushes[at(first)], twisting(*mode, k, all));
-        result.cones.push_back({first, !c.is_rough() || one.slides, static_cast<double>(c.mu_static)});
+        result.cones.push_back({first, !resists || one.slides, static_cast<double>(c.mu_static)});
         if (strikes) result.cones.back().mu = c.mu_dynamic;
         result.all.push_back(std::move(one));
     }
