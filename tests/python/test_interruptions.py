@@ -81,8 +81,10 @@ def test_ctrl_c_ends_it_within_a_second_and_others_run_meanwhile(calls, interrup
     interrupt()
     began = time.perf_counter()
     try:
+        # again and again: a quick machine may be done before it is interrupted
         with pytest.raises(KeyboardInterrupt):
-            calls[name]()
+            while time.perf_counter() - began < 5.0:
+                calls[name]()
     finally:
         took = time.perf_counter() - began
         over.set()

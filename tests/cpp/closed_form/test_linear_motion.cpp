@@ -72,6 +72,14 @@ TEST(SymmetricModes, have_32_digits_whatever_their_values) {
 TEST(LinearScenes, are_known_by_their_equations) {
     const Rail rail(incline(0.5));
     const auto pulled = [](Scene& s, BodyHandle b) { s.connect(Spring{.stiffness = 4.0}, b, Vector3(1, 0, 0)); };
+    const auto pushed = [&](Scene& s, auto f) {
+        const BodyHandle b = particle(s, 1.0, {0, 1, 2});
+        pulled(s, b);
+        s.apply(Force([f](const auto& t, const auto&, const auto&) {
+                    return Vector3Of<std::decay_t<decltype(t)>>{f(t), 0.0 * t, 0.0 * t};
+                }),
+                b);
+    };
     const struct {
         const char* name;
         Build build;
@@ -149,26 +157,10 @@ TEST(LinearScenes, are_known_by_their_equations) {
              pulled(s, s.add(Particle{1.0}, Rail(incline(0.5), Coulomb{0.5, 0.25})));
          },
          "friction"},
-        {"a force that changes in time",
-         [&](Scene& s) {
-             const BodyHandle b = particle(s, 1.0, {0, 1, 2});
-             pulled(s, b);
-             s.apply(Force([](const auto& t, const auto&, const auto&) {
-                         return Vector3Of<std::decay_t<decltype(t)>>{t, 0.0 * t, 0.0 * t};
-                     }),
-                     b);
-         },
+        {"a force that changes in time", [&](Scene& s) { pushed(s, [](const auto& t) { return t; }); },
          "forced motion of a linear scene"},
         {"a force that changes in time as nothing linear does",
-         [&](Scene& s) {
-             const BodyHandle b = particle(s, 1.0, {0, 1, 2});
-             pulled(s, b);
-             s.apply(Force([](const auto& t, const auto&, const auto&) {
-                         return Vector3Of<std::decay_t<decltype(t)>>{tanh(t), 0.0 * t, 0.0 * t};
-                     }),
-                     b);
-         },
-         "what forces them varies in time"},
+         [&](Scene& s) { pushed(s, [](const auto& t) { return tanh(t); }); }, "what forces them varies in time"},
         {"a side of a case distinction",
          [&](Scene& s) {
              s.apply(traced([](const auto& r, const auto&) {

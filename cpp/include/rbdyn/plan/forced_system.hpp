@@ -1,5 +1,5 @@
-// Recorded rates that are linear in the variables with constant coefficients, and forced in time by sines, exponentials
-// and powers: as a system of closed_form/waves.hpp.
+// Recorded rates that are linear in the variables with constant coefficients, and forced in time, if at all, by sines,
+// exponentials and powers: as a system of closed_form/waves.hpp.
 #pragma once
 
 #include <optional>

@@ -27,9 +27,8 @@ namespace rbdyn::inline RBDYN_FORM {
 /// The motion of a linear scene.
 class LinearMotion : public ClosedForm {
 public:
-    LinearMotion(LinearBlocks solution, std::vector<double> start, std::vector<VariableGroup> groups);
-    /// One that is forced in time, and its solution from some time on.
-    LinearMotion(ForcedSystem forced, LinearBlocks solution, std::vector<double> start,
+    /// `forced`: what is solved, of one that is forced in time; else none.
+    LinearMotion(std::optional<ForcedSystem> forced, LinearBlocks solution, std::vector<double> start,
                  std::vector<VariableGroup> groups);
 
     void state(Instant since, std::span<double> x) const override;
@@ -83,9 +82,6 @@ struct Degree {
 /// The rates of a scene as a program whose constants have 32 digits, numbers of the user's among them.
 [[gnu::cold]] Program wide_rates(const PointsModel& model, const std::vector<double>& start,
                                  const std::vector<signed char>& slip);
-
-/// The system that the rates of a linear program are.
-[[gnu::cold]] LinearSystem linear_system(const Program& program);
 
 /// The motion of a scene by the modes of its equations.
 [[gnu::cold]] FoundForm linear_motion(const Scene& scene, const PointsModel& model);

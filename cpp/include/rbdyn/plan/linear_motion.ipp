@@ -37,15 +37,11 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE LinearMotion::LinearMotion(LinearBlocks solution, std::vector<double> start,
-                                        std::vector<VariableGroup> groups)
-    : solution_(std::move(solution)), start_(std::move(start)), groups_(std::move(groups)) {}
-
-RBDYN_INLINE LinearMotion::LinearMotion(ForcedSystem forced, LinearBlocks solution, std::vector<double> start,
-                                        std::vector<VariableGroup> groups)
+RBDYN_INLINE LinearMotion::LinearMotion(std::optional<ForcedSystem> forced, LinearBlocks solution,
+                                        std::vector<double> start, std::vector<VariableGroup> groups)
     : forced_(std::move(forced)),
       solution_(std::move(solution)),
-      behind_(static_cast<std::size_t>(forced_->size() - forced_->own())),
+      behind_(forced_ ? static_cast<std::size_t>(forced_->size() - forced_->own()) : 0),
       start_(std::move(start)),
       groups_(std::move(groups)) {}
 
@@ -125,7 +121,7 @@ RBDYN_INLINE double LinearMotion::pace() const {
 
 RBDYN_INLINE std::shared_ptr<const ClosedForm> LinearMotion::begun(double time) const {
     if (!forced_ || time == 0.0) return nullptr;
-    return std::make_shared<const LinearMotion>(*forced_, solve(forced_->begun(time)), start_, groups_);
+    return std::make_shared<const LinearMotion>(forced_, solve(forced_->begun(time)), start_, groups_);
 }
 
 RBDYN_INLINE std::string LinearMotion::name() const {
@@ -202,69 +198,6 @@ RBDYN_INLINE Program wide_rates(const PointsModel& model, const std::vector<doub
     return Program(r, rates, map.size());
 }
 
-RBDYN_INLINE LinearSystem linear_system(const Program& program) {
-    const auto at = [](int i) { return static_cast<std::size_t>(i); };
-    using Row = std::vector<LinearSystem::Entry>;
-    const std::vector<DoubleDouble>& weights = *program.exact_weights();
-    std::vector<Row> rows(at(program.slots()));
-    std::vector<DoubleDouble> constants(rows.size());
-    for (int i = 0; i < program.inputs(); ++i) rows[at(i)] = {{i, 1.0}};
-    const auto add = [](Row& row, const Row& other, const DoubleDouble& factor) {
-        for (const LinearSystem::Entry& e : other) {
-            const auto known =
-                std::find_if(row.begin(), row.end(), [&](const auto& o) { return o.column == e.column; });
-            if (known == row.end())
-                row.push_back({e.column, e.value * factor});
-            else
-                known->value += e.value * factor;
-        }
-    };
-    for (const Instruction& i : program.instructions()) {
-        if (i.weight >= 0) constants[at(i.out)] = weights[at(i.weight)];
-        for (int k = 0; k < i.terms; ++k) {
-            const Term& term = program.terms(i)[k];
-            add(rows[at(i.out)], rows[at(term.slot)], weights[at(term.weight)]);
-            constants[at(i.out)] += weights[at(term.weight)] * constants[at(term.slot)];
-        }
-    }
-    LinearSystem result;
-    for (int i = 0; i < program.inputs(); ++i) {
-        const int slot = program.output(i);
-        result.rows.push_back(rows[at(slot)]);
-        std::erase_if(result.rows.back(), [](const auto& e) { return e.value.hi == 0.0; });
-        result.constants.push_back(constants[at(slot)]);
-    }
-    return result;
-}
-
-/// Of a scene whose rates depend on time.
-RBDYN_INLINE FoundForm forced_motion(const PointsModel& model, const std::vector<double>& start,
-                                     const std::vector<double>& rest, const std::vector<signed char>& slip) {
-    const PointLaws& laws = model.laws();
-    const Equations& e = model.equations(slip);
-    std::vector<DoubleDouble> wide(start.begin(), start.end());
-    for (std::size_t i = 0; i < rest.size(); ++i) wide[i] += rest[i];
-    std::optional<ForcedSystem> forced = forced_system(wide_rates(model, start, slip), std::move(wide));
-    if (!forced) {
-        const std::vector<Dependence> known = dependences(e.program);
-        for (const PointLaws::Body& b : laws.bodies())
-            for (int k = 0; k < b.velocities(); ++k)
-                if (const int i = laws.map().place(b.first_rate + k);
-                    i >= 0 && known[static_cast<std::size_t>(e.program.output(i))] == Dependence::other)
-                    return {nullptr,
-                            "the equations of " + b.name + " " + why_not_linear(e.program, e.program.output(i))};
-        return {nullptr, "the equations depend on time"};
-    }
-    const LinearSystem whole = forced->begun(0.0);
-    if (whole.is_polynomial()) return {nullptr, "a polynomial in time, of which one step of a Taylor series is exact"};
-    LinearBlocks solution = solve(whole);
-    if (solution.too_large > 0)
-        return {nullptr, "linear, but " + std::to_string(solution.too_large) +
-                             " variables, those of what forces them among them, depend on each other: their motion "
-                             "costs more than integration"};
-    return {std::make_shared<const LinearMotion>(*std::move(forced), std::move(solution), start, e.groups)};
-}
-
 RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& model) {
     const PointLaws& laws = model.laws();
     for (const PointLaws::Body& b : laws.bodies()) {
@@ -281,6 +214,7 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     const Program& program = e.program;
     const std::vector<Dependence> known = dependences(program);
     bool is_even = true, is_forced = false;
+    std::optional<std::pair<std::string, int>> varying;  // the body and the output of a velocity that time changes
     for (const PointLaws::Body& b : laws.bodies())
         for (int k = 0; k < b.positions() + b.velocities(); ++k) {
             const int i = laws.map().place(k < b.positions() ? b.first + k : b.first_rate + k - b.positions());
@@ -288,6 +222,7 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
             const Dependence rate = known[static_cast<std::size_t>(program.output(i))];
             if (rate == Dependence::other && program.uses_time()) {
                 is_forced = true;
+                if (!varying && k >= b.positions()) varying.emplace(b.name, program.output(i));
                 continue;
             }
             if (rate == Dependence::other)
@@ -299,17 +234,23 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
     if (std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers()) return {nullptr, changing};
     std::vector<double> start = model.start();
+    std::vector<DoubleDouble> wide(start.begin(), start.end());
     const std::vector<double> rest = model.start_rest();
-    if (is_forced) return forced_motion(model, start, rest, slip);
-    LinearSystem system = linear_system(wide_rates(model, start, slip));
-    if (system.is_polynomial()) return {nullptr, polynomial};
-    system.start.assign(start.begin(), start.end());
-    for (std::size_t i = 0; i < rest.size(); ++i) system.start[i] += rest[i];
-    LinearBlocks solution = solve(system);
+    for (std::size_t i = 0; i < rest.size(); ++i) wide[i] += rest[i];
+    std::optional<ForcedSystem> system = forced_system(wide_rates(model, start, slip), std::move(wide));
+    if (!system && varying)
+        return {nullptr, "the equations of " + varying->first + " " + why_not_linear(program, varying->second)};
+    if (!system) return {nullptr, "the equations depend on time"};
+    const LinearSystem whole = system->begun(0.0);
+    if (whole.is_polynomial()) return {nullptr, polynomial};
+    LinearBlocks solution = solve(whole);
     if (solution.too_large > 0)
         return {nullptr, "linear, but " + std::to_string(solution.too_large) +
-                             " variables depend on each other: their modes cost more than integration"};
-    return {std::make_shared<const LinearMotion>(std::move(solution), std::move(start), e.groups)};
+                             (is_forced ? " variables, those of what forces them among them, depend on each other: "
+                                          "their motion costs more than integration"
+                                        : " variables depend on each other: their modes cost more than integration")};
+    if (!is_forced) system.reset();
+    return {std::make_shared<const LinearMotion>(std::move(system), std::move(solution), std::move(start), e.groups)};
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::planning
