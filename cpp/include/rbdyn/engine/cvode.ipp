@@ -65,8 +65,11 @@ RBDYN_INLINE StepStatus CvodeEngine::step(double limit) {
     if (!is_first_ && drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
     if (!running_ && !begin(limit)) return StepStatus::not_finite;
     void* memory = integrator_->memory.get();
-    const double stop = limit - integrator_->origin;
+    double stop = limit - integrator_->origin;
     if (!(stop > clock_)) return StepStatus::stalled;
+    const double seen = integrator_->ahead.held(t_, x_, stop - clock_);
+    const bool is_seen = seen >= stop - clock_ || seen <= 0x1p-40 * std::abs(t_.hi);
+    if (!is_seen) stop = clock_ + seen;
     CVodeSetStopTime(memory, stop);
     double clock = clock_;
     const int outcome = CVode(memory, stop, integrator_->y.get(), &clock, CV_ONE_STEP);
@@ -76,7 +79,7 @@ RBDYN_INLINE StepStatus CvodeEngine::step(double limit) {
         running_ = false;
         return slope_is_finite() ? StepStatus::stalled : StepStatus::not_finite;
     }
-    const bool at_limit = outcome == CV_TSTOP_RETURN;
+    const bool at_limit = outcome == CV_TSTOP_RETURN && is_seen;
     long taken = 0;
     CVodeGetNumSteps(memory, &taken);
     if (taken == steps_) {
@@ -261,8 +264,9 @@ RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
         for (int k = lead + 1; k <= orders; ++k)
             if (size[at(k)] > 0.0)
                 reach = std::min(reach, 0.3 * std::pow(size[at(lead)] / size[at(k)], 1.0 / (k - lead)));
-        if (!std::isfinite(reach)) reach = std::isfinite(span) ? span : 1.0;
-        reach = std::min(reach, passage);
+        // no scale beyond the span: terms after the leading one may be next to nothing
+        if (!std::isfinite(reach) && !std::isfinite(span)) reach = 1.0;
+        reach = std::min({reach, span, passage});
         estimates_[g] = std::max(estimates_[g], size[at(lead)] * std::pow(reach, lead));
         const double tolerance = absolute_tolerance(g);
         for (int k = 2; k <= orders; ++k)

@@ -14,6 +14,7 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 
@@ -40,6 +41,7 @@ public:
     JacobianEvaluator evaluator;
     std::exception_ptr thrown;  // by a function of the user's, kept while CVODE's own frames are left
     SeriesEvaluator series;
+    HiddenAhead ahead;
     PieceGuards guards;
     int n;
     std::vector<double> weights;

@@ -16,6 +16,7 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 
@@ -25,6 +26,7 @@ RBDYN_INLINE Integrator::Integrator(const Equations& equations, bool stiff, int 
                                     SUNContext context, Work& work)
     : evaluator(equations.program),
       series(equations.program, series_order),
+      ahead(equations.program),
       guards(equations, series_are_known(equations) ? &series : nullptr, series_order, guard_tolerance),
       n(equations.variables()),
       weights(static_cast<std::size_t>(n), 0.0),
@@ -74,6 +76,7 @@ RBDYN_INLINE Integrator::Integrator(const Equations& equations, bool stiff, int 
 RBDYN_INLINE void Integrator::set_parameters(std::span<const double> parameters) {
     evaluator.set_parameters(parameters);
     series.set_parameters(parameters);
+    ahead.set_parameters(parameters);
     guards.set_parameters(parameters);
 }
 

@@ -27,6 +27,7 @@
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -69,6 +70,7 @@ private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static constexpr int order = 7;  // of the interpolant
     static constexpr int series_order = 12;
+    static constexpr double tiny = 0x1p-960;  // no motion: where doubles end they lose their digits
     // the interpolant's error is steepest near here, and its slope there two to four times its largest value
     static constexpr double defect_place = 0.65625;
     static constexpr double defect_weight = 0.25;
@@ -79,6 +81,7 @@ private:
         Workshop(const Equations& equations, bool fits_guards, double tolerance);
         Evaluator<double> evaluator;
         std::unique_ptr<SeriesEvaluator> series;
+        HiddenAhead ahead;
         PieceGuards guards;
         double step = 0.0;  // the length of the next one; 0: not known yet
     };

@@ -19,6 +19,7 @@
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -69,9 +70,10 @@ RBDYN_INLINE StepStatus Dop853Engine::step(double limit) {
     double h = 0.0, error = 0.0;
     bool rejected = false, capped = false;
     Instant end;
+    const double seen = workshop_->ahead.held(t_, x_, std::min(stride_ * wanted, span));
     for (;; rejected = true) {
         // a step that ends so that t + h is exact
-        h = stride_ * (is_first_ ? std::min(wanted, span) : wanted);
+        h = std::min(stride_ * (is_first_ ? std::min(wanted, span) : wanted), seen);
         capped = h >= span;
         if (!capped) {
             const double next = t_.hi + h;
@@ -139,6 +141,7 @@ RBDYN_INLINE Dop853Engine::Workshop::Workshop(const Equations& equations, bool f
       series(fits_guards || !series_are_known(equations)
                  ? nullptr
                  : std::make_unique<SeriesEvaluator>(equations.program, series_order)),
+      ahead(equations.program),
       guards(equations, series.get(), series_order, tolerance * std::exp2(guard_slack)) {}
 
 RBDYN_INLINE Dop853Engine::Workshop& Dop853Engine::workshop_for(const Equations& equations) {
@@ -164,6 +167,7 @@ RBDYN_INLINE void Dop853Engine::resize(std::size_t variables) {
 RBDYN_INLINE void Dop853Engine::set_parameters() {
     workshop_->evaluator.set_parameters(parameters_, constants_);
     if (workshop_->series) workshop_->series->set_parameters(parameters_, constants_);
+    workshop_->ahead.set_parameters(parameters_, constants_);
     workshop_->guards.set_parameters(parameters_, constants_);
 }
 
@@ -238,14 +242,15 @@ RBDYN_INLINE double Dop853Engine::attempt(double h) {
         }
         const double moved = scales_.scale(group);
         const double scale = std::max({moved, reach, estimates_[g]});
-        allowed_[g] = std::max(tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group));
+        allowed_[g] = std::max({tolerance_ * scale, 2.0 * epsilon * scales_.magnitude(group), tiny});
         if (size5 == 0.0 && size3 == 0.0) continue;
         fifth = std::max(fifth, blamed(h * size5, h, g));
         third = std::max(third, blamed(h * size3, h, g));
         // a trial that is too long but roughly right tells the scale of motion that has hardly begun
         if (moved == 0.0) next_estimates_[g] = h * size5 < 0.5 * reach ? reach : 0.0;
     }
-    if (fifth == 0.0) return 0.0;
+    // its square may be no number any more
+    if (fifth < 0x1p-400) return fifth;
     return fifth * fifth / std::sqrt(fifth * fifth + 0.01 * third * third);
 }
 

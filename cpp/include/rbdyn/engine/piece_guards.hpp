@@ -14,6 +14,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/engine/guard_fit.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -63,6 +64,9 @@ private:
     /// Not a variable itself, nor found otherwise than by its value.
     bool is_computed(const Guard& guard) const { return guard.output >= 0 && !equations_->is_variable(guard); }
 
+    /// Outputs of such guards.
+    static std::vector<int> computed_guards(const Equations& equations);
+
     void expand();
 
     double series_length();
@@ -75,6 +79,7 @@ private:
     const Equations* equations_;
     SeriesEvaluator* series_;
     std::unique_ptr<GuardFit> fit_;
+    HiddenTerms hidden_;  // of series
     int order_;
     double tolerance_, log_tolerance_;
     std::vector<signed char> rough_;        // by guard; empty: none is

@@ -10,9 +10,11 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/guard_fit.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
@@ -26,10 +28,18 @@ RBDYN_INLINE PieceGuards::PieceGuards(const Equations& equations, SeriesEvaluato
     : equations_(&equations),
       series_(series),
       fit_(series == nullptr ? std::make_unique<GuardFit>(equations) : nullptr),
+      hidden_(equations.program, order, computed_guards(equations)),
       order_(series == nullptr ? GuardFit::order : order),
       tolerance_(tolerance),
       log_tolerance_(std::log2(tolerance)) {
     for (const Guard& guard : equations.guards) need_more_ = need_more_ || is_computed(guard);
+}
+
+RBDYN_INLINE std::vector<int> PieceGuards::computed_guards(const Equations& equations) {
+    std::vector<int> outputs;
+    for (const Guard& guard : equations.guards)
+        if (guard.output >= 0 && !equations.is_variable(guard)) outputs.push_back(guard.output);
+    return outputs;
 }
 
 RBDYN_INLINE void PieceGuards::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
@@ -113,7 +123,7 @@ RBDYN_INLINE double PieceGuards::series_length() {
         }
         log_length = std::min(log_length, log_guard);
     }
-    return std::exp2(log_length);
+    return hidden_.held(*series_, std::exp2(log_length));
 }
 
 RBDYN_INLINE void PieceGuards::mark_rough(std::size_t guard) {

@@ -21,6 +21,7 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -74,12 +75,19 @@ protected:
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
+    /// What is made for equations, and kept.
+    struct Workshop {
+        Workshop(const Program& program, int order) : series(program, order), hidden(program, order) {}
+        SeriesEvaluator series;
+        HiddenTerms hidden;
+    };
+
     void set_parameters();
 
     /// 2^round(log2 x)
     static double power_of_two(double x);
 
-    SeriesEvaluator& evaluator_for(const Equations& equations);
+    Workshop& workshop_for(const Equations& equations);
 
     /// Coefficients 0 .. order of the state, and of the guards where there are any.
     void expand(int n);
@@ -122,7 +130,8 @@ private:
     Program::Rounding rounding_;
     const Equations* equations_ = nullptr;
     SeriesEvaluator* series_ = nullptr;
-    std::vector<std::pair<const Equations*, std::unique_ptr<SeriesEvaluator>>> evaluators_;
+    const HiddenTerms* hidden_ = nullptr;
+    std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     double unit_ = 0.0, natural_ = 0.0;
     std::vector<double> x_, low_, start_low_, parameters_;
     std::vector<double> mode_x_, mode_low_;     // the state its mode began with

@@ -17,6 +17,7 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
@@ -41,7 +42,9 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
                                       std::span<const double> x) {
     if (equations_ != &equations) {
         equations_ = &equations;
-        series_ = &evaluator_for(equations);
+        Workshop& workshop = workshop_for(equations);
+        series_ = &workshop.series;
+        hidden_ = &workshop.hidden;
         scales_.resize(x.size());
         scales_.follow(equations.groups);
         roots_ = has_roots(equations.program) && equations.start_flags.empty()
@@ -76,11 +79,17 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         const bool is_finite = series_->is_finite(order_ - 1);
         length = is_finite ? step_length(span) * unevenness() : 0.0;
         natural_ = length;
+        const bool is_unlimited = natural_ * unit_ > 0x1p32 * span;
         if (length * unit_ > span) length = span / unit_;
         bool capped = is_finite && length * unit_ >= span;
-        if (capped && natural_ * unit_ > 0x1p32 * span && may_hide(equations_->program)) {
+        if (is_finite && !hidden_->none())
+            if (const double held = hidden_->held(*series_, length); held < length) {
+                natural_ = length = held;
+                capped = false;
+            }
+        if (is_finite && is_unlimited && may_hide(equations_->program)) {
             const double part = borne_out(length);
-            capped = part == 1.0;
+            capped = capped && part == 1.0;
             length *= part;
         }
         // a polynomial may be of any length, but its powers are numbers
@@ -206,11 +215,11 @@ RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
     return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
 }
 
-RBDYN_INLINE SeriesEvaluator& TaylorEngine::evaluator_for(const Equations& equations) {
-    for (auto& [known, evaluator] : evaluators_)
-        if (known == &equations) return *evaluator;
-    evaluators_.emplace_back(&equations, std::make_unique<SeriesEvaluator>(equations.program, order_));
-    return *evaluators_.back().second;
+RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations& equations) {
+    for (auto& [known, workshop] : workshops_)
+        if (known == &equations) return *workshop;
+    workshops_.emplace_back(&equations, std::make_unique<Workshop>(equations.program, order_));
+    return *workshops_.back().second;
 }
 
 RBDYN_INLINE void TaylorEngine::expand(int n) {

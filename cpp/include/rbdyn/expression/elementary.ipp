@@ -66,7 +66,9 @@ RBDYN_INLINE Expression pow(const Expression& x, double n) {
         });
     if (n == 0.0) return 1.0;
     if (n == 0.5) return sqrt(x);
-    if (n == std::floor(n) && std::abs(n) <= 32.0) {
+    // by products, which have series at zero too
+    constexpr double most = 1024.0;
+    if (n == std::floor(n) && std::abs(n) <= most) {
         Expression result = 1.0, base = x;
         for (int k = static_cast<int>(std::abs(n)); k > 0; k /= 2) {
             if (k % 2 == 1) result = result * base;

@@ -1,0 +1,295 @@
+// Definitions of rbdyn/expression/hidden_terms.hpp.
+#pragma once
+
+#include "rbdyn/expression/hidden_terms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/term_sizes.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order)
+    : HiddenTerms(program, order, all_outputs(program)) {}
+
+RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::span<const int> outputs)
+    : order_(order), visible_(order - integrations), most_(0.5 * order) {
+    const std::vector<bool> is_needed = needed(program, outputs);
+    const std::vector<double> degree = degrees(program);
+    const std::vector<std::vector<int>> constant = constants(program);
+    const auto of = [&](int slot) { return degree[at(slot)]; };
+    const auto add_inverse = [&](int slot, double rate) {
+        if (constant[at(slot)].empty() || !(of(slot) > 1.0)) return;
+        // of high powers: values may miss it
+        constexpr double high = 8.0;
+        (of(slot) * rate >= high ? steep_ : inverses_).push_back({slot, rate, constant[at(slot)]});
+    };
+    for (const Instruction& i : program.instructions()) {
+        if (!is_needed[at(i.out)] && (i.out2 < 0 || !is_needed[at(i.out2)])) continue;
+        switch (i.code) {
+            case Code::exponential:
+            case Code::hyperbolic: arguments_.push_back({i.code, i.a, 1.0}); break;
+            case Code::tangent: arguments_.push_back({i.code, i.a, 2.0}); break;
+            case Code::power:
+                if (i.value < 0.0) add_inverse(i.a, -i.value);
+                if (i.value * of(i.a) > visible_) arguments_.push_back({i.code, i.a, i.value});
+                break;
+            case Code::divide: add_inverse(i.b, 1.0); break;
+            case Code::combine:
+                for (int k = 0; k < i.products; ++k) {
+                    const ProductTerm& t = program.products(i)[k];
+                    if (of(t.a) + of(t.b) > visible_) products_.push_back({t.a, t.b});
+                }
+                break;
+            default: break;
+        }
+    }
+}
+
+RBDYN_INLINE std::vector<int> HiddenTerms::all_outputs(const Program& program) {
+    std::vector<int> all;
+    for (int i = 0; i < program.outputs() + static_cast<int>(program.switches().size()); ++i) all.push_back(i);
+    return all;
+}
+
+RBDYN_INLINE std::vector<bool> HiddenTerms::needed(const Program& program, std::span<const int> outputs) {
+    std::vector<bool> is_needed(at(program.slots()), false);
+    for (const int i : outputs) is_needed[at(program.output(i))] = true;
+    const auto need = [&](int slot) {
+        if (slot >= 0) is_needed[at(slot)] = true;
+    };
+    const std::vector<Instruction>& all = program.instructions();
+    for (auto i = all.rbegin(); i != all.rend(); ++i) {
+        // calls have no series; what they give is needed as far as it goes
+        if (i->code == Code::call || !(is_needed[at(i->out)] || (i->out2 >= 0 && is_needed[at(i->out2)]))) continue;
+        for (const int slot : {i->a, i->b, i->c}) need(slot);
+        for (int k = 0; k < i->terms; ++k) need(program.terms(*i)[k].slot);
+        for (int k = 0; k < i->products; ++k) {
+            need(program.products(*i)[k].a);
+            need(program.products(*i)[k].b);
+        }
+    }
+    return is_needed;
+}
+
+RBDYN_INLINE std::vector<double> HiddenTerms::degrees(const Program& program) {
+    // a product of many different functions is no power; one of a power is
+    constexpr double power = 4.0;
+    std::vector<double> degree(at(program.slots()), 1.0);
+    std::vector<int> base(at(program.slots()));
+    std::iota(base.begin(), base.end(), 0);
+    const auto of = [&](int slot) -> double& { return degree[at(slot)]; };
+    const auto of_product = [&](const ProductTerm& t) {
+        const bool is_power = base[at(t.a)] == base[at(t.b)] || of(t.a) >= power || of(t.b) >= power;
+        return is_power ? of(t.a) + of(t.b) : 1.0;
+    };
+    const auto pass = [&] {
+        for (const Instruction& i : program.instructions()) {
+            double d = 1.0;
+            if (i.code == Code::combine) {
+                for (int k = 0; k < i.terms; ++k) d = std::max(d, of(program.terms(i)[k].slot));
+                for (int k = 0; k < i.products; ++k) d = std::max(d, of_product(program.products(i)[k]));
+                if (i.products == 1 && i.terms == 0 && i.weight < 0 && d > 1.0)
+                    base[at(i.out)] = base[at(program.products(i)->a)];
+            } else if (i.code == Code::divide) {
+                d = std::max(of(i.a), of(i.b));
+            } else if (i.code == Code::power) {
+                d = std::max(1.0, std::abs(i.value) * of(i.a));
+            } else if (i.code == Code::call) {
+                continue;
+            }
+            of(i.out) = d;
+            if (i.out2 >= 0) of(i.out2) = d;
+        }
+    };
+    // a motion under a power of time is one itself, and so is what that moves
+    for (int k = 0; k < integrations; ++k) {
+        pass();
+        for (int i = 0; i < std::min(program.inputs(), program.outputs()); ++i)
+            if (of(program.output(i)) >= power) of(i) = of(program.output(i)) + 1.0;
+    }
+    pass();
+    return degree;
+}
+
+RBDYN_INLINE std::vector<std::vector<int>> HiddenTerms::constants(const Program& program) {
+    std::vector<std::vector<int>> all(at(program.slots()));
+    for (const Instruction& i : program.instructions()) {
+        if (i.code == Code::square_root || i.code == Code::power) all[at(i.out)] = all[at(i.a)];
+        if (i.code != Code::combine) continue;
+        if (i.weight >= 0) {
+            all[at(i.out)] = {i.weight};
+        } else if (i.terms == 0 && i.products == 1) {
+            const std::vector<int>&a = all[at(program.products(i)->a)], &b = all[at(program.products(i)->b)];
+            if (a.empty() || b.empty()) continue;
+            std::vector<int> both = a;
+            both.insert(both.end(), b.begin(), b.end());
+            all[at(i.out)] = both;
+        }
+    }
+    return all;
+}
+
+RBDYN_INLINE double HiddenTerms::held(const SeriesEvaluator& series, double length) const {
+    return shortened(series, products_, shortened(series, inverses_, held_pulses(series, length)));
+}
+
+RBDYN_INLINE double HiddenTerms::held_pulses(const SeriesEvaluator& series, double length) const {
+    return shortened(series, steep_, shortened(series, arguments_, length));
+}
+
+template <class Item>
+RBDYN_INLINE double HiddenTerms::shortened(const SeriesEvaluator& series, const std::vector<Item>& items,
+                                           double length) const {
+    constexpr double shorter = 0.75;
+    constexpr int most_times = 320;
+    for (const Item& item : items) {
+        double held = length;
+        for (int k = 0; k < most_times && !holds(series, item, held); ++k) held *= shorter;
+        if (holds(series, item, held)) length = held;
+    }
+    return length;
+}
+
+RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Argument& argument, double length) const {
+    const double* u = series.coefficients(argument.slot);
+    double change = 0.0, power = 1.0;
+    for (int k = 1; k <= order_; ++k) {
+        power *= length;
+        const double term = std::abs(u[k]) * power;
+        // beyond what is known of a function that is called back
+        if (std::isnan(term)) break;
+        change += term;
+    }
+    const double begin = argument.rate * std::abs(u[0]);
+    switch (argument.code) {
+        case Code::power: return !(argument.rate * std::log1p(change / std::abs(u[0])) > most_);
+        case Code::exponential:
+        case Code::tangent:
+            if (begin - argument.rate * change >= negligible) return true;
+            [[fallthrough]];
+        default: return !(argument.rate * change > most_);
+    }
+}
+
+RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Factors& factors, double length) const {
+    const double *a = series.coefficients(factors.a), *b = series.coefficients(factors.b);
+    // where doubles end it is no series any more
+    constexpr double largest = 0x1p960;
+    if (std::abs(a[0] * b[0]) > largest) return true;
+    // sums of terms of b: up to one, and from one on
+    TermSizes::Sizes first, last;
+    double power = 1.0, sum = 0.0;
+    for (int k = 0; k <= order_; ++k, power *= length) {
+        last[at(k)] = std::abs(b[k]) * power;
+        first[at(k)] = sum += last[at(k)];
+    }
+    for (int k = order_; k > 0; --k) last[at(k - 1)] += last[at(k)];
+    // terms of the product up to the last one that is seen, the last ones of these, and those beyond
+    constexpr int few = 4;
+    double seen = 0.0, last_seen = 0.0, beyond = 0.0;
+    power = 1.0;
+    for (int k = 0; k <= order_; ++k, power *= length) {
+        const double size = std::abs(a[k]) * power;
+        const int rest = visible_ - k;
+        if (rest >= 0) {
+            seen += size * first[at(rest)];
+            last_seen += size * (first[at(rest)] - (rest >= few ? first[at(rest - few)] : 0.0));
+        }
+        beyond += size * last[at(std::max(rest + 1, 0))];
+    }
+    // what the last ones tell, a step length counts with
+    constexpr double told = 64.0;
+    const double allowed = std::max({std::exp2(-most_) * seen, told * last_seen, std::exp(-negligible)});
+    return !(beyond > allowed || std::isinf(beyond));
+}
+
+RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Inverse& inverse, double length) const {
+    const double* b = series.coefficients(inverse.slot);
+    double rest = 0.0, last = 0.0;
+    for (int k = order_; k > 0; --k) {
+        rest = (rest + std::abs(b[k])) * length;
+        if (k == order_ - 1) last = rest;
+    }
+    const double begin = std::abs(b[0]);
+    if (rest < begin || !std::isfinite(rest)) return true;
+    double constant = 1.0;
+    for (const int weight : inverse.constants) constant *= std::abs(series.weight(weight));
+    // as far as series and rounding tell
+    const double noise = 64.0 * std::numeric_limits<double>::epsilon() * (begin + rest) +
+                         2.0 * last * std::pow(length, order_ - 2),
+                 value = least(b, length);
+    // it is zero there, and none of these
+    if (value < 0.25 * constant && noise < 0.25 * constant) return true;
+    return value > noise && inverse.rate * std::log(begin / value) <= most_;
+}
+
+RBDYN_INLINE double HiddenTerms::least(const double* c, double length) const {
+    constexpr int places = 16;
+    const double side = c[0] < 0.0 ? -1.0 : 1.0, step = length / places;
+    struct Point {
+        double value, slope;
+    };
+    const auto at_place = [&](double tau) {
+        Point p{0.0, 0.0};
+        for (int k = order_; k >= 0; --k) {
+            p.slope = p.slope * tau + p.value;
+            p.value = p.value * tau + side * c[k];
+        }
+        return p;
+    };
+    Point last = at_place(0.0);
+    double least = last.value;
+    for (int k = 1; k <= places; ++k) {
+        const Point now = at_place(k * step);
+        least = std::min(least, now.value);
+        if (last.slope < 0.0 && now.slope > 0.0) {
+            double lo = (k - 1) * step, hi = k * step;
+            for (int halving = 0; halving < 52; ++halving) {
+                const double middle = 0.5 * (lo + hi);
+                const Point between = at_place(middle);
+                least = std::min(least, between.value);
+                (between.slope < 0.0 ? lo : hi) = middle;
+            }
+        }
+        last = now;
+    }
+    return least;
+}
+
+RBDYN_INLINE HiddenAhead::HiddenAhead(const Program& program) : hidden_(program, order) {
+    if (!hidden_.no_pulses()) series_ = std::make_unique<SeriesEvaluator>(program, order);
+}
+
+RBDYN_INLINE void HiddenAhead::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
+    if (series_) series_->set_parameters(parameters, rounding);
+}
+
+RBDYN_INLINE double HiddenAhead::held(Instant t, std::span<const double> x, double length) {
+    if (none() || !(length > 0.0)) return length;
+    // the length may be far more than the motion's own time: shorter units until the coefficients are in range
+    constexpr int most_attempts = 16;
+    double unit = length;
+    for (int attempt = 0; attempt < most_attempts; ++attempt, unit *= 0x1p-16) {
+        series_->begin(t.hi, unit);
+        for (std::size_t i = 0; i < x.size(); ++i) series_->set_input(static_cast<int>(i), 0, x[i]);
+        for (int k = 0; k < order; ++k) {
+            series_->advance(k);
+            series_->integrate(k);
+        }
+        if (series_->is_finite(order - 1)) break;
+    }
+    return unit * hidden_.held_pulses(*series_, length / unit);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
