@@ -2373,7 +2373,12 @@ class BodyNow:
     @property
     def angle(self) -> float:
         """
-        Of a hinge [rad].
+        Of a hinge, also one that slides, or in a plane [rad].
+        """
+    @property
+    def angles(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a universal joint, about its first axis and its second (2,) [rad].
         """
     @property
     def angular_acceleration(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -2408,7 +2413,12 @@ class BodyNow:
     @property
     def displacement(self) -> float:
         """
-        Of a slide [m].
+        Of a slide, also of a hinge that slides [m].
+        """
+    @property
+    def displacement_rate(self) -> float:
+        """
+        Of a hinge that slides [m/s].
         """
     @property
     def euler_angles(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -2448,7 +2458,12 @@ class BodyNow:
     @property
     def rate(self) -> float:
         """
-        Of a hinge [rad/s] or a slide [m/s].
+        Of the angle [rad/s], or of the displacement of a slide [m/s].
+        """
+    @property
+    def rates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of these angles (2,) [rad/s].
         """
     @property
     def reaction(self) -> numpy.typing.NDArray[numpy.float64]:
