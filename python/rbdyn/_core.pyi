@@ -2303,14 +2303,16 @@ class Scene:
         """
     def without(self, *args: str | LoadHandle | CouplingHandle) -> Scene:
         """
-        The same scene without some of what acts in it: names of effects, handles of loads and couplings, several at once.
+        The same scene without some of what acts in it: names of effects, handles of loads, couplings and contacts.
+
+        Several at once:
 
             scene.without("drag", "static friction", spring)
 
         What is taken away keeps its place and does nothing, so every handle is good for the new scene and its runs. The effects:
         gravity, rotation, spring, damper, drag, gravitation, central force, user force, user torque, drive, moving rail, dynamic
         friction, static friction, contact, impact. "static friction" beside dynamic friction is what it has more than that.
-        Without "rotation" a free body is a particle at its centre of mass.
+        Without "rotation" a free body is a particle at its centre of mass. Without "impact" nothing bounces: restitution goes.
 
         Raises InvalidInput for a name that is none, and for an effect that the scene does not have or cannot be without.
         """

@@ -276,7 +276,7 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
-        if (states_[k] == flies)
+        if (states_[k] == flies && !c.is_gone)
             write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name}, touching_[k].gap);
         if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k]) ||
             (states_[k] == contact_state::rests && c.is_rough())) {
