@@ -194,18 +194,21 @@ WatchHandle watch(BoundScene& self, const std::string& name, const py::object& f
 BoundScene without(const BoundScene& self, const py::args& what) {
     std::vector<rbdyn::Removable> parts;
     for (const py::handle part : what) {
-        if (py::isinstance<LoadHandle>(part) || py::isinstance<CouplingHandle>(part)) {
+        if (py::isinstance<LoadHandle>(part) || py::isinstance<CouplingHandle>(part) ||
+            py::isinstance<ContactHandle>(part)) {
             const auto& handle = part.cast<const Handle&>();
             self.handles.require(handle, "Scene.without");
             if (handle.of == Handle::Of::load)
                 parts.emplace_back(rbdyn::LoadHandle{handle.index});
+            else if (handle.of == Handle::Of::contact)
+                parts.emplace_back(rbdyn::ContactHandle{handle.index});
             else
                 parts.emplace_back(rbdyn::CouplingHandle{handle.index});
         } else if (py::isinstance<py::str>(part)) {
             parts.emplace_back(part.cast<std::string>());
         } else {
             throw InvalidInput("Scene.without: " + shown(part) +
-                               " is neither the name of an effect nor the handle of a load or coupling");
+                               " is neither the name of an effect nor the handle of a load, coupling or contact");
         }
     }
     return {self.scene.without(parts), self.handles};
@@ -421,14 +424,16 @@ run[handle].value(t) is its value. Raises InvalidInput for a name that is taken,
 at the start, relative to its largest size.)")
         .def(
             "without", &without,
-            R"(The same scene without some of what acts in it: names of effects, handles of loads and couplings, several at once.
+            R"(The same scene without some of what acts in it: names of effects, handles of loads, couplings and contacts.
+
+Several at once:
 
     scene.without("drag", "static friction", spring)
 
 What is taken away keeps its place and does nothing, so every handle is good for the new scene and its runs. The effects:
 gravity, rotation, spring, damper, drag, gravitation, central force, user force, user torque, drive, moving rail, dynamic
 friction, static friction, contact, impact. "static friction" beside dynamic friction is what it has more than that.
-Without "rotation" a free body is a particle at its centre of mass.
+Without "rotation" a free body is a particle at its centre of mass. Without "impact" nothing bounces: restitution goes.
 
 Raises InvalidInput for a name that is none, and for an effect that the scene does not have or cannot be without.)")
         .def("__eq__",

@@ -85,7 +85,7 @@ def _present(text: str) -> str:
     """Quantities of the present moment, by the shapes that their docstrings name."""
 
     def typed(found: re.Match[str]) -> str:
-        is_array = re.search(r"\((3|4|3, 3)(,\)|\))", found[2]) is not None
+        is_array = re.search(r"\((2|3|4|3, 3)(,\)|\))", found[2]) is not None
         kind = "numpy.typing.NDArray[numpy.float64]" if is_array else "float"
         return f"{found[1]}{kind}:{found[2]}"
 

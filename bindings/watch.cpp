@@ -332,9 +332,13 @@ World axes, but where body axes are named.)");
            "The world's third axis in body axes (3,) (7.59). Of a rigid body.");
     define(body, "reaction_torque", Quantity::reaction_torque, vector,
            "Of its joint, about the point it holds (3,) [N m]. Of a rigid body.");
-    define(body, "angle", Quantity::angle, number, "Of a hinge [rad].");
-    define(body, "displacement", Quantity::displacement, number, "Of a slide [m].");
-    define(body, "rate", Quantity::rate, number, "Of a hinge [rad/s] or a slide [m/s].");
+    define(body, "angle", Quantity::angle, number, "Of a hinge, also one that slides, or in a plane [rad].");
+    define(body, "displacement", Quantity::displacement, number, "Of a slide, also of a hinge that slides [m].");
+    define(body, "rate", Quantity::rate, number, "Of the angle [rad/s], or of the displacement of a slide [m/s].");
+    define(body, "displacement_rate", Quantity::displacement_rate, number, "Of a hinge that slides [m/s].");
+    define(body, "angles", Quantity::angles, {2},
+           "Of a universal joint, about its first axis and its second (2,) [rad].");
+    define(body, "rates", Quantity::rates, {2}, "Of these angles (2,) [rad/s].");
     py::class_<PresentCoupling> coupling(m, "CouplingNow", "A coupling at the present moment, for watched functions.");
     define(coupling, "length", Quantity::length, number, "[m]");
     define(coupling, "force", Quantity::coupling_force, vector, "On its first end (3,) [N].");

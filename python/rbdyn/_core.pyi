@@ -2303,14 +2303,16 @@ class Scene:
         """
     def without(self, *args: str | LoadHandle | CouplingHandle) -> Scene:
         """
-        The same scene without some of what acts in it: names of effects, handles of loads and couplings, several at once.
+        The same scene without some of what acts in it: names of effects, handles of loads, couplings and contacts.
+
+        Several at once:
 
             scene.without("drag", "static friction", spring)
 
         What is taken away keeps its place and does nothing, so every handle is good for the new scene and its runs. The effects:
         gravity, rotation, spring, damper, drag, gravitation, central force, user force, user torque, drive, moving rail, dynamic
         friction, static friction, contact, impact. "static friction" beside dynamic friction is what it has more than that.
-        Without "rotation" a free body is a particle at its centre of mass.
+        Without "rotation" a free body is a particle at its centre of mass. Without "impact" nothing bounces: restitution goes.
 
         Raises InvalidInput for a name that is none, and for an effect that the scene does not have or cannot be without.
         """
@@ -2373,7 +2375,12 @@ class BodyNow:
     @property
     def angle(self) -> float:
         """
-        Of a hinge [rad].
+        Of a hinge, also one that slides, or in a plane [rad].
+        """
+    @property
+    def angles(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of a universal joint, about its first axis and its second (2,) [rad].
         """
     @property
     def angular_acceleration(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -2408,7 +2415,12 @@ class BodyNow:
     @property
     def displacement(self) -> float:
         """
-        Of a slide [m].
+        Of a slide, also of a hinge that slides [m].
+        """
+    @property
+    def displacement_rate(self) -> float:
+        """
+        Of a hinge that slides [m/s].
         """
     @property
     def euler_angles(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -2448,7 +2460,12 @@ class BodyNow:
     @property
     def rate(self) -> float:
         """
-        Of a hinge [rad/s] or a slide [m/s].
+        Of the angle [rad/s], or of the displacement of a slide [m/s].
+        """
+    @property
+    def rates(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of these angles (2,) [rad/s].
         """
     @property
     def reaction(self) -> numpy.typing.NDArray[numpy.float64]:

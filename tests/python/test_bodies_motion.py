@@ -637,9 +637,9 @@ def test_a_watched_matrix_is_an_array_with_products():
     ("ask", "words"),
     [
         (lambda now, s: now[s["free"]].reaction, "free, and only a joint exerts a reaction"),
-        (lambda now, s: now[s["free"]].angle, "has no angle; a body on a Revolute joint has"),
-        (lambda now, s: now[s["hinge"]].displacement, "a body on a Prismatic joint has"),
-        (lambda now, s: now[s["free"]].rate, "a body on a Revolute or Prismatic joint has"),
+        (lambda now, s: now[s["free"]].angle, "has no angle; a body on a Revolute, Cylindrical or Planar joint has"),
+        (lambda now, s: now[s["hinge"]].displacement, "a body on a Prismatic or Cylindrical joint has"),
+        (lambda now, s: now[s["free"]].rate, "a body on a Revolute, Prismatic, Cylindrical or Planar joint has"),
         (lambda now, s: now[s["bead"]].quaternion, "is a particle, and what is asked is of rigid bodies"),
         (lambda now, s: now[s["bead"]].angular_velocity, "is a particle"),
         (lambda now, s: now[s["hinge"]].parameter, "only a particle on a rail"),

@@ -57,7 +57,7 @@ def test_handles_stay_good_in_a_scene_with_less(swing):
         ("drive", "without: this scene has no drive; it has gravity, drag"),
         ("contact", "without: this scene has no contact; it has gravity, drag"),
         ("wind", f'without: "wind" is no effect; the effects are {EFFECTS}; this scene has gravity, drag'),
-        (3.0, "Scene.without: 3.0 is neither the name of an effect nor the handle of a load or coupling"),
+        (3.0, "Scene.without: 3.0 is neither the name of an effect nor the handle of a load, coupling or contact"),
     ],
 )
 def test_what_a_scene_does_not_have_is_refused(swing, what, message):
@@ -104,6 +104,27 @@ def test_events_are_gained_and_lost_by_friction():
     assert table["static friction"].difference > 0.1
     smooth = rb.simulate(scene.without("static friction", "dynamic friction"), 20.0)
     assert list(smooth.events) == []
+
+
+def test_contacts_and_impacts_can_be_taken_away():
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    ball = scene.add(rb.Particle(1.0), position=[0, 0, 1], velocity=[1, 0, 0])
+    floor = scene.contact(ball, rb.Plane([0, 0, 1]), restitution=0.5, friction=rb.Coulomb(0.25))
+    assert rb.plan(scene).effects == ["gravity", "dynamic friction", "static friction", "contact", "impact"]
+    without = scene.without(floor)
+    assert without == scene.without("contact") != scene
+    assert rb.plan(without).effects == ["gravity"] and rb.plan(without).guards == []
+    run = rb.simulate(pickle.loads(pickle.dumps(without)), 2.0)
+    assert run[floor].gap(2.0) == pytest.approx(1 - 2 * 9.8125, rel=1e-14)
+    assert run[floor].state(2.0) == "open" and list(run.events) == []
+    soft = rb.simulate(scene.without("impact"), 2.0)
+    # mu times the impulse of the landing is 1.1 m/s, more than it has
+    (lands,) = soft.events.times("land", floor)
+    assert soft[ball].velocity(np.nextafter(lands, 2.0)) == pytest.approx([0, 0, 0], abs=1e-9)
+    table = rb.effects(scene, 0.5)
+    assert table["contact"].gained == 1 and table["impact"].gained == 1
+    with pytest.raises(rb.InvalidInput, match="handle of another scene"):
+        rb.Scene().without(floor)
 
 
 def test_an_exception_in_a_force_arrives_as_it_was_raised(swing):

@@ -348,3 +348,66 @@ def test_an_action_that_changes_nothing_leaves_every_bit():
     run = rb.simulate(scene, until=1.0, error=1e-11)
     assert run.events.times("looks") == [0.5]
     assert run[upper].angle(1.0) == pytest.approx(plain[upper].angle(1.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("trace", [True, False])
+@pytest.mark.parametrize(
+    "joint, start, names",
+    [
+        (rb.Universal([1, 0, 0], [0, 1, 0]), {"angles": [0.1, 0.2], "rates": [0.3, -0.4]}, ["angles", "rates"]),
+        (
+            rb.Cylindrical([0, 0, 1]),
+            {"angle": 0.2, "rate": 1.0, "displacement": 0.5, "displacement_rate": 2.0},
+            ["angle", "rate", "displacement", "displacement_rate"],
+        ),
+        (rb.Planar([1, 0, 0], [0, 1, 0]), {"angle": 0.3, "rate": 2.0}, ["angle", "rate"]),
+        (rb.Revolute([0, 0, 1], motion=lambda t: np.sin(3 * t)), {}, ["angle", "rate"]),
+        (rb.Prismatic([0, 0, 1], motion=lambda t: np.sin(3 * t)), {}, ["displacement", "rate"]),
+    ],
+)
+def test_the_present_moment_has_every_number_of_a_joint_that_runs_have(joint, start, names, trace):
+    box = rb.RigidBody(2.0, [0.3, 0.4, 0.5], com=[0.1, -0.5, 0.2])
+    t = 0.375
+
+    def scene():
+        made = rb.Scene(gravity=[0, -GRAVITY, 0])
+        return made, made.add(box, joint, **start)
+
+    still, body = scene()
+    run = rb.simulate(still, until=1.0, error=1e-11)
+    for name in names:
+        watched, body_too = scene()
+        known = getattr(run[body], name)(t)
+
+        def function(now, body=body_too, name=name, known=known):
+            # what it is there, and what grows with the time besides
+            return np.sum((getattr(now[body], name) - known) * np.array([1.0, 2.0])[: np.size(known)]) + 3.0 * (
+                now.time - t
+            )
+
+        seen = {}
+        watched.watch("at", function, trace=trace)
+        watched.watch(
+            "then",
+            lambda now: now.time - 0.5,
+            action=lambda now, name=name, seen=seen, body=body_too: seen.update({name: getattr(now[body], name)}),
+        )
+        again = rb.simulate(watched, until=1.0, error=1e-11)
+        assert min(abs(time - t) for time in again.events.times("at")) < (1e-10 if trace else 1e-8)
+        assert seen[name] == pytest.approx(getattr(run[body], name)(0.5), abs=1e-10)
+
+
+def test_numbers_that_a_joint_has_not_are_refused_with_the_joints_that_have_them():
+    scene, upper, _ = rods()
+    with pytest.raises(rb.InvalidInput, match="has no angles about two axes; a body on a Universal joint has"):
+        scene.watch("at", lambda now: now[upper].angles[0])
+    with pytest.raises(rb.InvalidInput, match="has no displacement_rate; a body on a Cylindrical joint has"):
+        scene.watch("at", lambda now: now[upper].displacement_rate)
+
+
+def test_a_watched_function_of_a_universal_joint_comes_back_from_its_file(tmp_path):
+    scene = rb.Scene()
+    body = scene.add(rb.shapes.box(1.0, [1, 2, 3]), rb.Universal([1, 0, 0], [0, 1, 0]), rates=[1.0, 0.5])
+    scene.watch("at", lambda now: now[body].angles[1] - 0.1 + 0 * now[body].rates[0])
+    rb.save(scene, tmp_path / "scene.json")
+    assert rb.load(tmp_path / "scene.json") == scene

@@ -1,6 +1,7 @@
 // Actions of watched functions on bodies joined to bodies: what they change, what they leave, what is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -78,6 +79,63 @@ TEST(TreeActions, a_ball_at_rest_is_thrown_and_lands) {
     EXPECT_EQ(run.events().times("detach", floor), std::vector<double>{1.0});
     ASSERT_EQ(run.events().times("land", floor).size(), 1u);
     EXPECT_NEAR(run.events().times("land", floor)[0], 2.0, 1e-11);
+}
+
+/// How far from t the nearest zero of a watched function is.
+template <class F>
+double off(Scene scene, double t, F&& of) {
+    scene.watch("zero", WatchFunction([=](const Now& now) { return of(now); }));
+    double least = 1.0;
+    for (const double zero : simulate(scene, {.until = 1.0, .error = 1e-12}).events().times("zero"))
+        least = std::min(least, std::abs(zero - t));
+    return least;
+}
+
+TEST(TreeActions, watched_functions_have_every_number_of_a_joint_that_runs_have) {
+    Scene scene(Vector3(0, -9.8125, 0));
+    const RigidBody box(2.0, {0.3, 0.4, 0.5}, {.com = {0.1, -0.5, 0.2}});
+    const auto cross = scene.add(box, Universal{.first = {1, 0, 0}, .second = {0, 1, 0}},
+                                 {.angles = {0.1, 0.2}, .rates = {0.3, -0.4}});
+    const auto sleeve = scene.add(box, Cylindrical{.axis = z},
+                                  {.angle = 0.2, .rate = 1.0, .displacement = 0.5, .displacement_rate = 2});
+    const auto plate = scene.add(box, Planar{.x = {1, 0, 0}, .y = {0, 1, 0}}, {.angle = 0.3, .rate = 2.0});
+    const auto sine = [](const auto& t) {
+        using std::sin;
+        return sin(3.0 * t);
+    };
+    const auto driven = scene.add(box, Revolute{.axis = z, .motion = sine});
+    const auto pushed = scene.add(box, Prismatic{.axis = z, .motion = sine});
+    const Trajectory run = simulate(scene, {.until = 1.0, .error = 1e-12});
+    const double t = 0.375;
+    const auto expect = [&](double value, auto&& of) {
+        EXPECT_LT(off(scene, t, [&](const Now& now) { return of(now) - value + 3.0 * (now.time() - t); }), 1e-11);
+    };
+    for (const std::size_t k : {0U, 1U}) {
+        expect(run[cross].angles(t)[k], [&](const Now& now) { return now[cross].angles()[k]; });
+        expect(run[cross].rates(t)[k], [&](const Now& now) { return now[cross].rates()[k]; });
+    }
+    expect(run[sleeve].angle(t), [&](const Now& now) { return now[sleeve].angle(); });
+    expect(run[sleeve].rate(t), [&](const Now& now) { return now[sleeve].rate(); });
+    expect(run[sleeve].displacement(t), [&](const Now& now) { return now[sleeve].displacement(); });
+    expect(run[sleeve].displacement_rate(t), [&](const Now& now) { return now[sleeve].displacement_rate(); });
+    expect(run[plate].angle(t), [&](const Now& now) { return now[plate].angle(); });
+    expect(run[plate].rate(t), [&](const Now& now) { return now[plate].rate(); });
+    expect(std::sin(3.0 * t), [&](const Now& now) { return now[driven].angle(); });
+    expect(3.0 * std::cos(3.0 * t), [&](const Now& now) { return now[driven].rate(); });
+    expect(std::sin(3.0 * t), [&](const Now& now) { return now[pushed].displacement(); });
+    expect(3.0 * std::cos(3.0 * t), [&](const Now& now) { return now[pushed].rate(); });
+}
+
+TEST(TreeActions, numbers_that_a_joint_has_not_are_refused_with_the_joints_that_have_them) {
+    Rods rods;
+    const auto refused = [&](auto&& of) {
+        return refusal([&] { rods.scene.watch("zero", WatchFunction([&](const Now& now) { return of(now); })); });
+    };
+    EXPECT_NE(refused([&](const Now& now) { return now[rods.upper].angles()[0]; }).find("a Universal joint has"),
+              std::string::npos);
+    EXPECT_NE(
+        refused([&](const Now& now) { return now[rods.upper].displacement_rate(); }).find("a Cylindrical joint has"),
+        std::string::npos);
 }
 
 }  // namespace tree_actions

@@ -67,7 +67,7 @@ struct WordsOf<WatchAction::Kind> {
 };
 template <>
 struct WordsOf<Quantity> {
-    static constexpr std::array<std::string_view, 26> words = {"time",
+    static constexpr std::array<std::string_view, 29> words = {"time",
                                                                "position",
                                                                "velocity",
                                                                "acceleration",
@@ -91,6 +91,9 @@ struct WordsOf<Quantity> {
                                                                "angle",
                                                                "displacement",
                                                                "rate",
+                                                               "displacement_rate",
+                                                               "angles",
+                                                               "rates",
                                                                "length",
                                                                "coupling_force"};
 };

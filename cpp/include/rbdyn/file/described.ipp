@@ -113,7 +113,10 @@ RBDYN_INLINE int components(Quantity q) {
         case Quantity::angle:
         case Quantity::displacement:
         case Quantity::rate:
+        case Quantity::displacement_rate:
         case Quantity::length: return 1;
+        case Quantity::angles:
+        case Quantity::rates: return 2;
         case Quantity::quaternion: return 4;
         case Quantity::rotation_matrix: return 9;
         default: return 3;

@@ -229,6 +229,7 @@ RBDYN_INLINE Json scene_to(const Scene& scene, Writing& w) {
         Json one = {{"name", c.name}, {"a", put(c.a, w)}, {"b", put(c.b, w)}};
         if (c.options.friction) one["friction"] = put(*c.options.friction, w);
         one["restitution"] = put(c.options.restitution, w);
+        if (c.is_gone) one["gone"] = true;
         add("contacts", std::move(one));
     }
     for (const Scene::Watch& watch : scene.watches()) {
@@ -301,12 +302,13 @@ RBDYN_INLINE Scene scene_from(const Json& json, const std::string& document, con
                         p.at("name").text());
     });
     for_each_in(whole, "contacts", [&](const Place& p) {
-        p.require_known({"name", "a", "b", "friction", "restitution"});
+        p.require_known({"name", "a", "b", "friction", "restitution", "gone"});
         ContactOptions options;
         if (const auto place = p.find("friction")) options.friction = take(*place, Tag<Coulomb>());
         options.restitution = p.at("restitution").number();
-        scene.contact(take(p.at("a"), Tag<ContactPart>()), take(p.at("b"), Tag<ContactSurface>()), options,
-                      p.at("name").text());
+        const auto contact = scene.contact(take(p.at("a"), Tag<ContactPart>()), take(p.at("b"), Tag<ContactSurface>()),
+                                           options, p.at("name").text());
+        if (const auto place = p.find("gone"); place && take(*place, Tag<bool>())) scene = scene.without(contact);
     });
     for_each_in(whole, "watches", [&](const Place& p) {
         p.require_known({"name", "function", "direction", "action"});

@@ -24,7 +24,7 @@ inline bool is_endless(const Cone& cone) { return !(cone.mu < 1e8); }
 struct Scaled {
     Scaled(const Square& matrix, const std::vector<double>& driving, const std::vector<double>& rounding,
            const std::vector<Cone>& all)
-        : cones(all), a(matrix), b(driving), noise(rounding), force(driving.size(), 1.0) {
+        : cones(all), a(matrix), b(driving), noise(rounding), force(driving.size(), 1.0), width(driving.size(), 1.0) {
         double most = 0.0;
         for (const Cone& cone : cones) {
             const auto f = static_cast<std::size_t>(cone.first);
@@ -33,8 +33,7 @@ struct Scaled {
             for (std::size_t i = f; i < f + unknowns(cone); ++i) {
                 force[i] = largest > 0.0 ? 1.0 / std::sqrt(largest) : 1.0;
                 most = std::max(most, std::abs(b[i]) * force[i]);
-                // a cone of no width is a line
-                if (i > f && !is_endless(cone)) force[i] *= std::max(cone.mu, 1e-150);
+                if (i > f && !is_endless(cone)) force[i] *= width[i] = cone.mu;
             }
         }
         size = most > 0.0 ? most : 1.0;
@@ -74,6 +73,7 @@ struct Scaled {
     const std::vector<Cone>& cones;
     Square a;
     std::vector<double> b, noise, force;  // the last: of z, times size, for a unit of the scaled problem
+    std::vector<double> width;            // mu where it scales, else 1
     double size = 1.0;
 };
 
@@ -97,7 +97,7 @@ inline std::optional<std::vector<double>> least_in_cones(const Scaled& p, const 
     const auto value = [&](const std::vector<double>& at, double weight) -> std::optional<double> {
         double sum = 0.0;
         for (std::size_t i = 0; i < n; ++i) {
-            double slope = 0.5 * regular * at[i] + b[i];
+            double slope = 0.5 * regular * p.width[i] * p.width[i] * at[i] + b[i];
             for (std::size_t j = 0; j < n; ++j) slope += 0.5 * p.a[i][j] * at[j];
             sum += slope * at[i];
         }
@@ -113,8 +113,9 @@ inline std::optional<std::vector<double>> least_in_cones(const Scaled& p, const 
             Square bend = p.a;
             std::vector<double> down(n);
             for (std::size_t i = 0; i < n; ++i) {
-                bend[i][i] += regular;
-                down[i] = -b[i] - regular * z[i];
+                const double own = regular * p.width[i] * p.width[i];
+                bend[i][i] += own;
+                down[i] = -b[i] - own * z[i];
                 for (std::size_t j = 0; j < n; ++j) down[i] -= p.a[i][j] * z[j];
             }
             for (const Cone& cone : p.cones) {
@@ -217,11 +218,22 @@ inline bool newton(const Scaled& p, const std::vector<ConeState>& states, std::v
         double force = 1e-150;
         for (const double one : z) force = std::max(force, std::abs(one));
         std::vector<double> row(all, 1.0 / force), column(all, force);
+        for (std::size_t i = 0; i < n; ++i) {
+            row[i] /= p.width[unknown[i]];
+            column[i] /= p.width[unknown[i]];
+        }
         for (std::size_t s = 0; s < sliding.size(); ++s) {
             const std::size_t k = sliding[s];
             const auto f = static_cast<std::size_t>(p.cones[k].first);
-            const double own = std::max(std::abs(z[f]), 1e-150), resisted = std::max(1.0, std::abs(slip[k]));
-            for (std::size_t i = 1; i < 3; ++i) row[place(f + i)] /= resisted;
+            const double own = std::max(std::abs(z[f]), 1e-150);
+            // forces are on the edge, and rows across it small where mu is, or large where it slips fast
+            double resisted = std::max(std::abs(slip[k]), 1e-150);
+            for (std::size_t i = 1; i < 3; ++i)
+                for (std::size_t j = 0; j < n; ++j) resisted = std::max(resisted, std::abs(p.a[f + i][unknown[j]]));
+            for (std::size_t i = 1; i < 3; ++i) {
+                row[place(f + i)] = 1.0 / (force * resisted);
+                column[place(f + i)] = force;
+            }
             row[n + s] /= own;
             column[n + s] = resisted * force / own;
         }
@@ -339,10 +351,11 @@ RBDYN_INLINE std::optional<ConeForces> solve_convex(const Square& a, const std::
                 states.push_back(normal < away ? ConeState::open : closed);
                 continue;
             }
+            // a speed is mu times as large here
             const double slips = cones::across(u, f), t = cones::across(*z, f);
-            states.push_back(normal + t < away - slips   ? ConeState::open
-                             : normal - t > away + slips ? ConeState::held
-                                                         : ConeState::slides);
+            states.push_back(normal + t < away - slips                    ? ConeState::open
+                             : normal - t > away + slips / p.width[f + 1] ? ConeState::held
+                                                                          : ConeState::slides);
             change = std::max(change, std::abs(slips - speed[k]));
             speed[k] = slips;
         }

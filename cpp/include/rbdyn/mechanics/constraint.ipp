@@ -24,8 +24,9 @@ namespace contacts {
 inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     ContactLaw c;
     c.name = touch.name;
+    c.is_gone = touch.is_gone;
     c.restitution = touch.options.restitution;
-    if (const auto& friction = touch.options.friction) {
+    if (const auto& friction = touch.options.friction; friction && !c.is_gone) {
         c.mu_static = friction->mu_static;
         c.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
         c.rolling = friction->rolling;

@@ -110,6 +110,7 @@ struct ContactLaw {
     DoubleDouble radius, surface_radius;       // of a ball or a disc; of a ball or a bowl
     Vector3Of<DoubleDouble> axis{}, normal{};  // of a disc, axes of a; of a plane, axes of b
     Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
+    bool is_gone = false;                      // taken away: it never closes
     double restitution = 0.0;
     Given mu_static, mu_dynamic;
     Given rolling, pivoting;                   // torques over N that resist turning along the surface and about n [m]

@@ -90,12 +90,43 @@ inline bool is_symmetric(const Square& a) {
     return true;
 }
 
+/// Narrower than rounding: it is as good as a line.
+inline bool is_needle(const Cone& cone) { return !cone.is_line && cone.mu < 1e-15; }
+
+/// The same problem with lines in place of needles, and what follows across them.
+inline ConeForces solve_with_lines(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                                   const std::vector<Cone>& all) {
+    std::vector<std::size_t> kept;
+    std::vector<Cone> narrow;
+    for (const Cone& cone : all) {
+        const auto f = static_cast<std::size_t>(cone.first);
+        const bool is_line = cone.is_line || is_needle(cone);
+        narrow.push_back({static_cast<int>(kept.size()), is_line, cone.mu});
+        for (std::size_t i = f; i < f + (is_line ? 1 : 3); ++i) kept.push_back(i);
+    }
+    Square rows(kept.size(), std::vector<double>(kept.size()));
+    std::vector<double> driving, rounding;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+        for (std::size_t j = 0; j < kept.size(); ++j) rows[i][j] = a[kept[i]][kept[j]];
+        driving.push_back(b[kept[i]]);
+        rounding.push_back(noise[kept[i]]);
+    }
+    ConeForces found = solve_cones(rows, driving, rounding, narrow);
+    ConeForces result{std::vector<double>(b.size(), 0.0), b, std::move(found.states), found.is_solved};
+    for (std::size_t i = 0; i < kept.size(); ++i) result.force[kept[i]] = found.force[i];
+    for (std::size_t i = 0; i < b.size(); ++i)
+        for (std::size_t j = 0; j < b.size(); ++j) result.rate[i] += a[i][j] * result.force[j];
+    for (std::size_t i = 0; i < kept.size(); ++i) result.rate[kept[i]] = found.rate[i];
+    return result;
+}
+
 }  // namespace cones
 
 RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
                                     const std::vector<Cone>& all) {
     const std::size_t n = b.size();
     ConeForces result{std::vector<double>(n, 0.0), b, std::vector<ConeState>(all.size(), ConeState::open), true};
+    if (std::any_of(all.begin(), all.end(), cones::is_needle)) return cones::solve_with_lines(a, b, noise, all);
     std::vector<double>& z = result.force;
     result.is_solved = std::all_of(b.begin(), b.end(), [](double one) { return std::isfinite(one); });
     const auto pushes = [&](const Cone& cone) {

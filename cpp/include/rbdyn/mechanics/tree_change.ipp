@@ -192,6 +192,7 @@ RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch,
     const auto there = moving(t, x);
     const auto gaps = conditions_->gaps<double>(*tree_, there);
     for (int k = 0; k < contacts(); ++k) {
+        if (conditions_->contacts()[at(k)].is_gone) continue;
         const double gap = gaps[at(conditions_->normal_row(k))];
         require(gap >= -nearest_touch(mode, k) * size_of(k, there), user + ", " + conditions_->contacts()[at(k)].name,
                 "gap its action leaves", gap, "what touches is not inside what it touches; move it less far");
@@ -214,6 +215,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     const auto rows = conditions_->rows<double>(*tree_, all);
     std::vector<int> closed;
     for (int k = 0; k < contacts(); ++k) {
+        if (conditions_->contacts()[at(k)].is_gone) continue;
         const auto row = at(conditions_->normal_row(k));
         const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all);
         require(

@@ -377,7 +377,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         }
         const bool is_closed = mode.slip[at(k)] != flies, has_fired = events.has(k);
         // what comes to its surface at this very instant strikes with the others
-        const bool is_there = !is_closed && !has_fired &&
+        const bool is_there = !is_closed && !has_fired && !conditions_->contacts()[at(k)].is_gone &&
                               std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
                               rate(before, all, k) < 0.0;
         if (is_there) events.landing.push_back(k);

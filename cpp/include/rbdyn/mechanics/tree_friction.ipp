@@ -449,19 +449,23 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         strokes.impossible = no_forces("impulses", struck);
         return normal;
     }
+    const std::vector<double> changes = touched.coupled->changes(found.force);
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    const auto after = moving(t, x);
     strokes.pushed.assign(at(contacts()), Vector3::Zero());
     for (std::size_t i = 0; i < struck.size(); ++i) {
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
         normal[at(struck[i])] = found.force[f];
-        const bool slips = found.states[i] == mechanics::ConeState::slides && !touched.cones[i].is_line &&
-                           std::hypot(found.rate[f + 1], found.rate[f + 2]) > 1e2 * noise[f];
+        // without dynamic friction it slips on as it did
+        const double slip = touched.cones[i].is_line
+                                ? conditions_->contacts()[at(struck[i])].touching<double>(*tree_, after).slip().norm()
+                                : std::hypot(found.rate[f + 1], found.rate[f + 2]);
+        const bool slips = found.states[i] == mechanics::ConeState::slides && slip > 1e2 * noise[f];
         if (found.states[i] != mechanics::ConeState::open && is_rough(struck[i]) && !slips)
             strokes.stuck.push_back(struck[i]);
         for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
             strokes.pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
     }
-    const std::vector<double> changes = touched.coupled->changes(found.force);
-    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     return normal;
 }
 

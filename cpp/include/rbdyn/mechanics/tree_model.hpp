@@ -53,7 +53,7 @@ public:
     const std::string& why_all() const override { return why_all_; }
     const std::string& name(int body) const override { return tree_->node(body).name; }
     std::string coordinates(int body) const override { return tree_->coordinates(body); }
-    bool touches() const override { return contacts() > 0; }
+    bool touches() const override;
     bool holds_what_touches(int subject) const override;
     bool turns(int body) const override { return !tree_->node(body).is_point; }
     int freedom() const override { return tree_->velocities() - static_cast<int>(rows_.size()); }

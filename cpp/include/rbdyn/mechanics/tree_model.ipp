@@ -63,8 +63,9 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
       scene_(scene),
       tree_(std::make_shared<const mechanics::Tree>(scene)),
       exerted_(std::make_shared<const mechanics::Exerted>(scene, *tree_)),
-      why_all_(mechanics::rough_joints(scene, *tree_).empty() ? "bodies are joined to bodies"
-                                                              : "bodies are joined, by joints with friction") {
+      why_all_(!scene.contacts().empty()                        ? "what touches may move any way"
+               : mechanics::rough_joints(scene, *tree_).empty() ? "bodies are joined to bodies"
+                                                                : "bodies are joined, by joints with friction") {
     require_simple_rails(scene);
     require_finite_drives(0.0);
     const auto start = tree_->start(0.0);
@@ -307,6 +308,11 @@ RBDYN_INLINE Vector3 TreeModel::position(const Mode&, int body, double t, std::s
     const mechanics::Node& n = tree_->node(body);
     if (n.is_point) return all[at(body)].place;
     return all[at(body)].place - all[at(body)].to_world(exactly<double>(n.joint.held().point));
+}
+
+RBDYN_INLINE bool TreeModel::touches() const {
+    const auto& all = conditions_->contacts();
+    return std::any_of(all.begin(), all.end(), [](const mechanics::ContactLaw& c) { return !c.is_gone; });
 }
 
 RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const double> x) const {

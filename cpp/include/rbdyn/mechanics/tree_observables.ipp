@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <span>
 
+#include "rbdyn/mechanics/joint_number.hpp"
 #include "rbdyn/rotation/euler_angles.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
@@ -23,6 +24,13 @@ RBDYN_INLINE double observed(const TreeState& now, const Exerted& exerted, const
     const PointReport p = now.point(o.subject);
     const Node& n = now.tree.node(o.subject);
     const auto velocity = [&](int k) { return x[at(now.tree.positions() + n.v + k)]; };
+    if (is_of_joint(o.quantity)) {
+        if (const DrivenLaw* law = n.joint.as<DrivenLaw>())
+            return joint_number(
+                n.joint, o, [&](int) { return law->way(t); }, [&](int) { return law->rate(t); });
+        return joint_number(
+            n.joint, o, [&](int k) { return x[at(n.q + k)]; }, velocity);
+    }
     switch (o.quantity) {
         case Quantity::center_of_mass: return p.position[o.component];
         case Quantity::center_of_mass_velocity: return p.velocity[o.component];
@@ -35,9 +43,6 @@ RBDYN_INLINE double observed(const TreeState& now, const Exerted& exerted, const
         case Quantity::speed:
             if (const RailLaw* rail = n.joint.as<RailLaw>()) return rail->curve->first(x[at(n.q)]).norm() * velocity(0);
             return p.velocity.norm();
-        case Quantity::angle: return x[at(n.q + turning_velocity(n.joint))];
-        case Quantity::displacement: return x[at(n.q + sliding_velocity(n.joint))];
-        case Quantity::rate: return velocity(0);
         default: break;
     }
     if (n.is_point) {

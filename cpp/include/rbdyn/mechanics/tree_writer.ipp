@@ -14,6 +14,7 @@
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/mechanics/accelerate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/joint_number.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/watch_role.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
@@ -275,7 +276,7 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
     for (std::size_t k = 0; k < states_.size(); ++k) {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
-        if (states_[k] == flies)
+        if (states_[k] == flies && !c.is_gone)
             write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name}, touching_[k].gap);
         if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k]) ||
             (states_[k] == contact_state::rests && c.is_rough())) {
@@ -463,7 +464,13 @@ RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
     const Moving<S>& m = moving_[at(body)];
     const Vector3Of<S> c = m.to_world(exactly<S>(n.center)),
                        origin = n.is_point ? none<S>() : m.to_world(exactly<S>(n.joint.held().point)) * S(-1.0);
-    const auto coordinate = [&](int k) { return k < 0 ? S(0.0) : q_[at(n.q + k)]; };
+    const auto coordinate = [&](int k) { return q_[at(n.q + k)]; };
+    if (is_of_joint(o.quantity)) {
+        if (const DrivenLaw* law = n.joint.as<DrivenLaw>())
+            return joint_number(
+                n.joint, o, [&](int) { return law->way(r_.time()); }, [&](int) { return law->rate(r_.time()); });
+        return joint_number(n.joint, o, coordinate, [&](int k) { return v_[at(n.v + k)]; });
+    }
     const Vector3Of<S>* e[3] = {&m.axes.e1, &m.axes.e2, &m.axes.e3};
     const RailLaw* rail = n.joint.as<RailLaw>();
     switch (o.quantity) {
@@ -494,9 +501,6 @@ RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
         case Quantity::angular_velocity_world: return m.omega[o.component];
         case Quantity::angular_acceleration: return m.to_body(acting(12 * body + 6))[o.component];
         case Quantity::poisson_vector: return (*e[o.component])[2];
-        case Quantity::angle: return coordinate(turning_velocity(n.joint));
-        case Quantity::displacement: return coordinate(sliding_velocity(n.joint));
-        case Quantity::rate: return v_[at(n.v)];
         case Quantity::quaternion:
             if (const int first = n.joint.attitude(); first >= 0) return coordinate(first + o.component);
             [[fallthrough]];

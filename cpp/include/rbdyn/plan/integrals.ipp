@@ -160,6 +160,7 @@ RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
         if (body_of(c.b) < 0) left.push_anyhow();
     }
     for (const Scene::Touch& c : scene.contacts()) {
+        if (c.is_gone) continue;
         left.only_weight = false;
         left.energy =
             left.energy && c.options.restitution == 1.0 && !(c.options.friction && c.options.friction->present());

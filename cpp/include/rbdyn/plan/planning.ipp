@@ -165,7 +165,9 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
 
 RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid) {
     FoundForm found;
-    if (model.special() == nullptr) return {nullptr, "bodies joined to bodies have none here"};
+    if (model.special() == nullptr)
+        return {nullptr,
+                scene.contacts().empty() ? "bodies joined to bodies have none here" : "contacts have none here"};
     if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, *model.special());
     if (found.form) return found;
     FoundForm linear = linear_motion(scene, dynamic_cast<const PointsModel&>(model));

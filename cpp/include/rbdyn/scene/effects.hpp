@@ -1,10 +1,12 @@
 // Effects: what acts in a scene, by the names of a closed list, and the same scene with less of it.
 //
 // What is taken away stays in its place as a load, coupling or joint that does nothing, so that every handle of the
-// scene is good for the one without it. Two of the names need a word:
+// scene is good for the one without it. Some of the names need a word:
 //   static friction   beside dynamic friction there is as much of it: what goes is what it has more. Alone, all goes.
 //   rotation          a free body becomes a particle at its centre of mass; forces on points of it act there, torques
 //                     go. A body that a joint leaves nothing but rotation has no motion without it, and is refused.
+//   contact           it neither closes nor pushes, and its friction goes with it: bodies pass through each other.
+//   impact            restitution: what lands stays closed.
 #pragma once
 
 #include <array>

@@ -85,9 +85,10 @@ RBDYN_INLINE std::vector<std::string> effects_of(const Scene& scene) {
                                                                           : "user force");
     for (const Scene::Connection& c : scene.connections())
         for (const std::string_view effect : couplings::effects_of(c.coupling)) found.push_back(effect);
-    note(!scene.contacts().empty(), "contact");
-    note(!scene.contacts().empty(), "impact");
     for (const Scene::Touch& c : scene.contacts()) {
+        if (c.is_gone) continue;
+        note(true, "contact");
+        note(c.options.restitution > 0.0, "impact");
         if (!c.options.friction) continue;
         note(c.options.friction->dynamic() > 0.0, "dynamic friction");
         note(c.options.friction->mu_static > 0.0, "static friction");
@@ -139,6 +140,11 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
                 "a handle comes from connect() of the same scene, which has " + std::to_string(connections_.size()));
             Coupling& taken = result.connections_[static_cast<std::size_t>(coupling->index)].coupling;
             taken = couplings::nothing_of(taken);
+        } else if (const ContactHandle* contact = std::get_if<ContactHandle>(&part)) {
+            require(contact->index >= 0 && contact->index < static_cast<int>(contacts_.size()), "without", "contact",
+                    contact->index,
+                    "a handle comes from contact() of the same scene, which has " + std::to_string(contacts_.size()));
+            result.contacts_[static_cast<std::size_t>(contact->index)].is_gone = true;
         } else {
             const std::string& name = std::get<std::string>(part);
             const auto among = [&](const auto& list) {
@@ -149,9 +155,6 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
                                    acting::listed(acting::names) + "; this scene has " + acting::listed(present));
             if (!among(present))
                 throw InvalidInput("without: this scene has no " + name + "; it has " + acting::listed(present));
-            if (name == "contact" || name == "impact")
-                throw InvalidInput("without: " + name +
-                                   " cannot be taken away in this version; make the scene without its contacts");
             gone.push_back(name);
         }
     }
@@ -184,7 +187,12 @@ RBDYN_INLINE Scene Scene::without(const std::vector<Removable>& parts) const {
             else if (Prismatic* slide = std::get_if<Prismatic>(&b.joint))
                 slide->friction = acting::without(slide->friction, b.name, gone);
         }
-    for (Touch& c : result.contacts_) c.options.friction = acting::without(c.options.friction, c.name, gone);
+    for (Touch& c : result.contacts_) {
+        c.is_gone = c.is_gone || is_gone("contact");
+        if (c.is_gone) continue;
+        if (is_gone("impact")) c.options.restitution = 0.0;
+        c.options.friction = acting::without(c.options.friction, c.name, gone);
+    }
     if (is_gone("rotation")) result.hold_attitudes();
     return result;
 }

@@ -63,8 +63,8 @@ struct WatchHandle {
 /// An end of a coupling: a body (a particle, or the centre of mass), one of its points, or a point of the world.
 using End = std::variant<BodyHandle, BodyPoint, Vector3>;
 
-/// What can be taken from a scene: an effect by its name, one load, one coupling.
-using Removable = std::variant<std::string, LoadHandle, CouplingHandle>;
+/// What can be taken from a scene: an effect by its name, one load, one coupling, one contact.
+using Removable = std::variant<std::string, LoadHandle, CouplingHandle, ContactHandle>;
 
 /// The body an end is on, or -1.
 int body_of(const End& end);

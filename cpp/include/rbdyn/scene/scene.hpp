@@ -62,6 +62,7 @@ public:
         ContactSurface b;
         ContactOptions options;
         std::string name;
+        bool is_gone = false;  // taken away: it keeps its place and never closes
         bool operator==(const Touch&) const = default;
     };
     struct Watch {

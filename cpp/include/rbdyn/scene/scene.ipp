@@ -383,14 +383,22 @@ RBDYN_INLINE void Scene::require_observable(const Observable& o, const std::stri
         default: break;
     }
     if (b.rigid() == nullptr) refuse(" is a particle, and what is asked is of rigid bodies");
-    const bool has_angle = std::holds_alternative<Revolute>(b.joint),
-               has_displacement = std::holds_alternative<Prismatic>(b.joint);
+    const bool is_cylindrical = std::holds_alternative<Cylindrical>(b.joint),
+               is_universal = std::holds_alternative<Universal>(b.joint),
+               has_angle = std::holds_alternative<Revolute>(b.joint) || std::holds_alternative<Planar>(b.joint) ||
+                           is_cylindrical,
+               has_displacement = std::holds_alternative<Prismatic>(b.joint) || is_cylindrical;
     if (o.quantity == Quantity::reaction_torque && is_free) refuse(" is free, and only a joint exerts a reaction");
-    if (o.quantity == Quantity::angle && !has_angle) refuse(" has no angle; a body on a Revolute joint has");
+    if (o.quantity == Quantity::angle && !has_angle)
+        refuse(" has no angle; a body on a Revolute, Cylindrical or Planar joint has");
     if (o.quantity == Quantity::displacement && !has_displacement)
-        refuse(" has no displacement; a body on a Prismatic joint has");
+        refuse(" has no displacement; a body on a Prismatic or Cylindrical joint has");
     if (o.quantity == Quantity::rate && !has_angle && !has_displacement)
-        refuse(" has no rate; a body on a Revolute or Prismatic joint has");
+        refuse(" has no rate; a body on a Revolute, Prismatic, Cylindrical or Planar joint has");
+    if (o.quantity == Quantity::displacement_rate && !is_cylindrical)
+        refuse(" has no displacement_rate; a body on a Cylindrical joint has");
+    if ((o.quantity == Quantity::angles || o.quantity == Quantity::rates) && !is_universal)
+        refuse(" has no angles about two axes; a body on a Universal joint has");
 }
 
 RBDYN_INLINE BodyHandle Scene::add(const Started& start, std::variant<Particle, RigidBody> body, Joint joint,

@@ -53,9 +53,12 @@ enum class Quantity {
     angular_velocity_world,
     poisson_vector,  // the world's third axis in body axes (7.59)
     reaction_torque,
-    angle,  // of a hinge
+    angle,  // of a hinge, also one that slides, or in a plane
     displacement,
-    rate,  // of a joint with one coordinate
+    rate,               // of the angle, or of the displacement of a slide
+    displacement_rate,  // of a hinge that slides
+    angles,             // of a universal joint, two, as the next
+    rates,
     // of a coupling
     length,
     coupling_force
@@ -110,6 +113,9 @@ public:
         Expression angle() const { return now_.value({Quantity::angle, index_}); }
         Expression displacement() const { return now_.value({Quantity::displacement, index_}); }
         Expression rate() const { return now_.value({Quantity::rate, index_}); }
+        Expression displacement_rate() const { return now_.value({Quantity::displacement_rate, index_}); }
+        std::array<Expression, 2> angles() const;
+        std::array<Expression, 2> rates() const;
 
     private:
         const Now& now_;

@@ -61,6 +61,14 @@ RBDYN_INLINE EulerAnglesOf<Expression> Now::Body::euler_angles() const {
     return {a[0], a[1], a[2]};
 }
 
+RBDYN_INLINE std::array<Expression, 2> Now::Body::angles() const {
+    return {now_.value({Quantity::angles, index_, 0}), now_.value({Quantity::angles, index_, 1})};
+}
+
+RBDYN_INLINE std::array<Expression, 2> Now::Body::rates() const {
+    return {now_.value({Quantity::rates, index_, 0}), now_.value({Quantity::rates, index_, 1})};
+}
+
 RBDYN_INLINE Vector3Of<Expression> Now::Body::angular_acceleration() const {
     return now_.vector(Quantity::angular_acceleration, index_);
 }
