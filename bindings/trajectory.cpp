@@ -169,10 +169,15 @@ bool same(const BoundEvent& a, const BoundEvent& b) {
     return a.subject == b.subject && data_of(a.event).equal(data_of(b.event));
 }
 
+std::vector<std::pair<double, std::string>> changes_of(const Statistics& s) {
+    std::vector<std::pair<double, std::string>> changes;
+    for (const rbdyn::EngineChange& c : s.changes) changes.emplace_back(c.time, c.engine);
+    return changes;
+}
 py::tuple data_of(const Statistics& s) {
     return py::make_tuple(s.seconds, s.planning_seconds, s.integration_seconds, s.judging_seconds, s.steps, s.rejected,
                           s.right_hand_sides, s.jacobians, s.guard_evaluations, s.events, s.python_calls, s.runs,
-                          s.size, s.planned);
+                          s.size, s.planned, changes_of(s));
 }
 Statistics statistics_from(const py::tuple& d) {
     Statistics s;
@@ -186,6 +191,9 @@ Statistics statistics_from(const py::tuple& d) {
     s.runs = d[11].cast<int>();
     s.size = d[12].cast<rbdyn::Size>();
     s.planned = d[13].cast<bool>();
+    if (d.size() > 14)
+        for (auto& [time, engine] : d[14].cast<std::vector<std::pair<double, std::string>>>())
+            s.changes.push_back({time, std::move(engine)});
     return s;
 }
 
@@ -339,6 +347,10 @@ Raises InvalidInput for what is neither a kind of event nor a name in this run.)
         .def_readonly("python_calls", &Statistics::python_calls, "Calls of functions that could not be recorded.")
         .def_readonly("runs", &Statistics::runs, "Integrations, those for the estimate counted.")
         .def_readonly("planned", &Statistics::planned, "Whether it was planned anew, and not as an earlier run was.")
+        .def_property_readonly(
+            "changes", &changes_of,
+            "Where \"auto\" changed the engine in the returned motion, for it was stiff or was so no "
+            "longer: (time [s], engine), in order.")
         .def_readonly("size", &Statistics::size, "Of the equations the motion began with; of several parts the sum.")
         .def("__eq__",
              [](const Statistics& a, const py::object& b) {

@@ -2956,6 +2956,11 @@ class Statistics:
     def __str__(self) -> str:
         ...
     @property
+    def changes(self) -> list[tuple[float, str]]:
+        """
+        Where "auto" changed the engine in the returned motion, for it was stiff or was so no longer: (time [s], engine), in order.
+        """
+    @property
     def events(self) -> int:
         """
         How many there are.

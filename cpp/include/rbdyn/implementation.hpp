@@ -64,6 +64,8 @@
 #include "rbdyn/engine/motion_scales.ipp"
 #include "rbdyn/engine/piece_guards.ipp"
 #include "rbdyn/engine/refined_taylor.ipp"
+#include "rbdyn/engine/stiff_taylor.ipp"
+#include "rbdyn/engine/stiffness.ipp"
 #include "rbdyn/engine/taylor.ipp"
 #include "rbdyn/event/driver.ipp"
 #include "rbdyn/event/driver_ends.ipp"

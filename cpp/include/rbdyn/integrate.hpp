@@ -42,6 +42,9 @@ inline double least_tolerance(const std::string& engine) { return engine == "tay
 double first_tolerance(const std::string& engine, double error);
 double judging_tolerance(const std::string& engine, double tolerance);
 
+/// Whether Taylor series leave to BDF what is stiff: where the choice is the library's, and BDF reaches the tolerance.
+bool gives_way(const HybridModel& model, const SimulateOptions& options, const std::string& engine, double tolerance);
+
 /// The order of a run that is held against one at the least tolerance: other steps, so other rounding.
 inline constexpr int other_order = 19;
 

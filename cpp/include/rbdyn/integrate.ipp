@@ -24,6 +24,7 @@
 #include "rbdyn/engine/dop853.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/refined_taylor.hpp"
+#include "rbdyn/engine/stiff_taylor.hpp"
 #include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/event/driver.hpp"
 #include "rbdyn/event/event.hpp"
@@ -52,9 +53,17 @@ RBDYN_INLINE double judging_tolerance(const std::string& engine, double toleranc
     return std::max((engine == "taylor" ? 1e-2 : 1e-3) * tolerance, 0.1 * least_tolerance(engine));
 }
 
+RBDYN_INLINE bool gives_way(const HybridModel& model, const SimulateOptions& options, const std::string& engine,
+                            double tolerance) {
+    return options.engine == "auto" && engine == "taylor" && tolerance >= StiffTaylorEngine::least_tolerance &&
+           !model.touches();
+}
+
 RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double tolerance, const Manner& manner) {
     if (name == "taylor" && manner.is_refined)
         return std::make_unique<RefinedTaylorEngine>(tolerance, manner.order, manner.rounding);
+    if (name == "taylor" && manner.gives_way)
+        return std::make_unique<StiffTaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "taylor") return std::make_unique<TaylorEngine>(tolerance, manner.order, manner.rounding);
     if (name == "dop853") return std::make_unique<Dop853Engine>(tolerance, false, manner.stride, manner.rounding);
     if (std::unique_ptr<Engine> engine = cvode::make(name, tolerance)) return engine;
@@ -201,8 +210,9 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     const auto is_cut_short = [&](Timed& timed) { return simulating::is_cut_short(model, result, timed); };
 
     if (options.rtol) {
-        Timed only = run_with(engine, *options.rtol, options.keep);
-        result.course = course_of(only.record, engine, *options.rtol, {});
+        const Manner manner{.gives_way = gives_way(model, options, engine, *options.rtol)};
+        Timed only = run_with(engine, *options.rtol, options.keep, manner);
+        result.course = course_of(only.record, engine, *options.rtol, manner);
         if (is_cut_short(only)) return result;
         take(std::move(only));
         result.certain_until = result.record.end.hi;
@@ -211,11 +221,11 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
 
     // the run at a tolerance a little below the error asked for, held against a better one
     double tolerance = first_tolerance(engine, options.error);
-    Manner manner;
+    Manner manner{.gives_way = gives_way(model, options, engine, tolerance)};
     const bool is_judge = !form && engine == judge;
     const bool keeps_all = options.keep.what == Keep::What::all;
     const Keep compared = compared_pieces(options);
-    Timed run = run_with(engine, tolerance, compared);
+    Timed run = run_with(engine, tolerance, compared, manner);
     std::vector<Event> grazes;
     bool amplifies = false;
     // a closed form is not wrong itself
@@ -231,6 +241,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             finer_manner.order = at_floor ? other_order : 0;
             finer_manner.stride = other_stride * manner.stride;
             finer_manner.is_refined = manner.is_refined || amplifies;
+            finer_manner.gives_way = manner.gives_way;
         }
         const Keep held = held_against(run.record, compared);
         Timed better =
@@ -305,6 +316,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         const bool is_known = comparison.error < 0.1;
         tolerance = is_judge && !is_known ? finer : std::clamp(aimed, 1e-3 * tolerance, 0.2 * tolerance);
         tolerance = std::max(tolerance, least_tolerance(engine));
+        manner.gives_way = gives_way(model, options, engine, tolerance);
         run = run_with(engine, tolerance, compared, manner);
     }
     if (!keeps_all) run.record.keep_only(options.keep.times);

@@ -25,6 +25,9 @@ namespace simulating {
 /// The engine for a scene. Throws InvalidInput if the one asked for cannot do it.
 std::string engine_for(const Plan& plan, const std::string& wanted);
 
+/// The engines of a run that began with one, each once.
+std::string named(const std::string& engine, const std::vector<EngineChange>& changes);
+
 /// What a motion cost, as far as its solution tells.
 Statistics statistics_of(const Solution& solution);
 

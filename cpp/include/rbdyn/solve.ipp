@@ -74,8 +74,16 @@ RBDYN_INLINE Statistics statistics_of(const Solution& solution) {
     s.events = solution.record.handed_on;
     for (const Event& e : solution.record.events) s.events += e.count;
     s.runs = solution.runs;
+    s.changes = solution.record.changes;
     if (!solution.record.modes.empty()) s.size = Size(solution.record.modes.front());
     return s;
+}
+
+RBDYN_INLINE std::string named(const std::string& engine, const std::vector<EngineChange>& changes) {
+    std::vector<std::string> names = {engine};
+    for (const EngineChange& change : changes)
+        if (std::find(names.begin(), names.end(), change.engine) == names.end()) names.push_back(change.engine);
+    return planning::first_of(names, names.size(), ", ");
 }
 
 /// Events of a contact or a body have its name.
@@ -90,7 +98,7 @@ RBDYN_INLINE Solved solved(Scene scene, Plan plan, std::string engine, Solution&
     data.scene = std::move(scene);
     data.plan = std::move(plan);
     data.model = data.plan.model;
-    data.engine = std::move(engine);
+    data.engine = named(engine, solution.record.changes);
     data.statistics = statistics_of(solution);
     data.error = solution.error;
     data.course = std::move(solution.course);
@@ -213,7 +221,7 @@ RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const 
             if (course.engine != engine) course.halt.engine.clear();
             course.engine = engine;
             course.tolerance = *options.rtol;
-            course.manner = {};
+            course.manner = {.gives_way = gives_way(model, options, engine, course.tolerance)};
         }
         const Course* judge = options.rtol ? nullptr : &*before.judge;
         Course better = judge != nullptr ? *judge : course;
@@ -325,10 +333,9 @@ RBDYN_INLINE std::vector<Event> events_of(const std::vector<Solved>& parts, cons
 RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before) {
     const SceneParts& apart = *plan.apart;
     const std::size_t count = plan.parts.size();
-    std::vector<std::string> engines, named;
+    std::vector<std::string> engines, names;
     for (const Plan& part : plan.parts) {
         engines.push_back(engine_for(part, options.engine));
-        if (std::find(named.begin(), named.end(), engines.back()) == named.end()) named.push_back(engines.back());
     }
     std::vector<Solved> parts(count);
     std::vector<double> untils(count);
@@ -384,7 +391,6 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     data.record.status = worst.data.record.status;
     data.record.events = events_of(parts, apart, end.hi);
     data.events = Events(data.record.events);
-    data.engine = planning::first_of(named, named.size(), ", ");
     data.certain_until = end.hi;
     if (!options.rtol) data.error = 0.0;
     Statistics& s = data.statistics;
@@ -392,6 +398,8 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
     for (const Event& e : data.events) s.events += e.count;
     for (Solved& part : parts) {
         const Statistics& w = part.data.statistics;
+        if (std::find(names.begin(), names.end(), part.data.engine) == names.end()) names.push_back(part.data.engine);
+        s.changes.insert(s.changes.end(), w.changes.begin(), w.changes.end());
         s.integration_seconds += w.integration_seconds;
         s.steps += w.steps;
         s.rejected += w.rejected;
@@ -406,6 +414,9 @@ RBDYN_INLINE Solved solve_apart(Scene scene, Plan plan, const SimulateOptions& o
             data.error.reset();
         data.parts.push_back(std::move(part.data));
     }
+    data.engine = planning::first_of(names, names.size(), ", ");
+    std::stable_sort(s.changes.begin(), s.changes.end(),
+                     [](const EngineChange& a, const EngineChange& b) { return a.time < b.time; });
     data.scene = std::move(scene);
     data.plan = std::move(plan);
     data.asked = options;

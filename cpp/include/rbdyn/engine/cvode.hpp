@@ -39,8 +39,9 @@ class CvodeEngine : public Engine {
 public:
     enum class Method { adams, bdf };
 
-    /// Local error per step relative to the motion's scales.
-    CvodeEngine(Method method, double rtol) : method_(method), rtol_(rtol), context_(cvode::make_context()) {}
+    /// Local error per step relative to the motion's scales. `rounding`: of constants.
+    CvodeEngine(Method method, double rtol, Program::Rounding rounding = Program::Rounding::nearest)
+        : method_(method), rtol_(rtol), rounding_(rounding), context_(cvode::make_context()) {}
     CvodeEngine(const CvodeEngine&) = delete;
     CvodeEngine& operator=(const CvodeEngine&) = delete;
 
@@ -48,6 +49,9 @@ public:
 
     void start(const Equations& equations, std::span<const double> parameters, Instant t,
                std::span<const double> x) override;
+
+    /// The scales of the motion before it.
+    void recall(std::span<const double> memory) override;
 
     StepStatus step(double limit) override;
 
@@ -122,6 +126,7 @@ private:
 
     Method method_;
     double rtol_;
+    Program::Rounding rounding_;
     Piece whole_;           // the whole step, where guards cut it
     bool pending_ = false;  // parts of it may be left
     double offset_ = 0.0;   // where the piece begins on it

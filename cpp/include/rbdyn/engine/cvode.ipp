@@ -42,7 +42,7 @@ RBDYN_INLINE void CvodeEngine::start(const Equations& equations, std::span<const
         estimates_.resize(equations.groups.size());
     }
     parameters_.assign(parameters.begin(), parameters.end());
-    integrator_->set_parameters(parameters_);
+    integrator_->set_parameters(parameters_, rounding_);
     integrator_->guards.enter(parameters_);
     t_ = t;
     x_.assign(x.begin(), x.end());
@@ -57,12 +57,18 @@ RBDYN_INLINE void CvodeEngine::start(const Equations& equations, std::span<const
     widen();
 }
 
+RBDYN_INLINE void CvodeEngine::recall(std::span<const double> memory) {
+    if (memory.size() != MotionScales::count(x_.size())) return;
+    scales_.set_numbers(memory);
+    widen();
+}
+
 RBDYN_INLINE StepStatus CvodeEngine::step(double limit) {
     if (pending_ && offset_ + piece_.length < 1.0 - 1e-12) return next_part();
     if (!(limit - t_ > 0.0)) return StepStatus::stalled;
     if (is_first_ && is_restart_ && set_off(limit)) return StepStatus::ok;
     starter_ = nullptr;
-    if (!is_first_ && drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
+    if (!is_first_ && drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_, rounding_);
     if (!running_ && !begin(limit)) return StepStatus::not_finite;
     void* memory = integrator_->memory.get();
     double stop = limit - integrator_->origin;
@@ -368,7 +374,7 @@ RBDYN_INLINE void CvodeEngine::straight_line(double h) {
 RBDYN_INLINE StepStatus CvodeEngine::next_part() {
     ++work_.parts;
     offset_ += piece_.length;
-    if (drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_);
+    if (drop_start_flags(*equations_, parameters_)) integrator_->set_parameters(parameters_, rounding_);
     const int n = piece_.variables, row = piece_.order + 1;
     part_.resize(at(n * row));
     for (int i = 0; i < n; ++i) {

@@ -7,6 +7,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/expression/program.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::cvode {
 
@@ -14,6 +15,7 @@ namespace rbdyn::inline RBDYN_FORM::cvode {
 std::vector<std::string> names();
 
 /// The engine of a name; none if it is not one of them.
-std::unique_ptr<Engine> make(const std::string& name, double tolerance);
+std::unique_ptr<Engine> make(const std::string& name, double tolerance,
+                             Program::Rounding rounding = Program::Rounding::nearest);
 
 }  // namespace rbdyn::inline RBDYN_FORM::cvode

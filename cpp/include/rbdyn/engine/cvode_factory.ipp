@@ -17,9 +17,9 @@ namespace rbdyn::inline RBDYN_FORM::cvode {
 
 RBDYN_INLINE std::vector<std::string> names() { return {"cvode-adams", "cvode-bdf"}; }
 
-RBDYN_INLINE std::unique_ptr<Engine> make(const std::string& name, double tolerance) {
-    if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance);
-    if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance);
+RBDYN_INLINE std::unique_ptr<Engine> make(const std::string& name, double tolerance, Program::Rounding rounding) {
+    if (name == "cvode-adams") return std::make_unique<CvodeEngine>(CvodeEngine::Method::adams, tolerance, rounding);
+    if (name == "cvode-bdf") return std::make_unique<CvodeEngine>(CvodeEngine::Method::bdf, tolerance, rounding);
     return nullptr;
 }
 
@@ -27,7 +27,10 @@ RBDYN_INLINE std::unique_ptr<Engine> make(const std::string& name, double tolera
 
 RBDYN_INLINE std::vector<std::string> names() { return {}; }
 
-RBDYN_INLINE std::unique_ptr<Engine> make(const std::string& /*name*/, double /*tolerance*/) { return nullptr; }
+RBDYN_INLINE std::unique_ptr<Engine> make(const std::string& /*name*/, double /*tolerance*/,
+                                          Program::Rounding /*rounding*/) {
+    return nullptr;
+}
 
 #endif
 

@@ -30,7 +30,7 @@ public:
     Integrator(const Integrator&) = delete;
     Integrator& operator=(const Integrator&) = delete;
 
-    void set_parameters(std::span<const double> parameters);
+    void set_parameters(std::span<const double> parameters, Program::Rounding rounding);
 
     double* state() { return values(y.get()); }
     std::span<const double> span_of(N_Vector v) const { return {values(v), static_cast<std::size_t>(n)}; }

@@ -73,11 +73,11 @@ RBDYN_INLINE Integrator::Integrator(const Equations& equations, bool stiff, int 
     }
 }
 
-RBDYN_INLINE void Integrator::set_parameters(std::span<const double> parameters) {
-    evaluator.set_parameters(parameters);
-    series.set_parameters(parameters);
-    ahead.set_parameters(parameters);
-    guards.set_parameters(parameters);
+RBDYN_INLINE void Integrator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
+    evaluator.set_parameters(parameters, rounding);
+    series.set_parameters(parameters, rounding);
+    ahead.set_parameters(parameters, rounding);
+    guards.set_parameters(parameters, rounding);
 }
 
 RBDYN_INLINE void Integrator::restart(Instant t, double first_step) {

@@ -70,6 +70,9 @@ public:
 
     const Work& work() const { return work_; }
 
+    /// Where another engine took over, of one that gives way.
+    virtual std::vector<EngineChange> changes() const;
+
 protected:
     // log2 of how much more of a guard than of the state may be cut off: an error there moves one event and does not
     // grow

@@ -44,6 +44,8 @@ RBDYN_INLINE bool Engine::is_rough(int /*guard*/) const { return false; }
 
 RBDYN_INLINE bool Engine::fits_guards() const { return false; }
 
+RBDYN_INLINE std::vector<EngineChange> Engine::changes() const { return {}; }
+
 RBDYN_INLINE bool Engine::drop_start_flags(const Equations& equations, std::vector<double>& parameters) {
     bool changed = false;
     for (int flag : equations.start_flags) {

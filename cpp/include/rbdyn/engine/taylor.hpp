@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -70,7 +71,9 @@ protected:
     std::span<const double> low_before() const { return start_low_; }
     std::span<const double> parameters() const { return parameters_; }
     Program::Rounding rounding() const { return rounding_; }
+    double tolerance() const { return std::exp2(log_tolerance_); }
     Instant t_;
+    MotionScales scales_;
 
 private:
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
@@ -140,7 +143,6 @@ private:
     std::unique_ptr<Evaluator<double>> roots_;  // of equations that have roots; none for others
     std::vector<double> end_, end_slope_;
     std::vector<signed char> rough_;  // by guard; empty: none is
-    MotionScales scales_;
     std::unique_ptr<const Projection> projection_;
 };
 

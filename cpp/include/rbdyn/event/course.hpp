@@ -16,6 +16,7 @@ struct Manner {
     double stride = 1.0;      // of dop853: how much of the steps that the tolerance allows is taken
     bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
     Program::Rounding rounding = Program::Rounding::nearest;  // of constants, so that no rounded one is shared
+    bool gives_way = false;                                   // Taylor series that leave to BDF what is stiff
 };
 
 struct Course {

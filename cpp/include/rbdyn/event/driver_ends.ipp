@@ -32,6 +32,7 @@ RBDYN_INLINE void Driver::finish(Record& record, Instant t, Status status) {
     }
     record.status = status;
     record.work = engine_.work();
+    record.changes = engine_.changes();
     if (record.thrown || now_.mode.equations == nullptr) return;
     now_.at = t;
     now_.low.resize(now_.x.size());

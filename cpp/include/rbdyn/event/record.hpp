@@ -42,6 +42,7 @@ public:
     std::int64_t handed_on = 0;    // events that were there and are not kept
     std::optional<Instant> doubt;  // from there on rounding alone decided which events follow
     Work work;
+    std::vector<EngineChange> changes;  // of the engine, within the run
     int variables = 0;
     std::vector<double> first_state;
     std::exception_ptr thrown;                 // by a function of the user's

@@ -68,6 +68,9 @@ public:
 
     virtual int variables() const = 0;
 
+    /// Whether it has contacts, which are held after each step.
+    virtual bool touches() const { return false; }
+
     /// What is known of a mode before any law has been asked: the places of bodies, not their forces.
     virtual Mode undecided() const;
 

@@ -66,8 +66,6 @@ public:
     virtual bool turns(int body) const = 0;
     /// Degrees of freedom left by joints and constraints.
     virtual int freedom() const = 0;
-    /// Whether it has contacts.
-    virtual bool touches() const { return false; }
     /// The same model with other numbers of the user's.
     virtual std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const = 0;
     /// The same for a scene that starts elsewhere; none if its equations would be others.

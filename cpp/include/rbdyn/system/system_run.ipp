@@ -116,7 +116,8 @@ RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& 
     const auto outcome = solution.outcome;
     const auto thrown = solution.thrown;
     std::string message = solution.message;
-    return {outcome, std::move(message), thrown, SystemRun(model, std::move(solution), engine, s)};
+    return {outcome, std::move(message), thrown,
+            SystemRun(model, std::move(solution), simulating::named(engine, s.changes), s)};
 }
 
 RBDYN_INLINE SystemRun simulate(const System& system, const SimulateOptions& options) {

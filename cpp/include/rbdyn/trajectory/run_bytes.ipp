@@ -76,6 +76,23 @@ RBDYN_INLINE std::string_view Reader::some(std::size_t count) {
     return first;
 }
 
+RBDYN_INLINE void put(Writer& w, const std::vector<EngineChange>& changes) {
+    w.put(changes.size());
+    for (const EngineChange& change : changes) {
+        w.put(change.time);
+        w.put(std::string_view(change.engine));
+    }
+}
+
+RBDYN_INLINE std::vector<EngineChange> take_changes(Reader& r) {
+    std::vector<EngineChange> changes;
+    for (std::size_t left = r.count(1); left > 0; --left) {
+        const auto time = r.take<double>();
+        changes.push_back({time, r.text()});
+    }
+    return changes;
+}
+
 RBDYN_INLINE void put(Writer& w, const Statistics& s) {
     for (const double seconds : {s.seconds, s.planning_seconds, s.integration_seconds, s.judging_seconds})
         w.put(seconds);
@@ -84,6 +101,7 @@ RBDYN_INLINE void put(Writer& w, const Statistics& s) {
                                      std::int64_t{s.size.guards}, std::int64_t{s.size.instructions}})
         w.put(count);
     w.put(s.planned);
+    put(w, s.changes);
 }
 
 RBDYN_INLINE Statistics take_statistics(Reader& r) {
@@ -96,6 +114,7 @@ RBDYN_INLINE Statistics take_statistics(Reader& r) {
     for (int* count : {&s.runs, &s.size.variables, &s.size.guards, &s.size.instructions})
         *count = static_cast<int>(r.take<std::int64_t>());
     r.take(s.planned);
+    s.changes = take_changes(r);
     return s;
 }
 
@@ -242,6 +261,7 @@ RBDYN_INLINE void put(Writer& w, const std::optional<simulating::Course>& course
     w.put(course->manner.stride);
     w.put(course->manner.is_refined);
     w.put(course->manner.rounding);
+    w.put(course->manner.gives_way);
     put(w, course->halt);
 }
 
@@ -258,6 +278,7 @@ RBDYN_INLINE std::optional<simulating::Course> take_course(Reader& r, const Scen
     Reader::require(course.manner.stride > 0.0 && course.manner.stride <= 1.0, "a stride is none");
     r.take(course.manner.is_refined);
     course.manner.rounding = r.word(Program::Rounding::other);
+    r.take(course.manner.gives_way);
     course.halt = take_halt(r, model);
     return course;
 }
@@ -267,6 +288,7 @@ RBDYN_INLINE void put(Writer& w, const Record& record) {
     w.put(record.end);
     w.put(record.status);
     w.put(record.work);
+    put(w, record.changes);
     w.put(record.variables);
     w.put(record.first_state);
     w.put(record.windings);
@@ -293,6 +315,7 @@ RBDYN_INLINE Record take_record(Reader& r, const Limits& limits) {
     r.take(record.end);
     record.status = r.word(Status::inconsistent);
     r.take(record.work);
+    record.changes = take_changes(r);
     r.take(record.variables);
     record.first_state = r.list<double>();
     const auto variables = record.first_state.size();
