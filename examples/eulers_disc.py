@@ -1,9 +1,9 @@
 """Euler's disc: a coin that settles, its contact running round ever faster, with a stated rolling friction.
 
 Without rolling friction it never falls: it goes round at the tilt it has, for as long as one waits. A torque rho N
-against rolling takes the energy 3/2 m g R sin(tilt) of the steady motion at the rate rho m g times the turning along the
-table, so sqrt(tilt) and 1/rate fall linearly, 1/rate by rho/(3 R), and it all ends at a finite time with an infinite
-rate (R. I. Leine, Arch. Appl. Mech. 79, 2009: dry rolling friction, whose rate goes as 1/(t_end - t)).
+against rolling takes the energy 3/2 m g R sin(tilt) of the steady motion at the rate rho m g times the turning along
+the table. For small tilts sqrt(tilt) and 1/rate then fall linearly, 1/rate by rho/(3 R), and it all ends at a finite
+time with an infinite rate (R. I. Leine, Arch. Appl. Mech. 79, 2009: dry rolling friction, 1/(t_end - t)).
 """
 
 import math
