@@ -1,7 +1,7 @@
-"""A ball that rolls on a turning table runs in circles, with 2/7 of the table's rate, and is not thrown off it.
+"""A ball that rolls on a turning table runs in circles, with 2/7 of the table's rate.
 
-Without slip v' = 2/7 Omega x v (E. A. Milne, Vectorial Mechanics, 1948): circles, wherever it starts and however fast. A
-second ball is put down without spin: it slides until it sticks, and then runs in a circle of its own.
+Without slip v' = 2/7 Omega x v (E. A. Milne, Vectorial Mechanics, 1948): circles, wherever it starts and however fast.
+A second ball is put down without spin: it slides until it sticks, and then runs in a circle of its own.
 """
 
 import math
