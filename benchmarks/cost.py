@@ -14,85 +14,7 @@ import time
 
 import numpy as np
 import rbdyn as rb
-
-DOWN = [0, 0, -9.81]
-
-
-def free_body():
-    scene = rb.Scene()
-    scene.add(rb.RigidBody(1.0, [1.0, 2.0, 3.0]), angular_velocity=[0.01, 1.0, 0.02])
-    return scene, 100.0
-
-
-def heavy_body():
-    body = rb.RigidBody(0.5, com=[0.01, 0.005, 0.05], inertia=[0.0022, 0.0019, 0.001], inertia_about="origin")
-    scene = rb.Scene(gravity=DOWN)
-    scene.add(body, rb.Spherical(), attitude=rb.EulerAngles(0.3, 0, 0), angular_velocity=[0, 0, 300.0])
-    return scene, 5.0
-
-
-def hoop():
-    scene = rb.Scene(gravity=DOWN)
-    circle = rb.Circle(radius=0.5, start=[0, 0, -1], toward=[1, 0, 0])
-    scene.add(rb.Particle(0.5), rb.Rail(circle, friction=rb.Coulomb(0.4, 0.1)), speed=7.0)
-    return scene, 6.0
-
-
-def belt():
-    scene = rb.Scene(gravity=[0, 0, -1.0])
-    rail = rb.Rail(rb.Line(direction=[1, 0, 0]), friction=rb.Coulomb(1.0, 0.5), drive=1.0)
-    block = scene.add(rb.Particle(1.0), rail, parameter=0.0, speed=1.0)
-    scene.connect(rb.Spring(stiffness=1.0), block, [0, 0, 0])
-    return scene, 60.0
-
-
-def stiff():
-    scene = rb.Scene(gravity=DOWN)
-    a = scene.add(rb.Particle(1.0), position=[1, 0, 0], velocity=[0, 0.5, 0])
-    b = scene.add(rb.Particle(1.0), position=[2, 0, 0], velocity=[0, -0.5, 0])
-    scene.connect(rb.Spring(10.0, rest_length=0.5), a, [0, 0, 0])
-    scene.connect(rb.Spring(1e6, rest_length=1.0, damping=1e6), a, b)
-    return scene, 5.0
-
-
-def chain(count=100):
-    scene = rb.Scene(gravity=DOWN)
-    before = [0, 0, 0]
-    for i in range(count):
-        mass = scene.add(rb.Particle(0.1), position=[0.1 * (i + 1), 0, 0])
-        scene.connect(rb.Spring(100.0, rest_length=0.1), mass, before)
-        before = mass
-    return scene, 1.0
-
-
-def ladder():
-    theta, length = 1.5, 4.0
-    scene = rb.Scene(gravity=[0, 0, -9.8125])
-    place = [length / 2 * math.cos(theta), length / 2 * math.sin(theta)]
-    planar = rb.Planar(x=[1, 0, 0], y=[0, 0, 1])
-    rod = scene.add(rb.shapes.rod(10.0, length, [1, 0, 0]), planar, position=place, angle=math.pi - theta)
-    scene.contact(rod.point([-length / 2, 0, 0]), rb.Plane(normal=[0, 0, 1]))
-    scene.contact(rod.point([length / 2, 0, 0]), rb.Plane(normal=[1, 0, 0]))
-    return scene, 2.0
-
-
-def ball():
-    scene = rb.Scene(gravity=DOWN)
-    point = scene.add(rb.Particle(1.0), position=[0, 0, 10.0])
-    scene.contact(point, rb.Plane(normal=[0, 0, 1]), restitution=0.9)
-    return scene, 30.0
-
-
-SCENES = {
-    "F": free_body,
-    "N": heavy_body,
-    "hoop": hoop,
-    "belt": belt,
-    "stiff": stiff,
-    "chain": chain,
-    "ladder": ladder,
-    "ball": ball,
-}
+from scenes import DOWN, PRICED
 
 
 def random_scene(random):
@@ -151,12 +73,12 @@ def show_predictions():
 
 
 def main():
-    for name in sys.argv[1:] or [*SCENES, "predict"]:
+    for name in sys.argv[1:] or [*PRICED, "predict"]:
         if name == "predict":
             show_predictions()
             continue
         began = time.perf_counter()
-        scene, until = SCENES[name]()
+        scene, until = PRICED[name]()
         price = rb.cost(scene, until)
         print(f"{name}, {until:g} s: made in {time.perf_counter() - began:.1f} s")
         print(price, end="\n\n")

@@ -1,4 +1,4 @@
-"""Runs benchmarks, those named or all but `compile`, one after the other, and prints what they print.
+"""Runs benchmarks, those named or all but `compile` and `peers`, one after the other, and prints what they print.
 
 A benchmark is a program that ./run bench has built, or a Python file in this folder. A Python file is given the path of
 the program of its name, if there is one, and runs it itself.
@@ -18,7 +18,7 @@ programs = {
 if not programs:
     sys.exit("no benchmarks are built: ./run bench builds and runs them")
 scripts = {path.stem: path for path in folder.glob("*.py") if path.name != "run.py"}
-names = sys.argv[1:] or sorted((programs.keys() | scripts.keys()) - {"compile"})
+names = sys.argv[1:] or sorted((programs.keys() | scripts.keys()) - {"compile", "peers"})
 for name in names:
     if name not in programs.keys() | scripts.keys():
         sys.exit(f"no benchmark {name}: there are {', '.join(sorted(programs.keys() | scripts.keys()))}")

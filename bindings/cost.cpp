@@ -117,7 +117,8 @@ void bind_price(py::module_& m) {
     as_sequence<Price, CostRow>(price, "Price");
     const auto in_python = [](const char* module, const char* name) { return py::module_::import(module).attr(name); };
     price.def_readonly("missing", &Price::missing, "Engines without a row, or without one as tight as asked for.")
-        .def_readonly("automatic", &Price::automatic, "What simulate() takes by itself.")
+        .def_readonly("automatic", &Price::automatic,
+                      "What simulate() takes by itself; \"auto\" where it changes the engine on the way.")
         .def_readonly("reference", &Price::reference, "What errors are measured against, and how sure that is.")
         .def_readonly("seconds", &Price::seconds, "Spent on the list, by the clock [s].")
         .def(

@@ -52,7 +52,7 @@ def plot_price(price: Price, path: str | os.PathLike[str] | None = None) -> Any:
                 **style,
                 markersize=5,
                 linewidth=2.4 if is_automatic else 1.3,
-                label=f"{engine} (auto)" if is_automatic else engine,
+                label=f"{engine} (auto)" if is_automatic and engine != "auto" else engine,
             )
             called = [row for row in rows if np.isfinite(row.total)]
             axes.loglog(

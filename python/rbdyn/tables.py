@@ -68,7 +68,7 @@ def price_html(price: Price) -> str:
         has_events = row["events_expected"] > 0 or not row["has_all_events"]
         found = f"{row['events']} of {row['events_expected']}" + ("" if row["has_all_events"] else " (others)")
         cells = [
-            html.escape(row["engine"]) + (" (auto)" if row["is_automatic"] else ""),
+            html.escape(row["engine"]) + (" (auto)" if row["is_automatic"] and row["engine"] != "auto" else ""),
             _number(row["tolerance"], "{:.0e}") if row["tolerance"] > 0 else "-",
             _number(row["motion_error"], "{:.1e}"),
             _number(row["event_error"], "{:.1e}") if has_events else "-",
@@ -83,8 +83,9 @@ def price_html(price: Price) -> str:
         lines.append(f"<tr{style}>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
     lines.append("</table>")
     lines += [f"<p>Missing: {html.escape(one.engine)}: {html.escape(one.reason)}</p>" for one in price.missing]
+    takes = "taylor, and cvode-bdf where that is stiff" if price.automatic == "auto" else price.automatic
     lines.append(
-        f"<p>Bold: none is as accurate and quicker. auto takes {html.escape(price.automatic)}. "
+        f"<p>Bold: none is as accurate and quicker. auto takes {html.escape(takes)}. "
         f"Errors against {html.escape(price.reference)}.</p>"
     )
     return "\n".join(lines)

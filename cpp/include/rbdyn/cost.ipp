@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/engine/stiff_taylor.hpp"
+#include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
 #include "rbdyn/options.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
@@ -43,6 +45,7 @@ struct Ladder {
     bool is_done = false, has_whole = true;
     Keep::What keep = Keep::What::all;  // what of its runs is
     std::string cannot = {};
+    bool is_auto = false;  // what is stiff is left to BDF
 
     double reached() const {
         double least_error = std::numeric_limits<double>::infinity();
@@ -115,6 +118,32 @@ private:
     double tightest_;
 };
 
+/// Where series leave something to BDF, at the loosest tolerance, the automatic choice is a way of its own. It is tried
+/// in a small part of the budget: what is stiff takes BDF no longer.
+RBDYN_INLINE void add_automatic(std::vector<Ladder>& ladders, Runner& runner, const Plan& plan,
+                                const CostOptions& options, double loosest, Price& price) {
+    constexpr double part = 0.05;
+    const auto is_wanted = [&](const std::string& name) {
+        return options.engines.empty() ||
+               std::find(options.engines.begin(), options.engines.end(), name) != options.engines.end();
+    };
+    const auto series = std::find_if(ladders.begin(), ladders.end(), [&](const Ladder& ladder) {
+        return ladder.engine == plan.engine && ladder.cannot.empty() && ladder.least > 0.0;
+    });
+    if (!is_wanted("auto") || series == ladders.end()) return;
+    Ladder automatic = *series;
+    automatic.is_auto = true;
+    automatic.engine = "auto";
+    automatic.least = std::max(automatic.least, StiffTaylorEngine::least_tolerance);
+    const Measured tried =
+        runner.run(automatic.engines, std::max(loosest, automatic.least), part * options.budget, Keep::What::end, true);
+    if (std::all_of(tried.records.begin(), tried.records.end(), [](const Record& r) { return r.changes.empty(); }))
+        return;
+    price.automatic = "auto";
+    if (!is_wanted(plan.engine)) ladders.erase(series);
+    ladders.push_back(std::move(automatic));
+}
+
 RBDYN_INLINE void Pricing::leave(Ladder& ladder, const std::string& reason, double seconds) {
     ladder.is_done = true;
     missing.push_back({ladder.engine, ladder.tolerance, reason, seconds});
@@ -128,8 +157,8 @@ RBDYN_INLINE void Pricing::no_time(Ladder& ladder, double seconds) {
 RBDYN_INLINE void Pricing::time_again(Ladder& ladder, std::size_t i) {
     CostRow& row = ladder.rows[i];
     std::vector<double>& times = ladder.times[i];
-    const Measured again =
-        runner_.run(ladder.engines, row.tolerance, std::numeric_limits<double>::infinity(), ladder.keep);
+    const Measured again = runner_.run(ladder.engines, row.tolerance, std::numeric_limits<double>::infinity(),
+                                       ladder.keep, ladder.is_auto);
     if (!again.records.empty()) times.push_back(again.seconds);
     std::sort(times.begin(), times.end());
     row.seconds = times.front();
@@ -146,10 +175,10 @@ RBDYN_INLINE void Pricing::turn(Ladder& ladder, std::size_t others) {
         return is_first ? leave(ladder, "no time left to begin") : no_time(ladder, ladder.rows.back().seconds * factor);
     const double allowed = purse_.left() / (is_first ? static_cast<double>(others) + 1.0 : 1.0);
     const double began = purse_.spent();
-    Measured run = runner_.run(ladder.engines, ladder.tolerance, allowed, ladder.keep);
+    Measured run = runner_.run(ladder.engines, ladder.tolerance, allowed, ladder.keep, ladder.is_auto);
     if (run.is_too_large) {
         ladder.keep = Keep::What::end;
-        run = runner_.run(ladder.engines, ladder.tolerance, allowed, ladder.keep);
+        run = runner_.run(ladder.engines, ladder.tolerance, allowed, ladder.keep, ladder.is_auto);
     }
     if (purse_.is_closed()) return;
     if (run.projected) return no_time(ladder, *run.projected);
@@ -260,6 +289,7 @@ RBDYN_INLINE Price cost(const Scene& scene, const CostOptions& options) {
     Runner runner(parts, base, purse);
     const auto integrates = [](const Ladder& ladder) { return ladder.cannot.empty() && ladder.least > 0.0; };
     const bool is_wanted = std::any_of(ladders.begin(), ladders.end(), integrates);
+    add_automatic(ladders, runner, plan, options, errors.back(), price);
     const Reference reference(runner, plan_scene, purse, is_wanted);
     Pricing list(scene, runner, reference, purse, errors.front());
     for (Ladder& ladder : ladders) {

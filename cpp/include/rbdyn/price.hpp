@@ -52,7 +52,7 @@ std::ostream& operator<<(std::ostream& out, const Prediction& prediction);
 struct Price {
     std::vector<CostRow> rows;
     std::vector<MissingEngine> missing;
-    std::string automatic;  // what simulate() takes by itself
+    std::string automatic;  // what simulate() takes by itself; "auto" where it changes the engine on the way
     std::string reference;  // what errors are measured against, and how sure that is
     double seconds = 0.0;   // spent on the list, by the clock
 

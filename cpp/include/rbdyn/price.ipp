@@ -154,7 +154,8 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Price& price) {
     }
     out.flags(flags);
     out.precision(digits);
-    out << "* none is as accurate and quicker; auto takes " << price.automatic << '\n';
+    out << "* none is as accurate and quicker; auto takes "
+        << (price.automatic == "auto" ? "taylor, and cvode-bdf where that is stiff" : price.automatic) << '\n';
     for (const MissingEngine& m : price.missing) {
         out << "missing: " << m.engine;
         if (m.tolerance > 0.0) out << " from tolerance " << pricing::about(m.tolerance) << " on";

@@ -62,8 +62,9 @@ public:
     Runner(const std::vector<Part>& parts, const SimulateOptions& base, Purse& purse);
 
     /// By the engines of the parts; "closed form" sets it up and asks for one state, and for the events.
-    /// `keep`: all, or what is compared.
-    Measured run(const std::vector<std::string>& engines, double tolerance, double allowed, Keep::What keep);
+    /// `keep`: all, or what is compared. `is_auto`: series leave to BDF what is stiff.
+    Measured run(const std::vector<std::string>& engines, double tolerance, double allowed, Keep::What keep,
+                 bool is_auto = false);
     /// One that others are held against: closed forms have pieces of motion, and steps that come near to a loss of rank
     /// go on.
     Measured run_reference(const std::vector<std::string>& engines, double tolerance, double allowed,

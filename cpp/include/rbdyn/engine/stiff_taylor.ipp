@@ -68,12 +68,13 @@ RBDYN_INLINE StepStatus StiffTaylorEngine::step(double limit) {
 
 RBDYN_INLINE bool StiffTaylorEngine::is_stiff(double limit) {
     const double length = piece_.length * piece_.unit;
-    // steps near the limit of stability go up and down: some looks in a row, then half as many steps again
-    looks_at_ = ++looks_ % stiff::looks == 0 ? steps_ + steps_ / 2 : steps_ + 1;
+    // steps near the limit of stability go up and down: some looks in a row, then as many steps again
+    looks_at_ = ++looks_ % stiff::looks == 0 ? 2 * steps_ : steps_ + 1;
     if (limit - t_ < stiff::worth_it * length) {
         looks_at_ = 2 * steps_;
         return false;
     }
+    if (!Stiffness::may_rule(piece_, *mode_, scales_)) return false;
     Stiffness& fast = stiffness_of(*mode_);
     if (!fast.rules(piece_, parameters(), rounding(), scales_)) return false;
     reach_ = fast.reach();

@@ -27,6 +27,12 @@ class Stiffness {
 public:
     explicit Stiffness(const Equations& equations);
 
+    /// Whether a step of a series may be at the limit of its stability: by the size of its last coefficients alone.
+    static bool may_rule(const Piece& step, const Equations& equations, const MotionScales& scales);
+    /// How long a step is, in 1 / |lambda|, from where on it is taken for one at the limit of stability: a third less
+    /// than that is. Steps that follow a motion which dies away are as short.
+    static double least_reach(int order) { return 0.25 * order + 0.9; }
+
     /// Whether a step of a series was kept short by stability. Variables are measured by the scales of their groups.
     bool rules(const Piece& step, std::span<const double> parameters, Program::Rounding rounding,
                const MotionScales& scales);

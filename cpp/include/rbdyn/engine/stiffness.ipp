@@ -68,6 +68,21 @@ RBDYN_INLINE void Stiffness::apply(std::span<const double> v, std::span<double> 
         out[i] = stiffness::dot(std::span(entries_).subspan(i * v.size(), v.size()), v);
 }
 
+RBDYN_INLINE bool Stiffness::may_rule(const Piece& step, const Equations& equations, const MotionScales& scales) {
+    const int p = step.order;
+    double last = 0.0, before = 0.0;
+    for (const VariableGroup& group : equations.groups) {
+        const double scale = scales.scale(group);
+        if (!(scale > 0.0)) continue;
+        for (int i = group.first; i < group.first + group.count; ++i) {
+            last = std::max(last, std::abs(step.variable(i)[p]) / scale);
+            before = std::max(before, std::abs(step.variable(i)[p - 2]) / scale);
+        }
+    }
+    const double least = least_reach(p) / step.length;
+    return static_cast<double>(p) * (p - 1) * last > least * least * before;
+}
+
 RBDYN_INLINE bool Stiffness::rules(const Piece& step, std::span<const double> parameters, Program::Rounding rounding,
                                    const MotionScales& scales) {
     const int n = step.variables, p = step.order;
@@ -107,8 +122,7 @@ RBDYN_INLINE bool Stiffness::rules(const Piece& step, std::span<const double> pa
     const stiffness::Root lambda = stiffness::root_of(fast_, first, second);
     fast_ = second;
     reach_ = lambda.size * step.length;
-    // a third less than what is stable; steps that follow a motion which dies away are as short
-    const bool is_at_limit = reach_ > 0.25 * p + 0.9;
+    const bool is_at_limit = reach_ > least_reach(p);
     // BDF of order 5 damps what is nearer to the real axis than to the imaginary one, of lower orders more
     return is_at_limit && lambda.real < -0.3 * lambda.size;
 }
