@@ -1,9 +1,9 @@
 """The automatic choice beside each engine by itself: what simulate(error=) takes on the suite of scenes.
 
-Milliseconds of processor time of the whole call, the plan kept from before, the least of several in turns; what takes more
-than the limit is given up. The last column is how many times as long as the quickest named engine "auto" takes, bits and
-steps of which are those of the engine it begins with wherever it changes nothing. Named engines are held against a
-better run of their own or of the series, as simulate() does.
+Milliseconds of processor time of the whole call, the plan kept from before, the least of several in turns; what takes
+more than the limit is given up. The last column is how many times as long as the quickest named engine "auto" takes,
+bits and steps of which are those of the engine it begins with wherever it changes nothing. Named engines are held
+against a better run of their own or of the series, as simulate() does.
 """
 
 import statistics

@@ -1,9 +1,10 @@
-"""How honest estimates are: the true error of simulate(error=) over what it tells, and its inverse, by scene and engine.
+"""How honest estimates are: the true error of simulate(error=) over what it tells, and its inverse, by scene.
 
-Errors of 1e-3 to 1e-11 are asked for. The true one is the largest difference of places and velocities from this library's
-tightest run (in closed form where there is one; its own estimate is a thirtieth of what is told at most, else the run does
-not count) at 40 times, each over the scale of its body: the extent of its way, its largest speed. Estimates are of reactions
-and events too, so a true error that is smaller is no fault; more than 1 is one. A dash: too small to be told from rounding.
+Errors of 1e-3 to 1e-11 are asked for. The true one is the largest difference of places and velocities from this
+library's tightest run (in closed form where there is one; its own estimate is a thirtieth of what is told at most,
+else the run does not count) at 40 times, each over the scale of its body: the extent of its way, its largest speed.
+Estimates are of reactions and events too, so a true error that is smaller is no fault; more than 1 is one. A dash:
+too small to be told from rounding.
 """
 
 import statistics

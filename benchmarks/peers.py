@@ -1,14 +1,14 @@
 """What an error costs in time, beside heyoka, numbalsoda, SciPy and scikit-sundae on this machine.
 
-The problems of scenes/beside_peers.py: each library integrates the same equations of first order, with modes and events
-by hand where there are any; this library is given the scene. Milliseconds of the call, nothing kept but the end, what is
-set up once left out: planning here, compilation there, which have columns of their own. Tolerances by tens, from loose to
-tight; of those that reach an error the quickest counts, and the chosen ones then take turns. Errors at the end: of
-positions (attitudes, angles) and of rates, each relative to its own size, against this library's tightest run, in closed form
-where there is one.
+The problems of scenes/beside_peers.py: each library integrates the same equations of first order, with modes and
+events by hand where there are any; this library is given the scene. Milliseconds of the call, nothing kept but the
+end, what is set up once left out: planning here, compilation there, which have columns of their own. Tolerances by
+tens, from loose to tight; of those that reach an error the quickest counts, and the chosen ones then take turns.
+Errors at the end: of positions (attitudes, angles) and of rates, each relative to its own size, against this
+library's tightest run, in closed form where there is one.
 
-Libraries are installed into an environment of their own in build/peers, from where this file runs itself again; those that
-cannot be are named. Writes docs/peers.md and docs/peers.svg; problems that are named are only printed.
+Libraries are installed into an environment of their own in build/peers, from where this file runs itself again; those
+that cannot be are named. Writes docs/peers.md and docs/peers.svg; problems that are named are only printed.
 """
 
 import datetime
@@ -126,7 +126,7 @@ def python_function(slopes, count):
     return space["f"]
 
 
-# --- each: for a problem, functions of the tolerance that give (numbers compared, seconds), by name, and what was paid once
+# --- each: for a problem, functions of the tolerance that give (numbers compared, seconds), by name, what was paid once
 
 
 def library(problem):
@@ -362,7 +362,9 @@ def measured(problem, exact):
         for (name, _), row in chosen.items():
             if row[2] < 0.3:
                 row[2] = min(row[2], *(runs[name][0](row[0])[1] for _ in range(2)))
-    return {name: (once, {e: chosen[name, e] for e in ERRORS if (name, e) in chosen}) for name, (_, once) in runs.items()}
+    return {
+        name: (once, {e: chosen[name, e] for e in ERRORS if (name, e) in chosen}) for name, (_, once) in runs.items()
+    }
 
 
 # --- what is written ---
@@ -393,7 +395,9 @@ def figure(results, path):
 
     plt.rcParams.update({"svg.hashsalt": "rbdyn", "svg.fonttype": "none", "font.size": 9})
     drawn, axes = plt.subplots(1, len(ERRORS), figsize=(11, 4.6), sharey=True, layout="constrained")
-    families = sorted({label.split(",")[0] for found in results.values() for label in found}, key=lambda f: f != "rbdyn")
+    families = sorted(
+        {label.split(",")[0] for found in results.values() for label in found}, key=lambda f: f != "rbdyn"
+    )
     for axis, error in zip(axes, ERRORS, strict=True):
         for k, family in enumerate(families):
             points = []
@@ -450,14 +454,15 @@ def main():
 
 Milliseconds to reach an error, the least of {2 * TURNS} and more in turns; bold: the least. "-": not reached, or in no
 {LIMIT:g} s. Each library integrates the same equations, its modes and events written by hand; rbdyn is given the scene.
-Nothing is kept but the end. **once**: planning or compilation, which is not in the other columns: here of the scene, of heyoka
+Nothing is kept but the end. **once**: planning or compilation, not in the other columns: here of the scene, of heyoka
 for each tolerance, of numbalsoda for each system. SciPy and scikit-sundae call a Python function with floats.
 
 ![The quickest way of each library, by scene and error.](peers.svg)
 
 {table(results, told)}
 
-Errors are of positions (attitudes, angles) and of rates at the end, each relative to its own size; where the hoop sticks, and when.
+Errors are of positions (attitudes, angles) and of rates at the end, each relative to its
+own size; where the hoop sticks, and when.
 numbalsoda and scikit-sundae are left out where there are events.
 """
     (ROOT / "docs" / "peers.md").write_text(text)

@@ -1,14 +1,14 @@
 """The scenes of the benchmarks: each a function that gives (scene, seconds).
 
-F: free body, 100 s. T: heavy symmetric top, 10 s. N: heavy body without symmetry, 5 s. hoop: a bead on a rough hoop, 6 s.
-belt: stick-slip, 60 s. ladder: it leaves its wall, 2 s. ball: it bounces to rest, 30 s. chain: 100 masses joined by
-springs of rest length, 1 s. beads: two on circles, joined by a spring, 20 s. double: a double pendulum, 10 s. drag: a
-particle on a spring, with drag. called: the same, its drag called back.
+F: free body, 100 s. T: heavy symmetric top, 10 s. N: heavy body without symmetry, 5 s. hoop: a bead on a rough hoop,
+6 s. belt: stick-slip, 60 s. ladder: it leaves its wall, 2 s. ball: it bounces to rest, 30 s. chain: 100 masses joined
+by springs of rest length, 1 s. beads: two on circles, joined by a spring, 20 s. double: a double pendulum, 10 s.
+drag: a particle on a spring, with drag. called: the same, its drag called back.
 
-Stiff ones: mass: on a stiff damped spring, 5 s. pair: two masses, a soft spring and one 1e5 times as stiff with a damper,
-5 s. creep: a mass on a spring in something thick, 20 s. hinge: two rods, their hinge stiff and damped, 10 s. links: 10
-masses joined by stiff damped springs, 2 s. fading: drag that fades, 20 s. ringing: a stiff spring that nothing damps,
-which is fast and not stiff, 5 s.
+Stiff ones: mass: on a stiff damped spring, 5 s. pair: two masses, a soft spring and one 1e5 times as stiff with a
+damper, 5 s. creep: a mass on a spring in something thick, 20 s. hinge: two rods, their hinge stiff and damped, 10 s.
+links: 10 masses joined by stiff damped springs, 2 s. fading: drag that fades, 20 s. ringing: a stiff spring that
+nothing damps, which is fast and not stiff, 5 s.
 """
 
 import math

@@ -1,9 +1,9 @@
 """Scenes that other libraries are given too: equations of first order written once, modes and events by hand.
 
-A problem is a start, modes by name, and how the library's own run of the same scene gives the same numbers. A mode is its
-slopes and its guards: (value, direction, what follows), where what follows is a function of the state at the event that
-gives the next mode and state, or None where the motion ends. Slopes and values are functions of the state and of a module
-of functions, so that the same text serves floats, expressions and generated code.
+A problem is a start, modes by name, and how the library's own run of the same scene gives the same numbers. A mode is
+its slopes and its guards: (value, direction, what follows), where what follows is a function of the state at the
+event that gives the next mode and state, or None where the motion ends. Slopes and values are functions of the state
+and of a module of functions, so that the same text serves floats, expressions and generated code.
 """
 
 import math
@@ -307,7 +307,9 @@ def stick_slip():
     def caught(state):
         return ("sticks", [state[0], 1.0]) if abs(state[0]) <= 1.0 else None
 
-    sticks = Mode(lambda x, m: [1.0 + 0.0 * x[0], 0.0 * x[0]], [(lambda x, m: x[0] - 1.0, 1, lambda x: ("slips", [1.0, 1.0]))])
+    sticks = Mode(
+        lambda x, m: [1.0 + 0.0 * x[0], 0.0 * x[0]], [(lambda x, m: x[0] - 1.0, 1, lambda x: ("slips", [1.0, 1.0]))]
+    )
     slips = Mode(lambda x, m: [x[1], 0.5 - x[0]], [(lambda x, m: x[1] - 1.0, 1, caught)])
     return Problem(
         "stick-slip on a belt, 60 s",
@@ -381,13 +383,9 @@ def sliding_ladder():
 
 PROBLEMS = {
     "F": body("free body, 100 s", (1.0, 2.0, 3.0), None, (0.01, 1.0, 0.02), 0.0, 100.0, free_body),
-    "T": body(
-        "heavy symmetric top, 10 s", (0.002, 0.002, 0.001), (0.0, 0.0, 0.05), SPIN, 0.3, 10.0, symmetric_top
-    ),
+    "T": body("heavy symmetric top, 10 s", (0.002, 0.002, 0.001), (0.0, 0.0, 0.05), SPIN, 0.3, 10.0, symmetric_top),
     "N": body("heavy body without symmetry, 5 s", MOMENTS, CENTER, SPIN, 0.3, 5.0, heavy_body),
-    "N100": body(
-        "the same for 100 s", MOMENTS, CENTER, SPIN, 0.3, 100.0, lambda: (heavy_body()[0], 100.0)
-    ),
+    "N100": body("the same for 100 s", MOMENTS, CENTER, SPIN, 0.3, 100.0, lambda: (heavy_body()[0], 100.0)),
     "beads": two_beads(),
     "hoop": rough_hoop(),
     "masses": two_masses(5.0, 100.0),
