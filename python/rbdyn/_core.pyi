@@ -3859,7 +3859,7 @@ class Price:
     @property
     def automatic(self) -> str:
         """
-        What simulate() takes by itself.
+        What simulate() takes by itself; "auto" where it changes the engine on the way.
         """
     @property
     def missing(self) -> list[MissingEngine]:
