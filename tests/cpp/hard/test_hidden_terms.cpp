@@ -145,7 +145,7 @@ TEST(HiddenTerms, no_force_is_left_out_behind_them) {
                                 if constexpr (std::is_same_v<std::decay_t<decltype(t)>, Expression>)
                                     return Vector3Of<Expression>(p.force(t), Expression(0.0), Expression(0.0));
                                 else
-                                    return Vector3();
+                                    return Vector3(0, 0, 0);
                             }),
                             body);
                 SCOPED_TRACE(p.name + ", " + engine + ", error " + text(error));

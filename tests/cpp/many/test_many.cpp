@@ -112,7 +112,8 @@ TEST(Many, numbers_that_are_not_varied_are_the_same_in_all_members) {
 TEST(Many, one_that_fails_does_not_stop_the_others) {
     // two bodies that meet if they start at rest
     Scene scene;
-    const BodyHandle a = scene.add(Particle{1.0}, FreeStart{{1, 0, 0}, {}}), b = scene.add(Particle{1.0}, FreeStart{});
+    const BodyHandle a = scene.add(Particle{1.0}, FreeStart{{1, 0, 0}, {0, 0, 0}}),
+                     b = scene.add(Particle{1.0}, FreeStart{});
     scene.connect(Gravitation{1.0}, a, b);
     std::vector<Variation> members;
     for (const double speed : {1.0, 0.0, 1.2})
@@ -135,7 +136,7 @@ TEST(Many, one_that_fails_does_not_stop_the_others) {
 TEST(Many, one_that_is_refused_as_it_starts_does_not_stop_the_others) {
     Parameter k(4.0, "k");
     Scene scene;
-    const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{1, 0, 0}, {}});
+    const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{1, 0, 0}, {0, 0, 0}});
     scene.connect(Spring{.stiffness = k}, ball, Vector3(0, 0, 0));
     const std::vector<Member> many = simulate_many(
         scene, {{.numbers = {{k, 1.0}}}, {.numbers = {{k, -1.0}}}, {.numbers = {{k, 2.0}}}}, {.run = {.until = 1.0}});
@@ -215,7 +216,7 @@ TEST(Many, may_have_scenes_of_their_own) {
                       [](std::size_t i) {
                           if (i == 2) throw InvalidInput("not this one");
                           Scene scene(down);
-                          scene.add(Particle{1.0}, FreeStart{{0, 0, static_cast<double>(i)}, {}});
+                          scene.add(Particle{1.0}, FreeStart{{0, 0, static_cast<double>(i)}, {0, 0, 0}});
                           return scene;
                       },
                       {.run = {.until = 1.0}, .threads = 2});
