@@ -22,6 +22,7 @@ import time
 
 import numpy as np
 import rbdyn as rb
+from scenes.euler_equations import euler_slopes
 
 ERRORS = (1e-6, 1e-9, 1e-12)
 TOLERANCES = [10.0 ** (-k / 2) for k in range(6, 34)]
@@ -51,22 +52,8 @@ def start_of(name):
 
 def slopes(name, state):
     """Of the seven variables, for any numbers: Euler's equations (7.48) and those of the quaternion."""
-    (i1, i2, i3), center, _, _, _ = SCENES[name]
-    w1, w2, w3, a, b, c, d = state
-    m1 = m2 = m3 = 0.0
-    if center is not None:
-        x, y, z = (MASS * GRAVITY * r for r in center)
-        u1, u2, u3 = 2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d
-        m1, m2, m3 = z * u2 - y * u3, x * u3 - z * u1, y * u1 - x * u2
-    return [
-        ((i2 - i3) * w2 * w3 + m1) / i1,
-        ((i3 - i1) * w3 * w1 + m2) / i2,
-        ((i1 - i2) * w1 * w2 + m3) / i3,
-        -0.5 * (b * w1 + c * w2 + d * w3),
-        0.5 * (a * w1 + c * w3 - d * w2),
-        0.5 * (a * w2 + d * w1 - b * w3),
-        0.5 * (a * w3 + b * w2 - c * w1),
-    ]
+    moments, center, _, _, _ = SCENES[name]
+    return euler_slopes(moments, center and [MASS * GRAVITY * r for r in center], state)
 
 
 def follow(state):

@@ -25,11 +25,16 @@ def free_body():
     return scene, 100.0
 
 
-def heavy_body():
-    body = rb.RigidBody(0.5, com=[0.01, 0.005, 0.05], inertia=[0.0022, 0.0019, 0.001], inertia_about="origin")
+def top(moments, com, until):
+    """Thrown about its axis, which leans, with its point held."""
+    body = rb.RigidBody(0.5, com=com, inertia=moments, inertia_about="origin")
     scene = rb.Scene(gravity=DOWN)
     scene.add(body, rb.Spherical(), attitude=rb.EulerAngles(0.3, 0, 0), angular_velocity=[0, 0, 300.0])
-    return scene, 5.0
+    return scene, until
+
+
+def heavy_body():
+    return top([0.0022, 0.0019, 0.001], [0.01, 0.005, 0.05], 5.0)
 
 
 def hoop():
@@ -85,10 +90,7 @@ def ball():
 
 
 def symmetric_top():
-    body = rb.RigidBody(0.5, com=[0, 0, 0.05], inertia=[0.002, 0.002, 0.001], inertia_about="origin")
-    scene = rb.Scene(gravity=DOWN)
-    scene.add(body, rb.Spherical(), attitude=rb.EulerAngles(0.3, 0, 0), angular_velocity=[0, 0, 300.0])
-    return scene, 10.0
+    return top([0.002, 0.002, 0.001], [0, 0, 0.05], 10.0)
 
 
 def two_beads():

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 
 import rbdyn as rb
 
-from . import DOWN, ball, belt, heavy_body, ladder, symmetric_top
+from . import DOWN, ball, belt, heavy_body, ladder, symmetric_top, two_beads
+from .euler_equations import euler_slopes
 
 G = 9.81
 
@@ -44,26 +45,8 @@ class Problem:
 
 
 def body_slopes(moments, center):
-    i1, i2, i3 = moments
-
-    def slopes(state, _):
-        w1, w2, w3, a, b, c, d = state
-        m1 = m2 = m3 = 0.0
-        if center is not None:
-            x, y, z = (0.5 * G * r for r in center)
-            u1, u2, u3 = 2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d
-            m1, m2, m3 = z * u2 - y * u3, x * u3 - z * u1, y * u1 - x * u2
-        return [
-            ((i2 - i3) * w2 * w3 + m1) / i1,
-            ((i3 - i1) * w3 * w1 + m2) / i2,
-            ((i1 - i2) * w1 * w2 + m3) / i3,
-            -0.5 * (b * w1 + c * w2 + d * w3),
-            0.5 * (a * w1 + c * w3 - d * w2),
-            0.5 * (a * w2 + d * w1 - b * w3),
-            0.5 * (a * w3 + b * w2 - c * w1),
-        ]
-
-    return slopes
+    lever = center and [0.5 * G * r for r in center]
+    return lambda state, _: euler_slopes(moments, lever, state)
 
 
 def signed(numbers):
@@ -134,17 +117,8 @@ def two_masses(stiffness, until):
     )
 
 
-def two_beads():
+def beads():
     """On circles of radius 1 in parallel planes 1 m apart, by angles from the lowest points."""
-
-    def scene():
-        made = rb.Scene(gravity=DOWN)
-        handles = []
-        for y, start in ((0.0, 1.0), (1.0, -0.5)):
-            circle = rb.Circle(radius=1.0, center=[0, y, 0], start=[0, 0, -1], toward=[1, 0, 0])
-            handles.append(made.add(rb.Particle(1.0), rb.Rail(circle), parameter=start, speed=1.0))
-        made.connect(rb.Spring(20.0, rest_length=1.0), *handles)
-        return made, 20.0
 
     def slopes(state, m):
         a, b, u, v = state
@@ -171,7 +145,7 @@ def two_beads():
         [1.0, -0.5, 1.0, 1.0],
         20.0,
         {"only": Mode(slopes)},
-        scene,
+        two_beads,
         lambda run: places(run, (0, 2)),
         groups=(slice(0, 4), slice(4, 8)),
         told=told,
@@ -386,7 +360,7 @@ PROBLEMS = {
     "T": body("heavy symmetric top, 10 s", (0.002, 0.002, 0.001), (0.0, 0.0, 0.05), SPIN, 0.3, 10.0, symmetric_top),
     "N": body("heavy body without symmetry, 5 s", MOMENTS, CENTER, SPIN, 0.3, 5.0, heavy_body),
     "N100": body("the same for 100 s", MOMENTS, CENTER, SPIN, 0.3, 100.0, lambda: (heavy_body()[0], 100.0)),
-    "beads": two_beads(),
+    "beads": beads(),
     "hoop": rough_hoop(),
     "masses": two_masses(5.0, 100.0),
     "stiff masses": two_masses(1e8, 1.0),

@@ -62,8 +62,9 @@ private:
     static constexpr double rough = 1e-6;
 
     /// Not a variable itself, nor found otherwise than by its value.
-    bool is_computed(const Guard& guard) const { return guard.output >= 0 && !equations_->is_variable(guard); }
-
+    static bool is_computed(const Equations& equations, const Guard& guard) {
+        return guard.output >= 0 && !equations.is_variable(guard);
+    }
     /// Outputs of such guards.
     static std::vector<int> computed_guards(const Equations& equations);
 

@@ -31,14 +31,13 @@ RBDYN_INLINE PieceGuards::PieceGuards(const Equations& equations, SeriesEvaluato
       hidden_(equations.program, order, computed_guards(equations)),
       order_(series == nullptr ? GuardFit::order : order),
       tolerance_(tolerance),
-      log_tolerance_(std::log2(tolerance)) {
-    for (const Guard& guard : equations.guards) need_more_ = need_more_ || is_computed(guard);
-}
+      log_tolerance_(std::log2(tolerance)),
+      need_more_(!computed_guards(equations).empty()) {}
 
 RBDYN_INLINE std::vector<int> PieceGuards::computed_guards(const Equations& equations) {
     std::vector<int> outputs;
     for (const Guard& guard : equations.guards)
-        if (guard.output >= 0 && !equations.is_variable(guard)) outputs.push_back(guard.output);
+        if (is_computed(equations, guard)) outputs.push_back(guard.output);
     return outputs;
 }
 
@@ -104,7 +103,7 @@ RBDYN_INLINE double PieceGuards::series_length() {
     double log_length = 0.0;
     for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
         const Guard& guard = equations_->guards[g];
-        if (!is_computed(guard)) continue;
+        if (!is_computed(*equations_, guard)) continue;
         const double* c = series_->output(guard.output);
         std::array<double, 32> size{};
         double check = 0.0;
@@ -150,7 +149,7 @@ RBDYN_INLINE double PieceGuards::fitted_length() {
     if (fits_left_ <= 0 && length < piece_.length) last = (*fit_)(piece_, length = piece_.length, tolerance_);
     if (!last.holds() && last.value > rough)
         for (std::size_t g = 0; g < equations_->guards.size(); ++g)
-            if (is_computed(equations_->guards[g])) mark_rough(g);
+            if (is_computed(*equations_, equations_->guards[g])) mark_rough(g);
     first_try_ = 2.0 * length;
     return length;
 }
