@@ -1,6 +1,7 @@
 // Compiled once: what happens on the way.
 #include "exported.hpp"
 
+#include "rbdyn/event/closer_look.ipp"
 #include "rbdyn/event/driver.ipp"
 #include "rbdyn/event/driver_ends.ipp"
 #include "rbdyn/event/event.ipp"
@@ -9,4 +10,5 @@
 #include "rbdyn/event/progress.ipp"
 #include "rbdyn/event/record.ipp"
 #include "rbdyn/event/search.ipp"
+#include "rbdyn/event/search_closer.ipp"
 #include "rbdyn/event/search_least.ipp"

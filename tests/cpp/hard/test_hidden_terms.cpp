@@ -61,6 +61,20 @@ std::vector<Watched> watched() {
         all.push_back({"resonance" + place,
                        [=](const Expression& x) { return 1.0 / (1.0 + pow((x - at) / (1e-4 * width), 2.0)) - 0.5; },
                        {c - 1e-4 * w, c + 1e-4 * w}});
+        for (const double n : {20.0, 50.0, 200.0}) {
+            const double half_width = 1e-4 * w * std::sqrt(std::exp2(1.0 / n) - 1.0);
+            all.push_back(
+                {"resonance to the power " + text(n) + place,
+                 [=](const Expression& x) { return pow(1.0 + pow((x - at) / (1e-4 * width), 2.0), -n) - 0.5; },
+                 {c - half_width, c + half_width}});
+        }
+        // beyond the largest double on the way
+        for (const double n : {1.0, 2.0, 4.0}) {
+            const double half_width = 1e-2 * w * std::acosh(std::exp2(1.0 / n));
+            all.push_back({"power " + text(n) + " of a narrow hyperbolic secant" + place,
+                           [=](const Expression& x) { return pow(1.0 / cosh((x - at) / (1e-2 * width)), n) - 0.5; },
+                           {c - half_width, c + half_width}});
+        }
     }
     const double narrow = std::acos(std::pow(0.5, 1.0 / 200.0));
     all.push_back({"high power of a sine",
@@ -129,6 +143,16 @@ std::vector<Pushed> pushed() {
                        [=](const Expression& t) { return 1.0 / (1.0 + pow((t - at) / width, 2.0)); }, end,
                        speed * (end - c) - 0.5 * w * w * (std::log1p(after * after) - std::log1p(before * before)),
                        speed});
+    }
+    // beyond the largest double on the way
+    for (const auto& [c, w, end] : std::vector<std::array<double, 3>>{{5.0, 1e-3, 10.0}, {0.5, 1e-4, 1.0}}) {
+        const double at = c, width = w;
+        all.push_back({"hyperbolic secant squared at " + text(c) + ", width " + text(w),
+                       [=](const Expression& t) { return pow(1.0 / cosh((t - at) / width), 2.0); }, end,
+                       2.0 * w * (end - c), 2.0 * w});
+        all.push_back({"logistic step at " + text(c) + ", width " + text(w),
+                       [=](const Expression& t) { return 1.0 / (1.0 + exp((at - t) / width)); }, end,
+                       0.5 * (end - c) * (end - c) + w * w * pi * pi / 6.0, end - c});
     }
     return all;
 }

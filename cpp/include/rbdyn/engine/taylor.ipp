@@ -72,7 +72,7 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
     const int n = equations_->variables();
     const double span = limit - t_;
     if (!(unit_ > 0.0)) unit_ = power_of_two(span);
-    double length = 0.0;
+    double length = 0.0, overflows = std::numeric_limits<double>::infinity();
     for (int attempt = 0;; ++attempt) {
         expand(n);
         if (!series_->is_finite(0)) return StepStatus::not_finite;
@@ -93,10 +93,20 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
             length *= part;
         }
         // a polynomial may be of any length, but its powers are numbers
-        if (is_finite && (capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) break;
+        constexpr double far = 256.0;
+        if (is_finite && (capped ? length <= longest : length >= 1.0 / far && length <= far)) break;
         // the unit of time was far from the step: measure again in a better one
         ++work_.rejected;
-        const double factor = is_finite ? power_of_two(length) : 0x1p-24;
+        if (!is_finite) overflows = unit_;
+        double factor = is_finite ? power_of_two(length) : 0x1p-24;
+        if (factor * unit_ >= overflows) {
+            // coefficients of the step's own size are no numbers, though the step is one: it is taken in parts
+            factor = overflows / unit_ / (2.0 * far);
+            if (factor <= 1.0) {
+                natural_ = length = std::min(length, far);
+                break;
+            }
+        }
         unit_ *= factor;
         if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
     }

@@ -59,6 +59,7 @@ public:
             weigh(sizes, a);
             at_zero = std::abs(q[0] - *a.zero) <= 16.0 * noise_[0];
         }
+        is_at_zero_ = at_zero;
         if (at_zero) q_[0] = 0.0;
         int first = 0;
         while (first <= degree && q_[at(first)] == 0.0) ++first;
@@ -68,7 +69,7 @@ public:
         finder_.find(q_.data() + first, degree - first, roots_);
         // far from zero at the end of the run, too
         const bool ends = !a.late || std::abs(value(1.0)) > 1e-3 * series::value_of_sizes(q_.data(), degree_, 1.0);
-        if (roots_.empty() && finder_.multiple().empty() && leaves_ == a.side && ends) return;
+        if (roots_.empty() && finder_.multiple().empty() && leaves_ == a.side && ends && !cancels()) return;
         if (!has_noise_) weigh(sizes, a);
         at_start_ = at_zero ? 0.0 : noise_[0];
         keep_lobes(a, at_end);
@@ -130,6 +131,7 @@ private:
         has_noise_ = true;
     }
 
+    static bool is_on(const Stretch& s, const Place& p);
     double value(double x) const { return series::value(q_.data(), degree_, x); }
     double noise(double x, bool at_start) const;
     /// The sign at x; 0: rounding, so many times.
@@ -138,6 +140,10 @@ private:
     /// The side of the guard between two roots, or a root and an end; 0: it is rounding everywhere there. Not by the
     /// number of roots: one of a pair that touch may be lost.
     int lobe(double a, double b) const;
+
+    /// Whether its terms cancel somewhere to so much less that their rounding, which may be more than that of what is
+    /// left of them, may hide a zero that no root tells of.
+    bool cancels();
 
     template <class AtEnd>
     void keep_lobes(const Arrival& a, const AtEnd& at_end) {
@@ -191,7 +197,7 @@ private:
     series::Coefficients q_{}, noise_{};
     int degree_ = 0, leaves_ = 0;
     double looseness_ = 1.0, at_start_ = 0.0, leaves_from_ = 0.0;
-    bool has_noise_ = false;
+    bool has_noise_ = false, is_at_zero_ = false;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

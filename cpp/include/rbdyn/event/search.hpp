@@ -20,6 +20,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/event/closer_look.hpp"
 #include "rbdyn/event/halt.hpp"
 #include "rbdyn/event/passages.hpp"
 #include "rbdyn/event/record.hpp"
@@ -72,6 +73,7 @@ public:
     bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x);
 
 private:
+    static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
     /// The side a watched function that was at zero where a mode begins goes to in it; 0: it stays, or no one can tell.
@@ -129,8 +131,27 @@ private:
     void seek(const Mode& mode, const std::vector<Guard>& guards, std::size_t g, bool fresh, bool is_last);
 
     /// Where rounding of a guard's polynomial on [lo, hi] of the piece, whose terms are those of all of it, hides
-    /// whether it passes zero, its values tell as far as the rounding of its terms there lets them.
-    void look_closer(const Mode& mode, const Guard& guard, double sign, double lo, double hi, bool is_last);
+    /// whether it passes zero, its values tell as far as the rounding of its terms there lets them. `fits`: it is no
+    /// series there.
+    void look_closer(const Mode& mode, const Guard& guard, double sign, double lo, double hi,
+                     const Passages::Arrival& arrival, bool fits);
+    /// A guard, `sign` times it, on a part of the piece.
+    struct Stretch {
+        const Mode& mode;
+        const Guard& guard;
+        double sign, from, width;
+        double place(double x) const { return from + x * width; }
+    };
+    double value_on(const Stretch& s, double x);
+    /// Looks for where it passes zero from lo to hi of a stretch, by its series from lo on, or by its values.
+    CloserLook::Told find_by_series(const Stretch& s, double lo, double hi, int side, Passages& passages);
+    CloserLook::Told find_by_values(const Stretch& s, double lo, double hi, int side, Passages& passages);
+    /// Whether what is on a side up to the end of the run, and zero there but for rounding, goes on to the other one.
+    bool passes_at_end(const Stretch& s, const Passages::Arrival& arrival, int side);
+
+    /// Places from the first on, known no better than rounding of the guard's polynomial lets them, as well as its
+    /// values tell.
+    void sharpen(const Mode& mode, const Guard& guard, double sign, std::size_t first);
 
     /// The rounding of a guard's value on the piece, at a place in [0, 1]: of its terms, the state and the time.
     double value_rounding(const Mode& mode, const Guard& guard, double place);
@@ -230,7 +251,9 @@ private:
     std::vector<Direction> directions_;
     std::vector<Found> found_;
     std::vector<double> state_;
-    Passages passages_, closer_;
+    Passages passages_;
+    CloserLook closer_;
+    std::unique_ptr<SeriesOnPiece> series_;
     const Equations* evaluated_ = nullptr;
     std::unique_ptr<Evaluator<double>> evaluator_;
     series::Coefficients powers_{};  // of the piece's length

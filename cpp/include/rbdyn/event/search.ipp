@@ -69,7 +69,9 @@ RBDYN_INLINE void EventSearch::forget_side(const Guard& guard) {
 }
 
 RBDYN_INLINE void EventSearch::set_crowded(int crowded) {
-    for (Passages* p : {&passages_, &closer_}) p->set_looseness(std::ldexp(1.0, 2 * std::min(crowded, 10)));
+    const double looseness = std::ldexp(1.0, 2 * std::min(crowded, 10));
+    passages_.set_looseness(looseness);
+    closer_.set_looseness(looseness);
 }
 
 RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool fresh, bool is_last) {
@@ -374,53 +376,13 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
                                                   : sign * evaluated(mode, engine_.piece().length).output(guard.output);
     });
     // a watched function and the distinction that it has a corner by are seen alike
-    if (is_watch || is_distinction(guard)) look_closer(mode, guard, sign, 0.0, 1.0, is_last);
+    if (is_watch || is_distinction(guard)) look_closer(mode, guard, sign, 0.0, 1.0, arrival, engine_.fits_guards());
+    const std::size_t before = found_.size();
     take(guard, g, fresh, 0.0, 1.0, side);
+    if (is_watch || is_distinction(guard)) sharpen(mode, guard, sign, before);
     if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
     const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
     if (const auto x = passages_.touch(arrival, sizes_of_terms, passes)) touch_ = std::min(touch_, *x);
-}
-
-RBDYN_INLINE void EventSearch::look_closer(const Mode& mode, const Guard& guard, double sign, double lo, double hi,
-                                           bool is_last) {
-    using series::Fit;
-    if (passages_.leaves() == 0) return;
-    for (const Passages::Stretch& s : passages_.hidden()) {
-        // what is near the end of the run is judged with what comes after it
-        if (is_last && s.hi >= 1.0) continue;
-        const auto place = [&](double x) { return lo + (s.lo + x * (s.hi - s.lo)) * (hi - lo); };
-        const auto value = [&](double x) {
-            return sign * value_at(mode, guard, place(x) * engine_.piece().length, true);
-        };
-        double rounding = 0.0;
-        for (const double x : {0.0, 0.5, 1.0}) rounding = std::max(rounding, value_rounding(mode, guard, place(x)));
-        if (!(rounding < 0.25 * passages_.rounding(s.lo))) continue;
-        std::array<double, Fit::points> values;
-        double size = 0.0;
-        for (int j = 0; j < Fit::points; ++j) {
-            const double v = values[static_cast<std::size_t>(j)] = value(Fit::place(j));
-            size = std::max(size, std::abs(v));
-        }
-        series::Coefficients q{};
-        Fit::coefficients(values.data(), std::max(1e-15 * size, 0.25 * rounding), q.data());
-        double miss = 0.0;
-        for (int j = 0; j < Fit::checks; ++j) {
-            const double x = Fit::check(j);
-            miss = std::max(miss, std::abs(value(x) - series::value(q.data(), Fit::degree, x)));
-        }
-        // what values miss a polynomial by is rounding that is not known otherwise, of what is called back
-        if (!(miss <= std::max(1e-6 * size, rounding))) continue;
-        const Passages::Arrival arrival{.side = passages_.side(s.lo), .is_series = false};
-        closer_.find(
-            q.data(), Fit::degree, arrival, [&](double* sizes) { fit_sizes(q, miss, rounding, rounding, sizes); },
-            [&] { return values.back(); });
-        if (closer_.leaves() != arrival.side) continue;
-        // beyond the stretch it is on the side it was known to be on, unless the piece ends first; a root of higher
-        // multiplicity that is still one is known better by the terms of the piece
-        if (s.hi < 1.0 && closer_.side(1.0) != passages_.side(s.hi)) continue;
-        if (closer_.places().size() > passages_.count(s) || closer_.hidden().empty())
-            passages_.replace(s, closer_.places());
-    }
 }
 
 RBDYN_INLINE double EventSearch::value_rounding(const Mode& mode, const Guard& guard, double place) {
@@ -506,7 +468,7 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
                 fit_sizes(q, miss, begin, end, sizes);
             },
             [&] { return value(hi); });
-        if (guard.is_watched() || is_distinction(guard)) look_closer(mode, guard, sign, lo, hi, is_last && hi == 1.0);
+        if (guard.is_watched() || is_distinction(guard)) look_closer(mode, guard, sign, lo, hi, arrival, true);
         const std::size_t before = found_.size();
         take(guard, g, fresh && lo == 0.0, lo, hi, arrival.side);
         for (std::size_t i = before; i < found_.size(); ++i) improve(found_[i], q, lo, hi, value, rounding);

@@ -61,8 +61,13 @@ private:
     static std::vector<int> all_outputs(const Program& program);
     /// Of each slot: whether one of some outputs is made of it.
     static std::vector<bool> needed(const Program& program, std::span<const int> outputs);
-    /// Of each slot: what power of the motion, or of time, it may be.
-    static std::vector<double> degrees(const Program& program);
+    /// Of each slot: what power of the motion, or of time, it may be; and the slot that it is a product of, with itself
+    /// and others.
+    struct Powers {
+        std::vector<double> degree;
+        std::vector<int> base;
+    };
+    static Powers powers(const Program& program);
     /// Of each slot: the constant part of the sum that it is, or of those that it is a product of.
     static std::vector<std::vector<int>> constants(const Program& program);
 

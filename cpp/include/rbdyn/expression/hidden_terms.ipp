@@ -4,6 +4,7 @@
 #include "rbdyn/expression/hidden_terms.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -25,10 +26,20 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order)
 RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::span<const int> outputs)
     : order_(order), visible_(order - integrations), most_(0.5 * order) {
     const std::vector<bool> is_needed = needed(program, outputs);
-    const std::vector<double> degree = degrees(program);
+    const auto [degree, base] = powers(program);
     const std::vector<std::vector<int>> constant = constants(program);
     const auto of = [&](int slot) { return degree[at(slot)]; };
     const auto add_inverse = [&](int slot, double rate) {
+        // a power that is written as products may be too large for a double; what it is one of is not
+        const std::vector<int>&all = constant[at(slot)], &one = constant[at(base[at(slot)])];
+        if (!one.empty() && all.size() % one.size() == 0) {
+            bool is_power = true;
+            for (std::size_t k = 0; k < all.size(); ++k) is_power = is_power && all[k] == one[k % one.size()];
+            if (is_power) {
+                rate *= static_cast<double>(all.size() / one.size());
+                slot = base[at(slot)];
+            }
+        }
         if (constant[at(slot)].empty() || !(of(slot) > 1.0)) return;
         // of high powers: values may miss it
         constexpr double high = 8.0;
@@ -82,7 +93,7 @@ RBDYN_INLINE std::vector<bool> HiddenTerms::needed(const Program& program, std::
     return is_needed;
 }
 
-RBDYN_INLINE std::vector<double> HiddenTerms::degrees(const Program& program) {
+RBDYN_INLINE HiddenTerms::Powers HiddenTerms::powers(const Program& program) {
     // a product of many different functions is no power; one of a power is
     constexpr double power = 4.0;
     std::vector<double> degree(at(program.slots()), 1.0);
@@ -119,7 +130,7 @@ RBDYN_INLINE std::vector<double> HiddenTerms::degrees(const Program& program) {
             if (of(program.output(i)) >= power) of(i) = of(program.output(i)) + 1.0;
     }
     pass();
-    return degree;
+    return {degree, base};
 }
 
 RBDYN_INLINE std::vector<std::vector<int>> HiddenTerms::constants(const Program& program) {
@@ -175,6 +186,7 @@ RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Argume
     switch (argument.code) {
         case Code::power: return !(argument.rate * std::log1p(change / std::abs(u[0])) > most_);
         case Code::exponential:
+        case Code::hyperbolic:
         case Code::tangent:
             if (begin - argument.rate * change >= negligible) return true;
             [[fallthrough]];
@@ -187,30 +199,31 @@ RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Factor
     // where doubles end it is no series any more
     constexpr double largest = 0x1p960;
     if (std::abs(a[0] * b[0]) > largest) return true;
-    // sums of terms of b: up to one, and from one on
-    TermSizes::Sizes first, last;
+    // terms of b, sums of them up to one, and from one on
+    TermSizes::Sizes term, first, last;
     double power = 1.0, sum = 0.0;
     for (int k = 0; k <= order_; ++k, power *= length) {
-        last[at(k)] = std::abs(b[k]) * power;
-        first[at(k)] = sum += last[at(k)];
+        last[at(k)] = term[at(k)] = std::abs(b[k]) * power;
+        first[at(k)] = sum += term[at(k)];
     }
     for (int k = order_; k > 0; --k) last[at(k - 1)] += last[at(k)];
-    // terms of the product up to the last one that is seen, the last ones of these, and those beyond
-    constexpr int few = 4;
-    double seen = 0.0, last_seen = 0.0, beyond = 0.0;
+    // terms of the product up to the last one that is seen, and those beyond; and the last ones that are computed, of
+    // which a step length counts with two, or, once a motion has integrated them twice, with the two before
+    double seen = 0.0, beyond = 0.0;
+    std::array<double, 2> told{};
     power = 1.0;
     for (int k = 0; k <= order_; ++k, power *= length) {
         const double size = std::abs(a[k]) * power;
         const int rest = visible_ - k;
-        if (rest >= 0) {
-            seen += size * first[at(rest)];
-            last_seen += size * (first[at(rest)] - (rest >= few ? first[at(rest - few)] : 0.0));
-        }
+        if (rest >= 0) seen += size * first[at(rest)];
         beyond += size * last[at(std::max(rest + 1, 0))];
+        for (int before = 0; before < integrations; ++before)
+            if (const int j = order_ - before - k; j >= 0) told[at(before / 2)] += size * term[at(j)];
     }
-    // what the last ones tell, a step length counts with
-    constexpr double told = 64.0;
-    const double allowed = std::max({std::exp2(-most_) * seen, told * last_seen, std::exp(-negligible)});
+    // so much more than these they may be
+    constexpr double more = 64.0;
+    const double allowed =
+        std::max({std::exp2(-most_) * seen, more * std::min(told[0], told[1]), std::exp(-negligible)});
     return !(beyond > allowed || std::isinf(beyond));
 }
 

@@ -4,6 +4,7 @@
 // of what they describe however fast or slow the motion is; powers of two leave every digit unchanged.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -98,6 +99,13 @@ private:
 
     double linear(const Linear& part, int k) const;
 
+    /// Whether a slot has grown beyond the largest double, or nearly so; it is infinite then.
+    bool overflows();
+    /// What has is as good as constant to all that divides by it.
+    static void flatten(const series::View& out, int k) {
+        if (out.forward != nullptr && std::isinf(out[0])) out.set(k, 0.0);
+    }
+
     /// Coefficient k of the slots of an instruction that is no combination.
     void compute(const Step& i, int k);
 
@@ -124,6 +132,7 @@ private:
     std::vector<Combination> combinations_;
     std::vector<Step> steps_;
     std::vector<Motion> motion_;
+    bool may_overflow_ = false, overflows_ = false;
     std::vector<ResolvedTerm> terms_;
     std::vector<series::LaneValues> lanes_;
     std::vector<series::LaneSeries> lane_series_;

@@ -61,7 +61,26 @@ RBDYN_INLINE void SeriesEvaluator::advance(int k) {
             c->out.set(k, sum);
         }
         for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step) compute(*step, k);
+        if (k == 0 || !overflows_) continue;
+        for (const Lane* lane = stage.lane; lane != stage.lane_end; ++lane) flatten(lane->out, k);
+        for (const Combination* c = stage.combination; c != stage.combination_end; ++c) flatten(c->out, k);
+        for (const Step* step = stage.step; step != stage.step_end; ++step)
+            for (const series::View& out : {step->out, step->out2}) flatten(out, k);
     }
+    if (k == 0 && may_overflow_) overflows_ = overflows();
+}
+
+RBDYN_INLINE bool SeriesEvaluator::overflows() {
+    // of what is nearly as large the coefficients overflow
+    constexpr double largest = 0x1p960;
+    bool any = false;
+    for (int i = program_->inputs(); i < program_->slots(); ++i) {
+        const series::View s = slot(i);
+        if (!(std::abs(s[0]) > largest)) continue;
+        s.set(0, std::copysign(std::numeric_limits<double>::infinity(), s[0]));
+        any = true;
+    }
+    return any;
 }
 
 RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
@@ -248,6 +267,9 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
                            combinations_.data() + to[1], steps_.data() + from[2], steps_.data() + to[2]});
     }
     for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) motion_.push_back({slot(i), output(i)});
+    for (const Step& s : steps_)
+        may_overflow_ =
+            may_overflow_ || s.code == Code::exponential || s.code == Code::hyperbolic || s.code == Code::power;
 }
 
 RBDYN_INLINE SeriesEvaluator::Linear SeriesEvaluator::linear_part(const Instruction& i) {

@@ -277,7 +277,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
     if (program.switches().empty()) return;
     for (const Switch& w : program.switches()) mode.parameters[at(w.parameter)] = w.is_norm ? 0.0 : 1.0;
     // what did not switch goes on as it was, but for what an event set anew
-    std::vector<bool> settled(program.switches().size(), false);
+    std::vector<bool> settled(program.switches().size(), false), goes_on = settled;
     if (before != nullptr) {
         const int first = static_cast<int>(before->guards.size() - before->program.switches().size());
         for (std::size_t j = 0; j < before->program.switches().size(); ++j) {
@@ -288,6 +288,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
                 const Switch& now = program.switches()[k];
                 if (now.id != w.id || now.is_norm != w.is_norm || (is_new && !is_flipped)) continue;
                 settled[k] = true;
+                goes_on[k] = !is_flipped;
                 mode.parameters[at(now.parameter)] =
                     w.is_norm ? (is_flipped ? 1.0 : 0.0) : (is_flipped ? -1.0 : 1.0) * old[at(w.parameter)];
             }
@@ -299,37 +300,55 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
             const auto side = sides.find(now.surface);
             if (now.is_norm || side == sides.end()) continue;
             settled[k] = true;
+            goes_on[k] = false;
             mode.parameters[at(now.parameter)] = static_cast<double>(side->second * now.orientation);
         }
     };
     if (!is_new) put(passed);
     put(decided.sides);
     Evaluator<double> values(program);
-    values.set_parameters(mode.parameters);
-    values(t, x);
     std::vector<bool> at_zero(program.switches().size(), false);
-    std::optional<AtZero> zeros;  // with the signs as they are so far
-    for (std::size_t k = 0; k < program.switches().size(); ++k) {
-        const Switch& w = program.switches()[k];
-        if (w.is_norm) continue;
-        const double value = values.switch_value(static_cast<int>(k));
-        double& sign = mode.parameters[at(w.parameter)];
-        // a variable may have been set by the event
-        const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
-        if (settled[k] && (!is_variable || value * sign >= 0.0)) continue;
-        // an event's own state, taken up again, is at its zero but for rounding
-        if (!zeros) zeros.emplace(mode, t, x);
-        at_zero[k] = (*zeros)(program.outputs() + static_cast<int>(k));
-        const double was = std::exchange(sign, value < 0.0 ? -1.0 : 1.0);
-        // what others are may depend on it
-        if (sign != was) zeros.reset();
-    }
+    const auto settle = [&] {
+        std::optional<AtZero> zeros;  // with the signs as they are so far
+        bool is_current = false;
+        for (std::size_t k = 0; k < program.switches().size(); ++k) {
+            const Switch& w = program.switches()[k];
+            if (w.is_norm) continue;
+            if (!is_current) {
+                // the argument of a switch may contain those before it
+                values.set_parameters(mode.parameters);
+                values(t, x);
+                is_current = true;
+            }
+            const double value = values.switch_value(static_cast<int>(k));
+            double& sign = mode.parameters[at(w.parameter)];
+            // a variable may have been set by the event, and what contains another switch may have jumped with it
+            const bool is_variable = program.switch_output(static_cast<int>(k)) < program.inputs();
+            if (settled[k] && (!(is_variable || goes_on[k]) || value * sign >= 0.0)) continue;
+            // an event's own state, taken up again, is at its zero but for rounding
+            if (!zeros) zeros.emplace(mode, t, x);
+            const bool is_zero = (*zeros)(program.outputs() + static_cast<int>(k));
+            if (settled[k] && !is_variable && is_zero) continue;
+            at_zero[k] = is_zero;
+            const double was = std::exchange(sign, value < 0.0 ? -1.0 : 1.0);
+            if (sign != was) {
+                zeros.reset();
+                is_current = false;
+            }
+        }
+    };
+    settle();
     // what starts at zero takes the sign of its first change, which may depend on the signs of the others
+    bool is_changed = false;
     for (std::size_t k = 0; k < program.switches().size(); ++k) {
         if (!at_zero[k]) continue;
+        settled[k] = true;
+        goes_on[k] = false;
         const int sign = leading_sign(mode, t, x, program.outputs() + static_cast<int>(k), 1);
-        if (sign != 0) mode.parameters[at(program.switches()[k].parameter)] = sign;
+        double& now = mode.parameters[at(program.switches()[k].parameter)];
+        if (sign != 0 && std::exchange(now, sign) != sign) is_changed = true;
     }
+    if (is_changed) settle();
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

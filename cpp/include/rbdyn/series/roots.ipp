@@ -57,8 +57,10 @@ RBDYN_INLINE void right_half(double* c, int degree) {
 
 RBDYN_INLINE double bracketed_root(const double* c, int degree, double lo, double hi) {
     const bool rises = value(c, degree, lo) < 0.0;
-    double x = 0.5 * (lo + hi);
-    for (int iteration = 0; iteration < 100; ++iteration) {
+    double x = 0.5 * (lo + hi), last_step = std::numeric_limits<double>::infinity();
+    // Newton's method is there after a few; where it goes on in equal parts, far from the root of a power, halves
+    constexpr int few = 8, most = 250;
+    for (int iteration = 0; iteration < most; ++iteration) {
         double g = c[degree], slope = 0.0;
         for (int k = degree - 1; k >= 0; --k) {
             slope = slope * x + g;
@@ -69,6 +71,9 @@ RBDYN_INLINE double bracketed_root(const double* c, int degree, double lo, doubl
         double next = x - g / slope;
         // far from a root very near to zero, of which Newton's method sees nothing but the rounding of x
         if (!(next > lo && next < hi)) next = lo > 0.0 ? 0.5 * (lo + hi) : 0x1p-32 * hi;
+        if (iteration >= few && std::abs(next - x) > 0.25 * last_step)
+            next = !(lo > 0.0) ? 0x1p-32 * hi : hi > 4.0 * lo ? std::sqrt(lo) * std::sqrt(hi) : 0.5 * (lo + hi);
+        last_step = std::abs(next - x);
         if (next == x || std::abs(next - x) <= 1e-17 * std::abs(x)) return next;
         x = next;
         if (hi - lo <= 2.3e-16 * std::abs(hi)) return x;
