@@ -241,6 +241,33 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<do
     return impulses;
 }
 
+RBDYN_INLINE void TreeModel::part(const Mode& mode, double t, std::span<double> x,
+                                  const std::vector<int>& struck) const {
+    for (int turn = 0; turn < 3; ++turn) {
+        const auto all = moving(t, x);
+        const auto rows = conditions_->rows<double>(*tree_, all);
+        std::vector<int> used = rows_in(mode);
+        std::vector<double> asked(used.size(), 0.0);
+        for (const int k : struck) {
+            if (mode.slip[at(k)] != flies) continue;
+            const int row = conditions_->normal_row(k);
+            const double u = mechanics::Conditions::rate(rows[at(row)], all);
+            if (u >= 0.0) continue;
+            used.push_back(row);
+            // a little more each time, for what is asked for is rounded too
+            asked.push_back(-u + turn * 0x1p-53 * speed_of(k, all));
+        }
+        if (used.size() == rows_in(mode).size()) return;
+        const std::vector<int> independent = mechanics::independent_rows(*tree_, *conditions_, used, all);
+        std::vector<double> wanted;
+        for (const int r : independent)
+            wanted.push_back(asked[static_cast<std::size_t>(std::find(used.begin(), used.end(), r) - used.begin())]);
+        const mechanics::closing::Responses responses(*tree_, *conditions_, independent, all);
+        const std::vector<double> changes = responses.changes(wanted);
+        for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    }
+}
+
 RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std::span<const double> x) const {
     const mechanics::TreeState state = look(mode, t, x);
     const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
@@ -414,6 +441,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             return opens;
         });
         settle(mode, after, t, x, at_rest, events);
+        if (after.impossible.empty()) part(after, t, x, at_rest);
         group = accumulating(after, t, x, closed, remaining);
         after.memory[0] = t;
         if (!group.empty()) {

@@ -274,6 +274,18 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         mode = undecided;
     }
     if (stopping.size() > at_rest.size()) see(at_rest);
+    // what neither pushes nor moves has no direction to slide in
+    const auto idles = [&](std::size_t i) {
+        const auto f = static_cast<std::size_t>(touched.cones[i].first);
+        double largest = 0.0, own = 0.0;
+        for (const double one : found.force) largest = std::max(largest, std::abs(one));
+        bool is_still = !touched.cones[i].is_line;
+        for (std::size_t j = f; is_still && j < f + 3; ++j) {
+            own = std::max(own, std::abs(found.force[j]));
+            is_still = std::abs(found.rate[j]) <= 1e3 * noise[j];
+        }
+        return is_still && own <= 1e-13 * largest;
+    };
     while (true) {
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
@@ -282,7 +294,8 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         found = mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
         std::size_t more = breaking.size();
         for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (!touched.cones[i].is_line && found.states[i] == ConeState::slides && !breaks(candidates[i]))
+            if (!touched.cones[i].is_line && found.states[i] == ConeState::slides && !breaks(candidates[i]) &&
+                !idles(i))
                 breaking.push_back(candidates[i]);
         if (breaking.size() == more) break;
     }
@@ -290,6 +303,12 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
         mode.impossible = no_forces("forces", candidates);
         return;
     }
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+        if (found.states[i] == ConeState::slides && !breaks(candidates[i]) && idles(i)) {
+            found.states[i] = ConeState::open;
+            const auto f = static_cast<std::size_t>(touched.cones[i].first);
+            for (std::size_t j = f; j < f + 3; ++j) found.force[j] = 0.0;
+        }
     // what would have to pull opens, whatever rounding has left of its force
     const double largest = *std::max_element(found.force.begin(), found.force.end());
     for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -316,7 +335,17 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     }
     if (!is_marginal || !take(before, mode, t, touched, marginal, b, noise, breaking)) {
         mode = undecided;
-        const bool is_inside = take(before, mode, t, touched, found, b, noise, breaking);
+        bool is_inside = take(before, mode, t, touched, found, b, noise, breaking), lets_go = false;
+        // what is held without a force, where none is inside its cone, touches and does no more
+        for (std::size_t i = 0; i < candidates.size() && !is_inside && mode.impossible.empty(); ++i)
+            if (found.states[i] == ConeState::held && !breaks(candidates[i]) && idles(i)) {
+                found.states[i] = ConeState::open;
+                lets_go = true;
+            }
+        if (lets_go) {
+            mode = undecided;
+            is_inside = take(before, mode, t, touched, found, b, noise, breaking);
+        }
         // forces on the edges of their cones, and none inside: what is on its edge slides
         std::size_t more = breaking.size();
         for (std::size_t i = 0; i < candidates.size() && !is_inside && mode.impossible.empty(); ++i) {

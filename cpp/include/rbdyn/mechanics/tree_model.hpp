@@ -136,6 +136,9 @@ private:
     /// zero, however rounding has it.
     void settle_smooth(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                        const std::vector<int>& doubtful) const;
+    /// Takes away what rounding has left of approach in what was struck and then let go, so that it does not strike
+    /// again at once.
+    void part(const Mode& mode, double t, std::span<double> x, const std::vector<int>& struck) const;
     /// Whether the bodies of a contact are at rest and stay so, but for rounding.
     bool stands(const Mode& mode, int contact, double t, std::span<const double> x) const;
     /// What impacts with friction did.
