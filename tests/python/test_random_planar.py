@@ -96,3 +96,25 @@ def test_time_stepping_goes_to_the_same_motion(rough):
                 break
         # in proportion to the step, as far as it is not small (an impact a step late just before the end is not)
         assert fine < max(2e-3, coarse / 64), (seed, t, coarse, fine)
+
+
+def test_of_a_run_that_was_stopped_before_a_part_of_it_began_contacts_can_be_asked():
+    """Bodies that nothing joins are solved one after the other; asking for a contact of the second one crashed."""
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    balls, contacts = [], []
+    for k in range(2):
+        balls.append(scene.add(rb.shapes.sphere(1.0, 0.1), position=[k, 0, 1], velocity=[0, 0, k]))
+        contacts.append(scene.contact(balls[-1].sphere(0.1), rb.Plane([0, 0, 1]), restitution=1.0))
+    spring = scene.connect(rb.Spring(stiffness=1.0), balls[1], [1, 0, 2])
+
+    def stop(_):
+        raise TimeoutError
+
+    with pytest.raises(TimeoutError) as stopped:
+        rb.simulate(scene, 1e5, rtol=1e-12, progress=stop)
+    run = stopped.value.run
+    assert run.end == 0.0
+    for ball, contact in zip(balls, contacts, strict=True):
+        assert (run[ball].position(0.0)[2], run[contact].gap(0.0), run[contact].state(0.0)) == (1.0, 0.9, "open")
+        assert not run[contact].force(0.0).any()
+    assert np.isfinite(run[spring].force(0.0)).all()

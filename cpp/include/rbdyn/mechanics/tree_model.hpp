@@ -170,6 +170,8 @@ private:
     /// The states of contacts from forces found. Returns whether they can be held so.
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
               const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
+    /// Directions of slips that begin at the edges of their cones, as they turn (tree_break_away.ipp).
+    void curve(const Mode& before, Mode& mode, double t, std::span<const double> x) const;
     /// Closes smooth contacts whose forces depend on each other, all of them pushing. Returns whether they can.
     bool share_load(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
                     const std::vector<int>& candidates, const std::vector<double>& b,
