@@ -123,24 +123,13 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         mode.impossible = no_sliding(fired.singular.front());
         return;
     }
-    // from the edge of a cone the first direction is that of the force; where what is asked for turns at once, friction
-    // follows it faster than any step, and curve() has found no way
-    for (const auto* list : {&fired.stopping, &fired.turning})
-        for (const int k : *list) {
-            const mechanics::ContactMemory memory = mechanics::ContactMemory::of(before.memory, k);
-            const bool is_new = before.slip[at(k)] == mechanics::contact_state::starts ||
-                                before.slip[at(k)] == mechanics::contact_state::straight;
-            if (!is_new || !memory.at_edge) continue;
-            const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, moving(t, x));
-            const double speed = touching.slip().dot(memory.axis.cross(touching.normal));
-            const bool turns = list == &fired.turning && before.slip[at(k)] == mechanics::contact_state::straight &&
-                               speed < 0x1p20 * memory.least;
-            const bool stops = list == &fired.stopping && before.slip[at(k)] == mechanics::contact_state::starts;
-            if (!turns && !stops) continue;
+    // what starts from the edge of a cone against the force that held it, and is thrown back at once, goes nowhere
+    for (const int k : fired.stopping)
+        if (before.slip[at(k)] == mechanics::contact_state::starts &&
+            mechanics::ContactMemory::of(before.memory, k).at_edge) {
             mode.impossible = conditions_->contacts()[at(k)].name +
                               " breaks away in space at a friction that does not fall, in a direction that turns as it "
-                              "begins, which is not followed here, where what acts has no series; have its functions "
-                              "recorded, or give it a dynamic coefficient below the static one";
+                              "begins, and finds none; give it a dynamic coefficient below the static one";
             return;
         }
     const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
@@ -151,13 +140,21 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     };
     // another form of the same motion: nothing happens
     if (is_small && std::all_of(fired.stopping.begin(), fired.stopping.end(), is_turning)) {
-        const auto all = moving(t, x);
+        const mechanics::TreeState state = look(before, t, x);
+        const auto& all = state.moving;
         for (const auto* list : {&fired.turning, &fired.stopping})
             for (const int k : *list) {
                 const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
                 mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
                 const Vector3 slip = touching.slip();
-                // also what an engine's accuracy cannot tell from the least speed stops along its last direction
+                // what an engine's accuracy cannot tell from the least speed stops along its last direction, and so
+                // does what it loses within the rounding of the time its end is located
+                const auto [first, second] = friction::across(touching.normal);
+                const auto along = [&](const Vector3& axis) {
+                    return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
+                };
+                memory.least =
+                    std::max(memory.least, 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second)));
                 const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning ||
                                          mode.slip[at(k)] == mechanics::contact_state::curves,
                            is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
