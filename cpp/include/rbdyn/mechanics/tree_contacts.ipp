@@ -455,7 +455,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     } else {
         settle(mode, after, t, x, at_rest, events);
     }
-    if (!after.impossible.empty()) return;
+    if (!after.impossible.empty()) {
+        if (const std::string why = lies_flat(closed, all); !why.empty()) after.impossible = why;
+        return;
+    }
     hold(after, t, x);
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
@@ -489,6 +492,20 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);
     tell_rest(mode, was, after, t, x, happenings);
     put_in_order(happenings);
+}
+
+RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
+                                              const std::vector<mechanics::Moving<double>>& all) const {
+    for (const int k : closed) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        if (c.part != mechanics::ContactLaw::Part::disc) continue;
+        const Vector3 axis = all[at(c.a.body)].to_world(exactly<double>(c.axis));
+        const double tilt = axis.cross(c.touching<double>(*tree_, all).normal).norm();
+        if (tilt < 1e-6)
+            return "the disc of " + c.name + " has come to lie flat, but for " + text(tilt) +
+                   " rad: all of its rim touches, and no one point of it goes on";
+    }
+    return {};
 }
 
 RBDYN_INLINE void TreeModel::put_in_order(std::vector<Happening>& happenings) const {

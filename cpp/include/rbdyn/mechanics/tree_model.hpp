@@ -204,6 +204,9 @@ private:
     void tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
                    std::span<const double> x, std::vector<Happening>& happenings) const;
 
+    /// Why a motion ends whose disc lies flat; nothing if none does.
+    std::string lies_flat(const std::vector<int>& closed, const std::vector<mechanics::Moving<double>>& all) const;
+
     /// What contacts tell at one instant: by kind, then by name.
     void put_in_order(std::vector<Happening>& happenings) const;
 
