@@ -118,3 +118,28 @@ def test_of_a_run_that_was_stopped_before_a_part_of_it_began_contacts_can_be_ask
         assert (run[ball].position(0.0)[2], run[contact].gap(0.0), run[contact].state(0.0)) == (1.0, 0.9, "open")
         assert not run[contact].force(0.0).any()
     assert np.isfinite(run[spring].force(0.0)).all()
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_two_balls_that_land_together_have_the_same_bits_in_either_order_of_writing(mu):
+    def run_of(order):
+        scene = rb.Scene(gravity=[0, 0, -9.81])
+        balls = {}
+        for k in order:
+            balls[k] = scene.add(
+                rb.shapes.sphere(1.0 + k, 0.1),
+                position=[k, 0, 0.6],
+                velocity=[0.3, 0, 0],
+                angular_velocity=[0, 1 + k, 0],
+            )
+        for k in order:
+            friction = rb.Coulomb(mu) if mu > 0 else None
+            scene.contact(balls[k].sphere(0.1), rb.Plane([0, 0, 1]), restitution=0.5, friction=friction)
+        return rb.simulate(scene, 3.0, rtol=1e-12), balls
+
+    (one, balls), (other, same) = run_of([0, 1]), run_of([1, 0])
+    assert sorted((e.time, e.kind) for e in one.events) == sorted((e.time, e.kind) for e in other.events)
+    t = np.linspace(0, 3, 61)
+    for k in range(2):
+        for name in ("position", "velocity", "angular_velocity"):
+            assert (getattr(one[balls[k]], name)(t) == getattr(other[same[k]], name)(t)).all()
