@@ -3,7 +3,8 @@
 Without rolling friction it never falls: it goes round at the tilt it has, for as long as one waits. A torque rho N
 against rolling takes the energy 3/2 m g R sin(tilt) of the steady motion at the rate rho m g times the turning along
 the table. For small tilts sqrt(tilt) and 1/rate then fall linearly, 1/rate by rho/(3 R), and it all ends at a finite
-time with an infinite rate (R. I. Leine, Arch. Appl. Mech. 79, 2009: dry rolling friction, 1/(t_end - t)).
+time with an infinite rate. (Which friction real discs have: R. I. Leine, Experimental and theoretical investigation of
+the energy dissipation of a rolling disk during its final stage of motion, Arch. Appl. Mech. 79, 2009.)
 """
 
 import math

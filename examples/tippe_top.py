@@ -2,8 +2,8 @@
 
 A ball whose centre of mass lies below its middle, on a table it slides on. Friction at the contact takes spin about the
 axis and leaves the angular momentum about the line from the centre of mass to the contact, Jellett's integral (J. H.
-Jellett, A treatise on the theory of friction, 1872); where (1 - e) < A/C < 1 + e the top turns over (A. C. Or, SIAM J.
-Appl. Math. 54, 1994, which has Coulomb's friction too).
+Jellett, A treatise on the theory of friction, 1872); where (1 - e) < A/C < 1 + e the top turns over (A. C. Or, The
+dynamics of a tippe top, SIAM J. Appl. Math. 54, 1994).
 """
 
 import math

@@ -1,6 +1,7 @@
 """A ball that rolls on a turning table runs in circles, with 2/7 of the table's rate.
 
-Without slip v' = 2/7 Omega x v (E. A. Milne, Vectorial Mechanics, 1948): circles, wherever it starts and however fast.
+Without slip v' = 2/7 Omega x v: circles, wherever it starts and however fast (J. A. Burns, Ball rolling on a turntable:
+analog for charged particle dynamics, Am. J. Phys. 49, 1981).
 A second ball is put down without spin: it slides until it sticks, and then runs in a circle of its own.
 """
 

@@ -149,3 +149,24 @@ def test_bounces_that_end_in_rolling_are_told_as_they_are_known():
     assert 1e-7 < fall(1e-5).error < 1e-5
     with pytest.raises(rb.AccuracyError):
         fall(1e-9)
+
+
+def test_a_disc_that_has_settled_lies_flat():
+    """Euler's disc ends at a finite time, its contact running round at an infinite rate, and the run says so."""
+    scene = rb.Scene(gravity=[0, 0, -9.8125])
+    radius, tilt = 0.0375, 0.3
+    rate = np.sqrt(4 * 9.8125 / (radius * np.sin(tilt)))
+    disc = scene.add(
+        rb.shapes.disc(0.4, radius, [0, 0, 1]),
+        position=[0, 0, radius * np.sin(tilt)],
+        attitude=rb.EulerAngles(theta=tilt, psi=0.0, phi=0.0),
+        angular_velocity=[0, rate * np.sin(tilt), 0],
+    )
+    scene.contact(disc.disc(radius, [0, 0, 1]), rb.Plane([0, 0, 1]), friction=rb.Coulomb(np.inf, rolling=4e-3))
+    with pytest.raises(rb.IntegrationError, match="the disc of contact 1 has come to lie flat") as ended:
+        rb.simulate(scene, 5.0, rtol=1e-12)
+    run = ended.value.run
+    level = np.linalg.norm(run[disc].rotation_matrix(run.end)[:2, 2])
+    assert level < 1e-6
+    # small tilts end at 3/2 R/rho sqrt(tilt R/g)
+    assert abs(run.end / (1.5 * radius / 4e-3 * np.sqrt(tilt * radius / 9.8125)) - 1) < 0.1

@@ -117,6 +117,7 @@
 #include "rbdyn/mechanics/friction_cones.ipp"
 #include "rbdyn/mechanics/redundant.ipp"
 #include "rbdyn/mechanics/tree.ipp"
+#include "rbdyn/mechanics/tree_break_away.ipp"
 #include "rbdyn/mechanics/tree_change.ipp"
 #include "rbdyn/mechanics/tree_contacts.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"

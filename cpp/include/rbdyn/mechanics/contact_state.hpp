@@ -1,6 +1,7 @@
 // What a contact does in a mode, as its number in Mode::slip, and what a mode remembers of it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -16,12 +17,14 @@ namespace mechanics {
 /// Open (flies); closed and smooth: it pushes, or rests, its force one of many that the motion does not determine.
 /// Closed and rough: it slides, in a direction that stays what it is across the normal, in one that turns, or, where
 /// the speed is so small that its direction is rounding, in the last direction there was, or, where it starts from
-/// rest, in that of its first acceleration; or it is held, along those of the world's axes that are rows of their own.
+/// rest, in that of its first acceleration, or in one that is a polynomial in time where it has none (curves); or it is
+/// held, along those of the world's axes that are rows of their own.
 namespace contact_state {
 
-inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, held = 8;
+inline constexpr signed char pushes = 1, rests = 3, straight = 4, turning = 5, brief = 6, starts = 7, curves = 8,
+                             held = 9;
 
-inline bool slides(signed char state) { return state >= straight && state <= starts; }
+inline bool slides(signed char state) { return state >= straight && state <= curves; }
 inline bool is_held(signed char state) { return state >= held; }
 /// Whether what is held is so by a row of its own along an axis of the world.
 inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
@@ -56,26 +59,40 @@ struct ResistanceMemory {
 
 /// Mode::memory: when anything struck last [s], then of each contact what follows.
 struct ContactMemory {
-    static constexpr int numbers = 13, parameters = 11;  // of these its equations know the first ones
+    static constexpr int terms = 8;  // of a direction that curves
+    static constexpr int parameters = 11, more = terms + 1, numbers = parameters + more + 2;
 
     Vector3 axis = Vector3::Zero();  // it slides along axis x normal
     double least = 0.0;              // a speed below which the direction of sliding is rounding [m/s]
     // what it exerts along axes that are no rows of their own: force + rate (t - since) [N, N/s, s]
     Vector3 force = Vector3::Zero(), rate = Vector3::Zero();
     double since = 0.0;
+    // it curves: by which angle from its axis, a polynomial in t - since without its first coefficient, and until when
+    double angle[terms] = {}, until = 0.0;
     bool shares = false;   // it is held, and the motion does not determine its force
     bool at_edge = false;  // it slides, and has begun at the edge of its cone without an acceleration
 
     static std::size_t place(int contact) { return static_cast<std::size_t>(1 + numbers * contact); }
+    /// How many of the numbers its equations know, the first ones.
+    static int known(signed char state) { return state == contact_state::curves ? parameters + more : parameters; }
     static ContactMemory of(const std::vector<double>& memory, int contact) {
         const double* const m = memory.data() + place(contact);
-        return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10], m[11] != 0.0, m[12] != 0.0};
+        ContactMemory result{{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, {m[7], m[8], m[9]}, m[10], {},
+                             m[11 + terms]};
+        std::copy(m + 11, m + 11 + terms, result.angle);
+        result.shares = m[12 + terms] != 0.0;
+        result.at_edge = m[13 + terms] != 0.0;
+        return result;
     }
     void put(std::vector<double>& memory, int contact) const {
         double* const m = memory.data() + place(contact);
-        const double all[numbers] = {axis[0], axis[1], axis[2], least, force[0],           force[1],           force[2],
-                                     rate[0], rate[1], rate[2], since, shares ? 1.0 : 0.0, at_edge ? 1.0 : 0.0};
-        for (int k = 0; k < numbers; ++k) m[k] = all[k];
+        const double all[parameters] = {axis[0],  axis[1], axis[2], least,   force[0], force[1],
+                                        force[2], rate[0], rate[1], rate[2], since};
+        std::copy(all, all + parameters, m);
+        std::copy(angle, angle + terms, m + parameters);
+        m[11 + terms] = until;
+        m[12 + terms] = shares ? 1.0 : 0.0;
+        m[13 + terms] = at_edge ? 1.0 : 0.0;
     }
 };
 

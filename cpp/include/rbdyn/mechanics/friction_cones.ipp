@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -120,6 +121,39 @@ inline ConeForces solve_with_lines(const Square& a, const std::vector<double>& b
     return result;
 }
 
+/// Of few contacts each way that they may go on, from forces nearby: where rows all but depend on each other, as of the
+/// two ends of a rod that lies between them, what has nearly been found says little about what slides.
+inline std::optional<ConeForces> by_trial(const Square& a, const std::vector<double>& b,
+                                          const std::vector<double>& noise, const std::vector<Cone>& all,
+                                          const ConeForces& near) {
+    constexpr std::size_t most = 4;
+    if (all.size() > most) return std::nullopt;
+    std::size_t ways = 1;
+    for (std::size_t k = 0; k < all.size(); ++k) ways *= 3;
+    for (std::size_t way = 0; way < ways; ++way) {
+        ConeForces tried = near;
+        std::size_t rest = way;
+        bool is_one = true;
+        for (std::size_t k = 0; k < all.size(); ++k, rest /= 3) {
+            const auto f = static_cast<std::size_t>(all[k].first);
+            tried.states[k] = rest % 3 == 0 ? ConeState::slides : rest % 3 == 1 ? ConeState::held : ConeState::open;
+            if (all[k].is_line) is_one = is_one && tried.states[k] != ConeState::held;
+            if (all[k].is_line || tried.states[k] != ConeState::slides) continue;
+            // on the edge of its cone, against what it would do
+            double u[2] = {b[f + 1], b[f + 2]};
+            for (std::size_t i = 0; i < 2; ++i)
+                for (std::size_t j = 0; j < b.size(); ++j) u[i] += a[f + 1 + i][j] * near.force[j];
+            const double speed = std::hypot(u[0], u[1]);
+            if (!(tried.force[f] > 0.0)) tried.force[f] = std::abs(b[f]) / std::max(a[f][f], 1e-300);
+            for (std::size_t i = 0; i < 2 && speed > 0.0; ++i)
+                tried.force[f + 1 + i] = -all[k].mu * tried.force[f] * u[i] / speed;
+        }
+        if (!is_one) continue;
+        if (auto exact = made_exact(a, b, noise, all, tried)) return exact;
+    }
+    return std::nullopt;
+}
+
 }  // namespace cones
 
 RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
@@ -174,6 +208,7 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
         if (auto exact = made_exact(a, b, noise, all, result)) return *exact;
         if (left <= 1e-15) break;
     }
+    if (auto found = cones::by_trial(a, b, noise, all, result)) return *std::move(found);
     for (std::size_t i = 0; i < n; ++i) result.rate[i] = driven(i, n, 0);
     // what is symmetric and has no exact solution has none
     result.is_solved = result.is_solved && left <= 1e-9 && !is_symmetric;

@@ -241,6 +241,33 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<do
     return impulses;
 }
 
+RBDYN_INLINE void TreeModel::part(const Mode& mode, double t, std::span<double> x,
+                                  const std::vector<int>& struck) const {
+    for (int turn = 0; turn < 3; ++turn) {
+        const auto all = moving(t, x);
+        const auto rows = conditions_->rows<double>(*tree_, all);
+        std::vector<int> used = rows_in(mode);
+        std::vector<double> asked(used.size(), 0.0);
+        for (const int k : struck) {
+            if (mode.slip[at(k)] != flies) continue;
+            const int row = conditions_->normal_row(k);
+            const double u = mechanics::Conditions::rate(rows[at(row)], all);
+            if (u >= 0.0) continue;
+            used.push_back(row);
+            // a little more each time, for what is asked for is rounded too
+            asked.push_back(-u + turn * 0x1p-53 * speed_of(k, all));
+        }
+        if (used.size() == rows_in(mode).size()) return;
+        const std::vector<int> independent = mechanics::independent_rows(*tree_, *conditions_, used, all);
+        std::vector<double> wanted;
+        for (const int r : independent)
+            wanted.push_back(asked[static_cast<std::size_t>(std::find(used.begin(), used.end(), r) - used.begin())]);
+        const mechanics::closing::Responses responses(*tree_, *conditions_, independent, all);
+        const std::vector<double> changes = responses.changes(wanted);
+        for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    }
+}
+
 RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std::span<const double> x) const {
     const mechanics::TreeState state = look(mode, t, x);
     const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
@@ -414,6 +441,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             return opens;
         });
         settle(mode, after, t, x, at_rest, events);
+        if (after.impossible.empty()) part(after, t, x, at_rest);
         group = accumulating(after, t, x, closed, remaining);
         after.memory[0] = t;
         if (!group.empty()) {
@@ -427,7 +455,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     } else {
         settle(mode, after, t, x, at_rest, events);
     }
-    if (!after.impossible.empty()) return;
+    if (!after.impossible.empty()) {
+        if (const std::string why = lies_flat(closed, all); !why.empty()) after.impossible = why;
+        return;
+    }
     hold(after, t, x);
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
@@ -461,6 +492,20 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);
     tell_rest(mode, was, after, t, x, happenings);
     put_in_order(happenings);
+}
+
+RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
+                                              const std::vector<mechanics::Moving<double>>& all) const {
+    for (const int k : closed) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        if (c.part != mechanics::ContactLaw::Part::disc) continue;
+        const Vector3 axis = all[at(c.a.body)].to_world(exactly<double>(c.axis));
+        const double tilt = axis.cross(c.touching<double>(*tree_, all).normal).norm();
+        if (tilt < 1e-6)
+            return "the disc of " + c.name + " has come to lie flat, but for " + text(tilt) +
+                   " rad: all of its rim touches, and no one point of it goes on";
+    }
+    return {};
 }
 
 RBDYN_INLINE void TreeModel::put_in_order(std::vector<Happening>& happenings) const {

@@ -49,7 +49,7 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
     for (int k = 0; k < contacts(); ++k) {
         if (!mechanics::contact_state::has_numbers(conditions_->contacts()[at(k)], mode.slip[at(k)])) continue;
         const std::size_t from = mechanics::ContactMemory::place(k);
-        for (int i = 0; i < mechanics::ContactMemory::parameters; ++i)
+        for (int i = 0; i < mechanics::ContactMemory::known(mode.slip[at(k)]); ++i)
             mode.parameters[next++] = mode.memory[from + at(i)];
     }
     for (int e = 0; e < resistances(); ++e) {
@@ -123,24 +123,13 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         mode.impossible = no_sliding(fired.singular.front());
         return;
     }
-    // from the edge of a cone the first direction is that of the force; where what is asked for turns at once, friction
-    // follows it faster than any step
-    for (const auto* list : {&fired.stopping, &fired.turning})
-        for (const int k : *list) {
-            const mechanics::ContactMemory memory = mechanics::ContactMemory::of(before.memory, k);
-            const bool is_new = before.slip[at(k)] == mechanics::contact_state::starts ||
-                                before.slip[at(k)] == mechanics::contact_state::straight;
-            if (!is_new || !memory.at_edge) continue;
-            const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, moving(t, x));
-            const double speed = touching.slip().dot(memory.axis.cross(touching.normal));
-            const bool turns = list == &fired.turning && before.slip[at(k)] == mechanics::contact_state::straight &&
-                               speed < 0x1p20 * memory.least;
-            const bool stops = list == &fired.stopping && before.slip[at(k)] == mechanics::contact_state::starts;
-            if (!turns && !stops) continue;
+    // what starts from the edge of a cone against the force that held it, and is thrown back at once, goes nowhere
+    for (const int k : fired.stopping)
+        if (before.slip[at(k)] == mechanics::contact_state::starts &&
+            mechanics::ContactMemory::of(before.memory, k).at_edge) {
             mode.impossible = conditions_->contacts()[at(k)].name +
                               " breaks away in space at a friction that does not fall, in a direction that turns as it "
-                              "begins, which is not followed in this version; give it a dynamic coefficient below the "
-                              "static one";
+                              "begins, and finds none; give it a dynamic coefficient below the static one";
             return;
         }
     const bool is_small = fired.landing.empty() && fired.doubtful.empty() && fired.breaking.empty() &&
@@ -151,14 +140,23 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     };
     // another form of the same motion: nothing happens
     if (is_small && std::all_of(fired.stopping.begin(), fired.stopping.end(), is_turning)) {
-        const auto all = moving(t, x);
+        const mechanics::TreeState state = look(before, t, x);
+        const auto& all = state.moving;
         for (const auto* list : {&fired.turning, &fired.stopping})
             for (const int k : *list) {
                 const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
                 mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
                 const Vector3 slip = touching.slip();
-                // also what an engine's accuracy cannot tell from the least speed stops along its last direction
-                const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning,
+                // what an engine's accuracy cannot tell from the least speed stops along its last direction, and so
+                // does what it loses within the rounding of the time its end is located
+                const auto [first, second] = friction::across(touching.normal);
+                const auto along = [&](const Vector3& axis) {
+                    return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), state).first;
+                };
+                memory.least =
+                    std::max(memory.least, 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second)));
+                const bool was_turning = mode.slip[at(k)] == mechanics::contact_state::turning ||
+                                         mode.slip[at(k)] == mechanics::contact_state::curves,
                            is_least = was_turning && (list == &fired.stopping || !(slip.norm() > 1.5 * memory.least));
                 if (is_least) memory.least = std::max(memory.least, slip.norm());
                 // where nothing is left of it the last direction is all there is, and of what starts the slip so far is
@@ -180,7 +178,8 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         if (!shares_load(before)) breaking.push_back(k);
     for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
         settle_breaking(before, mode, t, x, candidates, fired, breaking);
-        if (!mode.impossible.empty() || shares_load(mode)) return;
+        if (!mode.impossible.empty()) return;
+        if (shares_load(mode)) break;
         // on the edge of its cone it is held unless the next moment takes it out
         int leaves = -1;
         Evaluator<double> values(mode.equations->program);
@@ -191,9 +190,10 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
             if (values.output(guard.output) > 1e-13 * values.magnitude(guard.output)) continue;
             if (leading_sign(mode, t, x, guard.output, 1) < 0) leaves = guard.contact;
         }
-        if (leaves < 0) return;
+        if (leaves < 0) break;
         breaking.push_back(leaves);
     }
+    curve(before, mode, t, x);
 }
 
 RBDYN_INLINE std::string TreeModel::no_sliding(int contact) const {
@@ -219,189 +219,6 @@ RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::
             std::abs(values.output(guard.output)) <= 1e-3 * values.magnitude(guard.output))
             return no_sliding(guard.contact);
     return {};
-}
-
-RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
-                                             const std::vector<int>& candidates, const Fired& fired,
-                                             std::vector<int> breaking) const {
-    using mechanics::ConeState;
-    using namespace mechanics::contact_state;
-    for (const int k : candidates) mode.slip[at(k)] = flies;
-    choose(mode, t, x, {}, true);
-    if (candidates.empty()) return;
-    const mechanics::TreeState open = look(mode, t, x);
-    const auto& all = open.moving;
-    std::vector<int> at_rest = fired.stuck;
-    // what has left its last direction by more than rounding has not stopped
-    for (const int k : fired.stopping)
-        if (conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm() <=
-            16.0 * mechanics::ContactMemory::of(before.memory, k).least)
-            at_rest.push_back(k);
-    // what was held is at rest, unless an impact has moved it
-    for (int k = 0; k < contacts(); ++k)
-        if (is_held(before.slip[at(k)]) && before.jumps == mode.jumps) at_rest.push_back(k);
-    // what stops together does so within the rounding of its speeds
-    std::vector<int> stopping = at_rest;
-    if (!fired.stopping.empty())
-        for (const int k : candidates) {
-            if (!mechanics::contact_state::slides(before.slip[at(k)])) continue;
-            const double speed = conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm();
-            if (speed <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least) stopping.push_back(k);
-        }
-    Touched touched;
-    std::vector<double> b, noise;
-    const auto see = [&](const std::vector<int>& resting) {
-        touched = this->touched(before, all, candidates, resting, false, &mode);
-        b.clear();
-        noise.clear();
-        for (const auto& row : touched.rows) {
-            const auto [sum, size] = acceleration_along(row, open);
-            b.push_back(sum);
-            noise.push_back(1e-14 * size);
-        }
-    };
-    see(stopping);
-    const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
-    const Mode undecided = mode;
-    mechanics::ConeForces found;
-    // first, whether all that is at rest can be held
-    if (breaking.empty() && (fired.doubtful.empty() || shares_load(before))) {
-        found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
-        if (found.is_solved && take(before, mode, t, touched, found, b, noise, breaking)) {
-            choose(mode, t, x, {}, true);
-            return;
-        }
-        mode = undecided;
-    }
-    if (stopping.size() > at_rest.size()) see(at_rest);
-    while (true) {
-        for (std::size_t i = 0; i < candidates.size(); ++i) {
-            const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
-            touched.cones[i].mu = breaks(candidates[i]) ? c.mu_dynamic : c.mu_static;
-        }
-        found = mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
-        std::size_t more = breaking.size();
-        for (std::size_t i = 0; i < candidates.size(); ++i)
-            if (!touched.cones[i].is_line && found.states[i] == ConeState::slides && !breaks(candidates[i]))
-                breaking.push_back(candidates[i]);
-        if (breaking.size() == more) break;
-    }
-    if (!found.is_solved) {
-        mode.impossible = no_forces("forces", candidates);
-        return;
-    }
-    // what would have to pull opens, whatever rounding has left of its force
-    const double largest = *std::max_element(found.force.begin(), found.force.end());
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const auto f = static_cast<std::size_t>(touched.cones[i].first);
-        const bool is_fired =
-            std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
-        if (!is_fired || found.force[f] > 1e-8 * largest) continue;
-        found.states[i] = ConeState::open;
-        for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j) found.force[j] = 0.0;
-    }
-    // one that does nothing on the edge of opening or sliding is held with the others, if forces inside all cones are
-    // left then
-    mechanics::ConeForces marginal = found;
-    bool is_marginal = false;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        if (touched.cones[i].is_line || found.states[i] == ConeState::held || breaks(candidates[i])) continue;
-        if (std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end()) continue;
-        const auto f = static_cast<std::size_t>(touched.cones[i].first);
-        bool is_none = true;
-        for (std::size_t j = f; j < f + 3; ++j) is_none = is_none && std::abs(found.rate[j]) <= 1e3 * noise[j];
-        if (!is_none) continue;
-        marginal.states[i] = ConeState::held;
-        is_marginal = true;
-    }
-    if (!is_marginal || !take(before, mode, t, touched, marginal, b, noise, breaking)) {
-        mode = undecided;
-        const bool is_inside = take(before, mode, t, touched, found, b, noise, breaking);
-        // forces on the edges of their cones, and none inside: what is on its edge slides
-        std::size_t more = breaking.size();
-        for (std::size_t i = 0; i < candidates.size() && !is_inside && mode.impossible.empty(); ++i) {
-            const auto f = static_cast<std::size_t>(touched.cones[i].first);
-            if (touched.cones[i].is_line || found.states[i] != ConeState::held || breaks(candidates[i])) continue;
-            const double along = std::hypot(found.force[f + 1], found.force[f + 2]);
-            if (along >= (1.0 - 1e-6) * touched.cones[i].mu * found.force[f]) breaking.push_back(candidates[i]);
-        }
-        if (breaking.size() > more) return settle_breaking(before, mode, t, x, candidates, fired, breaking);
-    }
-    if (mode.impossible.empty()) choose(mode, t, x, {}, true);
-}
-
-RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touched& touched,
-                                  const mechanics::ConeForces& found, const std::vector<double>& b,
-                                  const std::vector<double>& noise, const std::vector<int>& breaking) const {
-    using mechanics::ConeState;
-    using namespace mechanics::contact_state;
-    const std::vector<mechanics::Moving<double>>& all = touched.moving;
-    const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };
-    std::vector<int> candidates;
-    for (const Touched::One& one : touched.all) candidates.push_back(one.contact);
-    // sliding forces come first, then what is held
-    std::vector<int> rows = rows_without_contacts(mode);
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const int k = candidates[i];
-        Touched::One& one = touched.all[i];
-        const auto f = static_cast<std::size_t>(touched.cones[i].first);
-        if (found.states[i] == ConeState::open) continue;
-        if (!is_rough(k)) {
-            rows.push_back(conditions_->normal_row(k));
-            continue;
-        }
-        mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, k);
-        const bool begins = !one.slides && (found.states[i] == ConeState::slides || breaks(k));
-        if (!one.slides && !begins) continue;
-        rows.push_back(conditions_->normal_row(k));
-        // a motion that an impact or its own stop did not touch goes on in its form
-        if (one.slides && slides(before.slip[at(k)]) && before.jumps == mode.jumps) {
-            mode.slip[at(k)] = before.slip[at(k)];
-            continue;
-        }
-        if (begins) {
-            const Vector3 rate = one.axes[1] * found.rate[f + 1] + one.axes[2] * found.rate[f + 2],
-                          force = one.axes[1] * found.force[f + 1] + one.axes[2] * found.force[f + 2];
-            one.along = (rate.norm() > 1e3 * (noise[f + 1] + noise[f + 2]) ? rate : Vector3(-force)).normalized();
-        }
-        double fastest = speed_of(k, all), size = 0.0;
-        for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j)
-            size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
-        memory.axis = one.at.normal.cross(one.along);
-        memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
-        memory.at_edge =
-            begins && std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2]);
-        memory.put(mode.memory, k);
-        mode.slip[at(k)] = begins ? mechanics::contact_state::starts : straight;
-    }
-    const std::size_t first = rows.size();
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const int k = candidates[i];
-        if (touched.cones[i].is_line || found.states[i] != ConeState::held || breaks(k)) continue;
-        for (int axis = 0; axis < 3; ++axis) rows.push_back(conditions_->held_row(k, axis));
-        mode.slip[at(k)] = held;
-    }
-    const auto chosen = mechanics::independent_rows(*tree_, *conditions_, rows, all, first);
-    const auto is_chosen = [&](int row) { return std::binary_search(chosen.begin(), chosen.end(), row); };
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-        const int k = candidates[i];
-        if (mode.slip[at(k)] >= held) {
-            for (int axis = 0; axis < 3; ++axis)
-                if (is_chosen(conditions_->held_row(k, axis))) mode.slip[at(k)] += static_cast<signed char>(1 << axis);
-        } else if (!is_rough(k) && found.states[i] != ConeState::open) {
-            mode.slip[at(k)] = is_chosen(conditions_->normal_row(k)) ? pushes : rests;
-        } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
-            // one of many forces that give this motion, if its friction does what that of the others would
-            if (!makes_no_difference(touched, i, chosen)) {
-                mode.impossible =
-                    "the forces of contacts that slide are not unique, and the motion depends on them, of " +
-                    conditions_->contacts()[at(k)].name;
-                return false;
-            }
-            mode.slip[at(k)] = rests;
-        }
-    }
-    return hold_by_friction(before, mode, t, touched, found.force, all);
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,

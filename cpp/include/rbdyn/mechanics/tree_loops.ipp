@@ -318,6 +318,10 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
             if (!is_finite(state.bodies[at(i)].acts.force) || !is_finite(state.bodies[at(i)].acts.moment))
                 return "a force or torque on " + tree_->node(i).name;
     }
+    std::vector<int> closed;
+    for (int k = 0; k < contacts(); ++k)
+        if (mode.slip[at(k)] != flies) closed.push_back(k);
+    if (const std::string why = lies_flat(closed, moving(t, x)); !why.empty()) return "what happens as " + why + ",";
     if (const std::string names = locked(t, x); !names.empty())
         return "constraints lose rank there and lock what moves: " + names;
     return {};

@@ -136,6 +136,9 @@ private:
     /// zero, however rounding has it.
     void settle_smooth(Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                        const std::vector<int>& doubtful) const;
+    /// Takes away what rounding has left of approach in what was struck and then let go, so that it does not strike
+    /// again at once.
+    void part(const Mode& mode, double t, std::span<double> x, const std::vector<int>& struck) const;
     /// Whether the bodies of a contact are at rest and stay so, but for rounding.
     bool stands(const Mode& mode, int contact, double t, std::span<const double> x) const;
     /// What impacts with friction did.
@@ -167,6 +170,8 @@ private:
     /// The states of contacts from forces found. Returns whether they can be held so.
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
               const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
+    /// Directions of slips that begin at the edges of their cones, as they turn (tree_break_away.ipp).
+    void curve(const Mode& before, Mode& mode, double t, std::span<const double> x) const;
     /// Closes smooth contacts whose forces depend on each other, all of them pushing. Returns whether they can.
     bool share_load(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
                     const std::vector<int>& candidates, const std::vector<double>& b,
@@ -198,6 +203,9 @@ private:
     /// Which bodies come to rest, from a mode and the state `was` in it.
     void tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
                    std::span<const double> x, std::vector<Happening>& happenings) const;
+
+    /// Why a motion ends whose disc lies flat; nothing if none does.
+    std::string lies_flat(const std::vector<int>& closed, const std::vector<mechanics::Moving<double>>& all) const;
 
     /// What contacts tell at one instant: by kind, then by name.
     void put_in_order(std::vector<Happening>& happenings) const;

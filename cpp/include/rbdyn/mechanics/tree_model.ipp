@@ -214,18 +214,35 @@ RBDYN_INLINE JointReport TreeModel::joint(const Mode&, int body, double t, std::
 
 RBDYN_INLINE ConstraintReport TreeModel::constraint(const Mode& mode, int index, double t,
                                                     std::span<const double> x) const {
-    return look(mode, t, x).constraints[at(index)];
+    const mechanics::TreeState state = look(mode, t, x);
+    if (!state.constraints.empty()) return state.constraints[at(index)];
+    // of what has not begun
+    ConstraintReport report;
+    report.gap = conditions_->gap(*tree_, index, state.moving);
+    return report;
 }
 
 RBDYN_INLINE ContactReport TreeModel::contact(const Mode& mode, int index, double t, std::span<const double> x) const {
-    ContactReport report = look(mode, t, x).contacts[at(index)];
+    const mechanics::TreeState state = look(mode, t, x);
+    ContactReport report;
+    if (state.contacts.empty()) {
+        const auto touching = conditions_->contacts()[at(index)].touching<double>(*tree_, state.moving);
+        report.gap = touching.gap;
+        report.slip = touching.slip();
+        report.place = touching.place;
+        report.normal = touching.normal;
+        report.state = mechanics::contact_state::word(flies);
+        return report;
+    }
+    report = state.contacts[at(index)];
     report.state = mechanics::contact_state::word(mode.slip[at(index)]);
     return report;
 }
 
 RBDYN_INLINE Vector3 TreeModel::coupling_force(const Mode& mode, int coupling, double t,
                                                std::span<const double> x) const {
-    return look(mode, t, x).couplings[at(coupling)];
+    const mechanics::TreeState state = look(mode, t, x);
+    return state.couplings.empty() ? Vector3::Zero().eval() : state.couplings[at(coupling)];
 }
 
 RBDYN_INLINE double TreeModel::power(const Mode& mode, const Scene::AppliedLoad&, int index, double t,

@@ -66,6 +66,7 @@ private:
         S least = S(0.0);
         Vector3Of<S> along = none<S>();  // the direction it slides in
         S speed = S(0.0);                // in that direction
+        S left = S(0.0);                 // of the time in which it curves [s]
     };
     /// The place among the values of what a rough contact does: its force (3), and where it slides numerator and
     /// denominator of N; its torque (3).

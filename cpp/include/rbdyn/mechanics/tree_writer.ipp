@@ -54,6 +54,9 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
         if (!contact_state::has_numbers(conditions.contacts()[k], states_[k])) continue;
         S numbers[ContactMemory::parameters];
         for (S& one : numbers) one = r.parameter(r.new_parameter());
+        S curve[ContactMemory::more];
+        if (states_[k] == contact_state::curves)
+            for (S& one : curve) one = r.parameter(r.new_parameter());
         Friction& f = friction_[k];
         f.axis = {numbers[0], numbers[1], numbers[2]};
         f.least = numbers[3];
@@ -63,7 +66,14 @@ RBDYN_INLINE TreeWriter::TreeWriter(Recorder& r, const Tree& tree, const Conditi
             continue;
         const Vector3Of<S> slip = touching_[k].slip(), last = tree_writers::unit_along(f.axis, touching_[k].normal);
         f.along = last;
-        f.speed = dot<S>(last, slip);
+        if (states_[k] == contact_state::curves) {
+            const S time = r.time() - numbers[10];
+            S angle(0.0);
+            for (int i = ContactMemory::terms; i-- > 0;) angle = (angle + curve[i]) * time;
+            f.along = last * cos(angle) + cross<S>(touching_[k].normal, last) * sin(angle);
+            f.left = curve[ContactMemory::terms] - r.time();
+        }
+        f.speed = dot<S>(f.along, slip);
         if (states_[k] != contact_state::turning) continue;
         f.speed = sqrt(dot<S>(slip, slip));
         f.along = slip * (S(1.0) / f.speed);
@@ -336,14 +346,19 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
         return;
     }
     // what starts has no speed yet, and no acceleration if it starts at the edge of its cone, but for rounding
-    write.guard(stops, state == contact_state::starts ? f.speed + f.least : f.speed);
+    const bool begins = state == contact_state::starts || state == contact_state::curves;
+    write.guard(stops, begins ? f.speed + f.least : f.speed);
     if (state == contact_state::brief || state == contact_state::starts) {
         write.guard(turns, S(2.0) * f.least - f.speed);
         return;
     }
     const S across = dot<S>(cross<S>(t.normal, f.along), slip);
-    write.guard(turns, f.least - across);
-    write.guard(turns, f.least + across);
+    // a direction that curves was made for what acts as it begins
+    const bool curves = state == contact_state::curves;
+    const S most = curves ? f.least + f.speed * S(1e-6) : f.least;
+    write.guard(turns, most - across);
+    write.guard(turns, most + across);
+    if (curves) write.guard(turns, f.left);
 }
 
 RBDYN_INLINE void TreeWriter::guard_ends(EquationsWriter& write) const {

@@ -1,0 +1,43 @@
+"""How runs of random scenes with contacts end: the short form of contact_endings.py, which runs thousands of them."""
+
+import contact_endings
+import pytest
+
+OPTIONS = {"rtol": 1e-12, "max_steps": 1500}
+# what a user would call a failure once: a direction that turns as a slip begins (2, 6, 8), slips that end under forces
+# of thousands of weights (970, 1180), forces not found of a rod that lies between floor and wall (86, 2136, 2218); and
+# bounces without loss by some 1e-12 m (431, 998)
+SEEDS = {
+    ("planar", False): [*range(40), 998],
+    ("planar", True): [*range(40), 86, 431, 2136, 2218],
+    ("space", False): range(20),
+    ("space", True): [*range(20), 95, 719, 970, 1180],
+}
+NAMED = (
+    "reached its end",
+    # more impacts than were asked for
+    "it has more events than max_steps",
+    # Painleve's configurations, and what jams
+    "no forces of contacts satisfy the laws of friction",
+    "no force keeps contacts sliding",
+    "are not unique, and the motion depends on them",
+)
+
+
+@pytest.mark.parametrize(("kind", "rough"), SEEDS)
+def test_nothing_is_wrong_and_each_end_has_a_name(kind, rough):
+    early = []
+    for seed in SEEDS[kind, rough]:
+        end, wrong = contact_endings.outcome(kind, seed, rough, OPTIONS)
+        assert not wrong, (seed, end, wrong)
+        assert any(name in end for name in NAMED), (seed, end)
+        if end != "reached its end":
+            early.append(seed)
+    assert len(early) <= 2, early
+
+
+def test_its_messages_are_told_by_class():
+    why = (
+        "IntegrationError: simulate: inconsistent at t = 1.35e-05 s: no forces of contact 4, contact 15 do. No motion."
+    )
+    assert contact_endings.ending(why).endswith("inconsistent: no forces of contacts do. No motion.")
