@@ -21,6 +21,7 @@
 #include "rbdyn/expression/rounded.ipp"
 #include "rbdyn/expression/rounding_sizes.ipp"
 #include "rbdyn/expression/schedule.ipp"
+#include "rbdyn/expression/series_abreast.ipp"
 #include "rbdyn/expression/series_evaluator.ipp"
 #include "rbdyn/expression/series_sizes.ipp"
 #include "rbdyn/expression/term_sizes.ipp"

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 
@@ -49,6 +51,23 @@ public:
 
     StepStatus step(double limit) override;
 
+    // A step in parts, for one who expands several engines side by side (taylor_abreast.hpp): it begins, the series are
+    // expanded as often as it asks for, and it ends.
+
+    /// What came of it if it is over already, made without series.
+    virtual std::optional<StepStatus> begin_step(double limit);
+    /// What came of it; none if the series are to be expanded anew.
+    virtual std::optional<StepStatus> end_step();
+    /// Coefficients 0 .. order of the state, and of the guards where there are any.
+    void expand();
+    /// The same, as they were computed side by side.
+    SeriesAbreast::Motion motion() const { return {t_.hi, unit_, x_, series_->weights()}; }
+    void take(const SeriesAbreast& abreast, int motion);
+    const Program& program() const { return equations_->program; }
+    int order() const { return order_; }
+    /// Whether more of them is looked at than the motion.
+    bool looks_at_all() const { return !equations_->guards.empty() || !hidden_->none(); }
+
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
     void standing(std::span<double> x, std::span<double> low) const override;
@@ -72,6 +91,8 @@ protected:
     std::span<const double> parameters() const { return parameters_; }
     Program::Rounding rounding() const { return rounding_; }
     double tolerance() const { return std::exp2(log_tolerance_); }
+    /// Of the step that is begun.
+    double limit() const { return limit_; }
     Instant t_;
     MotionScales scales_;
 
@@ -91,9 +112,6 @@ private:
     static double power_of_two(double x);
 
     Workshop& workshop_for(const Equations& equations);
-
-    /// Coefficients 0 .. order of the state, and of the guards where there are any.
-    void expand(int n);
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
     double step_length(double span);
@@ -136,6 +154,8 @@ private:
     const HiddenTerms* hidden_ = nullptr;
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     double unit_ = 0.0, natural_ = 0.0;
+    double limit_ = 0.0;  // of the step that is begun
+    int attempts_ = 0;    // at it
     std::vector<double> x_, low_, start_low_, parameters_;
     std::vector<double> mode_x_, mode_low_;     // the state its mode began with
     double steps_before_ = 0.0;                 // of what it goes on with

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -19,6 +20,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -62,6 +64,14 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
 RBDYN_INLINE void TaylorEngine::carry(std::span<const double> rest) { low_.assign(rest.begin(), rest.end()); }
 
 RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
+    if (const auto made = begin_step(limit)) return *made;
+    for (;;) {
+        expand();
+        if (const auto made = end_step()) return *made;
+    }
+}
+
+RBDYN_INLINE std::optional<StepStatus> TaylorEngine::begin_step(double limit) {
     if (!is_ready_) {
         mode_x_ = x_;
         mode_low_ = low_;
@@ -69,41 +79,46 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         set_parameters();
         is_ready_ = true;
     }
+    limit_ = limit;
+    attempts_ = 0;
+    if (!(unit_ > 0.0)) unit_ = power_of_two(limit - t_);
+    return std::nullopt;
+}
+
+RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     const int n = equations_->variables();
-    const double span = limit - t_;
-    if (!(unit_ > 0.0)) unit_ = power_of_two(span);
-    double length = 0.0;
-    for (int attempt = 0;; ++attempt) {
-        expand(n);
-        if (!series_->is_finite(0)) return StepStatus::not_finite;
-        const bool is_finite = series_->is_finite(order_ - 1);
-        length = is_finite ? step_length(span) * unevenness() : 0.0;
-        natural_ = length;
-        const bool is_unlimited = natural_ * unit_ > 0x1p32 * span;
-        if (length * unit_ > span) length = span / unit_;
-        bool capped = is_finite && length * unit_ >= span;
-        if (is_finite && !hidden_->none())
-            if (const double held = hidden_->held(*series_, length); held < length) {
-                natural_ = length = held;
-                capped = false;
-            }
-        if (is_finite && is_unlimited && may_hide(equations_->program)) {
-            const double part = borne_out(length);
-            capped = capped && part == 1.0;
-            length *= part;
+    const double span = limit_ - t_;
+    work_.right_hand_sides += order_;
+    if (!series_->is_finite(0)) return StepStatus::not_finite;
+    const bool is_finite = series_->is_finite(order_ - 1);
+    double length = is_finite ? step_length(span) * unevenness() : 0.0;
+    natural_ = length;
+    const bool is_unlimited = natural_ * unit_ > 0x1p32 * span;
+    if (length * unit_ > span) length = span / unit_;
+    bool capped = is_finite && length * unit_ >= span;
+    if (is_finite && !hidden_->none())
+        if (const double held = hidden_->held(*series_, length); held < length) {
+            natural_ = length = held;
+            capped = false;
         }
-        // a polynomial may be of any length, but its powers are numbers
-        if (is_finite && (capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) break;
+    if (is_finite && is_unlimited && may_hide(equations_->program)) {
+        const double part = borne_out(length);
+        capped = capped && part == 1.0;
+        length *= part;
+    }
+    // a polynomial may be of any length, but its powers are numbers
+    if (!is_finite || !(capped ? length <= longest : length >= 1.0 / 256.0 && length <= 256.0)) {
         // the unit of time was far from the step: measure again in a better one
         ++work_.rejected;
         const double factor = is_finite ? power_of_two(length) : 0x1p-24;
         unit_ *= factor;
-        if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
+        if (attempts_++ > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
+        return std::nullopt;
     }
     length = borne_out_at_end(length);
     // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
     double h = length * unit_;
-    Instant end{limit, 0.0};
+    Instant end{limit_, 0.0};
     if (h < span) {
         const double next = t_.hi + h;
         h = next - t_.hi;
@@ -222,15 +237,20 @@ RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations&
     return *workshops_.back().second;
 }
 
-RBDYN_INLINE void TaylorEngine::expand(int n) {
+RBDYN_INLINE void TaylorEngine::expand() {
     series_->begin(t_.hi, unit_);
-    for (int i = 0; i < n; ++i) series_->set_input(i, 0, x_[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < equations_->variables(); ++i) series_->set_input(i, 0, x_[at(i)]);
     for (int k = 0; k < order_; ++k) {
         series_->advance(k);
         series_->integrate(k);
     }
-    work_.right_hand_sides += order_;
     if (!equations_->guards.empty()) series_->advance(order_);
+}
+
+RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
+    if (!abreast.is_good(motion)) return expand();
+    series_->set_unit(unit_);
+    abreast.give(motion, *series_, looks_at_all());
 }
 
 RBDYN_INLINE double TaylorEngine::step_length(double span) {

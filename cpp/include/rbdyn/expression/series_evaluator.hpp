@@ -48,8 +48,12 @@ public:
     const double* switch_value(int index) const { return coefficients(program_->switch_output(index)); }
     /// Of a term of a combination, for the parameters given.
     double weight(int index) const { return scalars_[static_cast<std::size_t>(index)]; }
+    std::span<const double> weights() const { return scalars_; }
     double unit() const { return unit_; }
     const double* coefficients(int slot_index) const;
+    /// The same for who computed them elsewhere (series_abreast.hpp).
+    double* row(int slot_index) { return slot(slot_index).forward; }
+    void set_unit(double unit) { unit_ = unit; }
 
 private:
     // instructions with their series found once
