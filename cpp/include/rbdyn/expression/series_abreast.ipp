@@ -20,38 +20,62 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-/// What is computed at each order, in its order, and where: rows of vectors, the slots of the program first.
+/// What is computed at each order, in its order: stage by stage, and in a stage one kind after the other. Where things
+/// are is said in vectors from the first one on: of a series its coefficient 0.
 struct SeriesAbreast::Tape {
-    /// What one operation does; but for those that follow it is that of an instruction.
-    enum class Does : unsigned char { scale, sum, combine, instruct };
-    struct Step {
-        Does does;
-        Code code = Code::combine;
-        int out = -1, out2 = -1, a = -1, b = -1, c = -1, slope = -1;  // rows
-        int weight = -1;
-        int first = 0, last = 0;          // terms, or products
-        int first_sum = 0, last_sum = 0;  // sums; of a sum that is a row by itself first_sum is that
-        double value = 0.0;
+    using Place = std::ptrdiff_t;
+
+    /// A series times a weight.
+    struct Scale {
+        Place out, a, weight;
     };
+    /// A product, and the place of its part of a sum. Those of two with a factor in common are side by side.
     struct Product {
-        int x, y;  // rows
+        Place x, y, part;
     };
-    struct RowTerm {
-        int row, weight;
+    struct Pair {
+        Place x, z, y, part;
+    };
+    /// Of products [first, last); `series`: it is one by itself.
+    struct Sum {
+        Place first, last, out;
+        bool is_series;
+    };
+    /// A constant, multiples of series and sums.
+    struct Multiple {
+        Place series, weight;
+    };
+    struct Combination {
+        Place out, constant;  // -1: none
+        Place first, last, first_sum, last_sum;
+    };
+    struct Other {
+        Code code;
+        Place out, out2, a, b, c, slope;  // 0 of those that it has not
+        Place weight;
+        double value;
+    };
+    struct Ends {
+        std::size_t scales = 0, singles = 0, pairs = 0, sums = 0, combinations = 0, others = 0;
     };
     struct alignas(64) Block {
         double lanes[most];
     };
 
-    std::vector<Step> steps;
-    std::vector<Product> products;
-    std::vector<RowTerm> terms;
-    std::vector<std::pair<int, int>> motion;  // rows of an input and of its rate
-    std::vector<int> outputs;                 // rows of all, also of switches
-    int rows = 0, sums = 0, time = -1;
-    std::size_t stride = 0;
+    std::vector<Scale> scales;
+    std::vector<Product> products, singles;
+    std::vector<Pair> pairs;
+    std::vector<Sum> sums;
+    std::vector<Multiple> multiples;
+    std::vector<Combination> combinations;
+    std::vector<Other> others;
+    std::vector<Ends> stages;                     // where each of them ends
+    std::vector<std::pair<Place, Place>> motion;  // an input and its rate
+    std::vector<Place> outputs;                   // all, also switches
+    int rows = 0, sum_count = 0, part_count = 0;
+    Place stride = 0, time = -1;
     // vectors one after the other, whatever their width
-    std::vector<Block> cells, sum, next, weights;
+    std::vector<Block> cells, sum, next, weights, part, next_part;
     Block t{}, unit{}, check{};
     std::array<bool, most> begins_at_zero{};  // a norm
     void (*run)(Tape&, int order, bool whole) = nullptr;
@@ -73,85 +97,105 @@ public:
         tape_.rows = program.slots();
         for (const Schedule::Stage& stage : schedule_.stages) write(stage);
         for (int i = 0; i < std::min(program.inputs(), program.outputs()); ++i)
-            tape_.motion.emplace_back(i, program.output(i));
+            tape_.motion.emplace_back(at(i), at(program.output(i)));
         const int outputs = program.outputs() + static_cast<int>(program.switches().size());
-        for (int i = 0; i < outputs; ++i) tape_.outputs.push_back(program.output(i));
-        if (program.uses_time()) tape_.time = program.time_slot();
+        for (int i = 0; i < outputs; ++i) tape_.outputs.push_back(at(program.output(i)));
+        if (program.uses_time()) tape_.time = at(program.time_slot());
     }
 
 private:
-    using Step = Tape::Step;
-    using Does = Tape::Does;
+    using Place = Tape::Place;
 
-    static int count(std::size_t size) { return static_cast<int>(size); }
-
-    void write(const Schedule::Stage& stage) {
-        std::map<const Instruction*, std::pair<int, int>> sums_of;
-        for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
-            const Schedule::Combination& c = schedule_.combinations[i];
-            const Schedule::Range products = schedule_.sums[c.sum];
-            const bool is_row = c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0;
-            const int first = tape_.sums;
-            for (int lane = c.first_lane; lane < c.first_lane + c.lanes; ++lane)
-                write_sum(products, static_cast<std::size_t>(lane), is_row ? c.instruction->out : -1);
-            if (!is_row) sums_of[c.instruction] = {first, tape_.sums};
-        }
-        for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i)
-            if (const auto own = sums_of.find(schedule_.combinations[i].instruction); own != sums_of.end())
-                write_combination(*own->first, own->second);
-        for (std::size_t i = stage.others.first; i < stage.others.last; ++i) {
-            const Instruction& other = *schedule_.others[i];
-            if (other.code == Code::combine)
-                write_combination(other, {0, 0});
-            else
-                tape_.steps.push_back({Does::instruct, other.code, other.out, other.out2, other.a, other.b, other.c,
-                                       other.code == Code::norm ? -1 : other.extra, other.weight, 0, 0, 0, 0,
-                                       other.value});
-        }
+    /// The place of a row; of none that of the first, of which nothing is read.
+    Place at(int row) const { return row < 0 ? 0 : row * tape_.stride; }
+    template <class T>
+    static Place end(const std::vector<T>& list) {
+        return static_cast<Place>(list.size());
     }
 
-    /// The products of one lane of a sum of SeriesEvaluator.
-    void write_sum(const Schedule::Range& products, std::size_t lane, int row) {
-        Step sum{Does::sum};
-        std::vector<Tape::Product> own;
+    void write(const Schedule::Stage& stage) {
+        std::vector<std::pair<const Instruction*, std::pair<Place, Place>>> sums_of;
+        const std::size_t first_product = tape_.products.size();
+        for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
+            const Schedule::Combination& c = schedule_.combinations[i];
+            const bool is_series = c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0;
+            const Place first = tape_.sum_count;
+            for (int lane = c.first_lane; lane < c.first_lane + c.lanes; ++lane) {
+                write_sum(schedule_.sums[c.sum], static_cast<std::size_t>(lane));
+                if (is_series)
+                    tape_.sums.back().out = at(c.instruction->out);
+                else
+                    tape_.sums.back().out = tape_.sum_count;
+                tape_.sums.back().is_series = is_series;
+                ++tape_.sum_count;
+            }
+            if (!is_series) sums_of.push_back({c.instruction, {first, tape_.sum_count}});
+        }
+        pair_products(first_product);
+        for (const auto& [instruction, sums] : sums_of) write_combination(*instruction, sums.first, sums.second);
+        for (std::size_t i = stage.others.first; i < stage.others.last; ++i) {
+            const Instruction& other = *schedule_.others[i];
+            if (other.code == Code::combine) {
+                write_combination(other, 0, 0);
+                continue;
+            }
+            const int slope = other.code == Code::norm ? -1 : other.extra;
+            tape_.others.push_back({other.code, at(other.out), at(other.out2), at(other.a), at(other.b), at(other.c),
+                                    at(slope), other.weight, other.value});
+        }
+        tape_.stages.push_back({tape_.scales.size(), tape_.singles.size(), tape_.pairs.size(), tape_.sums.size(),
+                                tape_.combinations.size(), tape_.others.size()});
+    }
+
+    /// One lane of a sum of SeriesEvaluator.
+    void write_sum(const Schedule::Range& products, std::size_t lane) {
+        const Place first = end(tape_.products);
         for (std::size_t p = products.first; p < products.last; ++p) {
             const Schedule::Product& product = schedule_.products[p];
             const Schedule::Weighted &x = schedule_.series[product.x][lane], &y = schedule_.series[product.y][lane];
-            if (x.scalar != Schedule::zero) own.push_back({row_of(x), row_of(y)});
+            if (x.scalar != Schedule::zero) tape_.products.push_back({place_of(x), place_of(y), 0});
         }
-        sum.first = count(tape_.products.size());
-        tape_.products.insert(tape_.products.end(), own.begin(), own.end());
-        sum.last = count(tape_.products.size());
-        sum.out = tape_.sums++;
-        sum.first_sum = row;
-        tape_.steps.push_back(sum);
+        tape_.sums.push_back({first, end(tape_.products), 0, false});
     }
 
-    void write_combination(const Instruction& i, std::pair<int, int> sums) {
-        Step step{Does::combine, Code::combine, i.out};
-        step.weight = i.weight;
-        step.first = count(tape_.terms.size());
+    /// The products from one on, two by two where they have their second factor in common.
+    void pair_products(std::size_t first) {
+        Place part = 0;
+        std::vector<Tape::Product*> waiting;
+        for (std::size_t p = first; p < tape_.products.size(); ++p) waiting.push_back(&tape_.products[p]);
+        while (!waiting.empty()) {
+            Tape::Product& one = *waiting.front();
+            waiting.erase(waiting.begin());
+            one.part = part++;
+            const auto other =
+                std::find_if(waiting.begin(), waiting.end(), [&](const Tape::Product* p) { return p->y == one.y; });
+            if (other == waiting.end()) {
+                tape_.singles.push_back(one);
+                continue;
+            }
+            (*other)->part = part++;
+            tape_.pairs.push_back({one.x, (*other)->x, one.y, one.part});
+            waiting.erase(other);
+        }
+        tape_.part_count = std::max(tape_.part_count, static_cast<int>(part));
+    }
+
+    void write_combination(const Instruction& i, Place first_sum, Place last_sum) {
+        const Place first = end(tape_.multiples);
         for (int t = 0; t < i.terms; ++t)
-            tape_.terms.push_back({program_.terms(i)[t].slot, program_.terms(i)[t].weight});
-        step.last = count(tape_.terms.size());
-        step.first_sum = sums.first;
-        step.last_sum = sums.second;
-        tape_.steps.push_back(step);
+            tape_.multiples.push_back({at(program_.terms(i)[t].slot), program_.terms(i)[t].weight});
+        tape_.combinations.push_back({at(i.out), i.weight, first, end(tape_.multiples), first_sum, last_sum});
     }
 
-    /// A slot, or a row of it times its weight, which is written where it is used first.
-    int row_of(const Schedule::Weighted& w) {
-        if (w.scalar == Schedule::one) return w.slot;
+    /// Of a slot, or of a row of it times its weight, which is written where it is used first.
+    Place place_of(const Schedule::Weighted& w) {
+        if (w.scalar == Schedule::one) return at(w.slot);
         const auto [known, is_new] = weighted_.try_emplace(w, tape_.rows);
         if (is_new) {
             ++tape_.rows;
-            Step scale{Does::scale};
-            scale.out = known->second;
-            scale.a = w.slot;
-            scale.weight = w.scalar;
-            tape_.steps.push_back(scale);
+            tape_.scales.push_back({at(known->second), at(w.slot), w.scalar});
         }
-        return known->second;
+        return at(known->second);
     }
 
     const Program& program_;
@@ -172,13 +216,10 @@ RBDYN_ABREAST void each(const Lanes& x, Lanes& out, F f) {
 }
 
 template <class Lanes, class Tape>
-RBDYN_ABREAST void norm(const typename Tape::Step& s, Tape& tape, Lanes* cells, const Lanes* weights, int k) {
+RBDYN_ABREAST void norm(const typename Tape::Other& s, Tape& tape, Lanes* cells, const Lanes* weights, int k) {
     constexpr int width = sizeof(Lanes) / sizeof(double);
-    const std::size_t stride = tape.stride;
-    const Lanes* part[3] = {cells + static_cast<std::size_t>(s.a) * stride,
-                            cells + static_cast<std::size_t>(s.b) * stride,
-                            cells + static_cast<std::size_t>(s.c) * stride};
-    Lanes* out = cells + static_cast<std::size_t>(s.out) * stride;
+    const Lanes* part[3] = {cells + s.a, cells + s.b, cells + s.c};
+    Lanes* out = cells + s.out;
     if (k == 0) {
         const Lanes square = part[0][0] * part[0][0] + part[1][0] * part[1][0] + part[2][0] * part[2][0];
         for (int l = 0; l < width; ++l) {
@@ -200,15 +241,9 @@ RBDYN_ABREAST void norm(const typename Tape::Step& s, Tape& tape, Lanes* cells, 
 
 /// Coefficient k of what an instruction that is no combination gives, as in SeriesEvaluator::compute().
 template <class Lanes, class Tape>
-RBDYN_ABREAST void instruct(const typename Tape::Step& s, Tape& tape, Lanes* cells, const Lanes* weights, int k) {
-    const auto stride = static_cast<std::ptrdiff_t>(tape.stride);
-    // of those that it has not nothing is read
-    Lanes* out = cells + s.out * stride;
-    Lanes* out2 = cells + (s.out2 < 0 ? 0 : s.out2) * stride;
-    Lanes* slope = cells + (s.slope < 0 ? 0 : s.slope) * stride;
-    const Lanes* a = cells + s.a * stride;
-    const Lanes* b = cells + (s.b < 0 ? 0 : s.b) * stride;
-    const Lanes* c = cells + (s.c < 0 ? 0 : s.c) * stride;
+RBDYN_ABREAST void instruct(const typename Tape::Other& s, Tape& tape, Lanes* cells, const Lanes* weights, int k) {
+    Lanes *out = cells + s.out, *out2 = cells + s.out2, *slope = cells + s.slope;
+    const Lanes *a = cells + s.a, *b = cells + s.b, *c = cells + s.c;
     const auto order = static_cast<double>(k);
     switch (s.code) {
         case Code::combine:
@@ -312,41 +347,61 @@ RBDYN_ABREAST void instruct(const typename Tape::Step& s, Tape& tape, Lanes* cel
     }
 }
 
+/// Coefficient k of everything; `cells` begins with that one of the first series.
 template <class Lanes, class Tape>
-RBDYN_ABREAST void advance(Tape& tape, Lanes* cells, const Lanes* weights, Lanes* sums, Lanes* nexts, int k) {
-    using Does = typename Tape::Does;
-    const auto stride = static_cast<std::ptrdiff_t>(tape.stride);
-    for (const typename Tape::Step& s : tape.steps) {
-        switch (s.does) {
-            case Does::scale: cells[s.out * stride + k] = weights[s.weight] * cells[s.a * stride + k]; break;
-            case Does::sum: {
-                Lanes sum{}, next{};
-                const auto *p = tape.products.data() + s.first, *end = tape.products.data() + s.last;
-                if (k % 2 == 0) {
-                    for (; p != end; ++p)
-                        kernels::even_order(cells + p->x * stride, cells + p->y * stride, k, sum, next);
-                    nexts[s.out] = next;
-                } else {
-                    sum = nexts[s.out];
-                    for (; p != end; ++p) kernels::odd_order(cells + p->x * stride, cells + p->y * stride, k, sum);
-                }
-                if (s.first_sum >= 0)
-                    cells[s.first_sum * stride + k] = sum;
-                else
-                    sums[s.out] = sum;
-                break;
-            }
-            case Does::combine: {
-                Lanes sum{};
-                if (k == 0 && s.weight >= 0) sum = weights[s.weight];
-                const auto *t = tape.terms.data() + s.first, *end = tape.terms.data() + s.last;
-                for (; t != end; ++t) sum += weights[t->weight] * cells[t->row * stride + k];
-                for (int i = s.first_sum; i < s.last_sum; ++i) sum += sums[i];
-                cells[s.out * stride + k] = sum;
-                break;
-            }
-            case Does::instruct: instruct(s, tape, cells, weights, k); break;
+RBDYN_ABREAST void advance(Tape& tape, Lanes* cells, const Lanes* weights, int k) {
+    Lanes* now = cells + k;
+    Lanes *sums = Tape::template in<Lanes>(tape.sum), *nexts = Tape::template in<Lanes>(tape.next),
+          *parts = Tape::template in<Lanes>(tape.part), *next_parts = Tape::template in<Lanes>(tape.next_part);
+    const bool is_even = k % 2 == 0;
+    const auto* scale = tape.scales.data();
+    const auto *single = tape.singles.data(), *products = tape.products.data();
+    const auto* pair = tape.pairs.data();
+    const auto* sum = tape.sums.data();
+    const auto* combination = tape.combinations.data();
+    const auto* other = tape.others.data();
+    Lanes* next = nexts;
+    for (const typename Tape::Ends& stage : tape.stages) {
+        for (const auto* end = tape.scales.data() + stage.scales; scale != end; ++scale)
+            now[scale->out] = weights[scale->weight] * now[scale->a];
+        if (is_even && k > 0) {
+            for (const auto* end = tape.singles.data() + stage.singles; single != end; ++single)
+                kernels::even_order(cells + single->x, cells + single->y, k, parts[single->part],
+                                    next_parts[single->part]);
+            for (const auto* end = tape.pairs.data() + stage.pairs; pair != end; ++pair)
+                kernels::even_order(cells + pair->x, cells + pair->z, cells + pair->y, k, parts + pair->part,
+                                    next_parts + pair->part);
         }
+        for (const auto* end = tape.sums.data() + stage.sums; sum != end; ++sum, ++next) {
+            const auto *p = products + sum->first, *last = products + sum->last;
+            Lanes all{};
+            if (!is_even) {
+                all = *next;
+                for (; p != last; ++p) kernels::odd_order(cells + p->x, cells + p->y, k, all);
+            } else if (k > 0) {
+                Lanes above{};
+                for (; p != last; ++p) {
+                    all += parts[p->part];
+                    above += next_parts[p->part];
+                }
+                *next = above;
+            } else {
+                for (; p != last; ++p) all += cells[p->x] * cells[p->y];
+                *next = Lanes{};
+            }
+            *(sum->is_series ? now + sum->out : sums + sum->out) = all;
+        }
+        for (const auto* end = tape.combinations.data() + stage.combinations; combination != end; ++combination) {
+            Lanes all{};
+            if (k == 0 && combination->constant >= 0) all = weights[combination->constant];
+            const auto *m = tape.multiples.data() + combination->first,
+                       *last = tape.multiples.data() + combination->last;
+            for (; m != last; ++m) all += weights[m->weight] * now[m->series];
+            for (auto i = combination->first_sum; i < combination->last_sum; ++i) all += sums[i];
+            now[combination->out] = all;
+        }
+        for (const auto* end = tape.others.data() + stage.others; other != end; ++other)
+            instruct(*other, tape, cells, weights, k);
     }
 }
 
@@ -354,25 +409,23 @@ template <class Lanes, class Tape>
 RBDYN_ABREAST void expand(Tape& tape, int order, bool whole) {
     Lanes* cells = Tape::template in<Lanes>(tape.cells);
     const Lanes* weights = Tape::template in<Lanes>(tape.weights);
-    Lanes *sums = Tape::template in<Lanes>(tape.sum), *nexts = Tape::template in<Lanes>(tape.next);
-    const auto stride = static_cast<std::ptrdiff_t>(tape.stride);
     const Lanes unit = Tape::template in<Lanes>(tape.unit);
     if (tape.time >= 0) {
-        Lanes* time = cells + tape.time * stride;
+        Lanes* time = cells + tape.time;
         time[0] = Tape::template in<Lanes>(tape.t);
         time[1] = unit;
         for (int k = 2; k <= order; ++k) time[k] = Lanes{};
     }
     for (int k = 0; k <= (whole ? order : order - 1); ++k) {
-        advance(tape, cells, weights, sums, nexts, k);
+        advance(tape, cells, weights, k);
         if (k == order) break;
         const Lanes factor = unit / static_cast<double>(k + 1);
-        for (const auto& [input, rate] : tape.motion) cells[input * stride + k + 1] = cells[rate * stride + k] * factor;
+        for (const auto& [input, rate] : tape.motion) cells[input + k + 1] = cells[rate + k] * factor;
     }
     Lanes check{};
-    for (const auto& [input, rate] : tape.motion) check += 0.0 * cells[rate * stride + order - 1];
+    for (const auto& [input, rate] : tape.motion) check += 0.0 * cells[rate + order - 1];
     if (whole)
-        for (const int output : tape.outputs) check += 0.0 * cells[output * stride + order];
+        for (const auto output : tape.outputs) check += 0.0 * cells[output + order];
     Tape::template in<Lanes>(tape.check) = check;
 }
 
@@ -426,15 +479,17 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
         terms_.insert(terms_.end(), program.terms(i), program.terms(i) + i.terms);
         products_.insert(products_.end(), program.products(i), program.products(i) + i.products);
     }
-    Writer(program, *tape_);
     Tape& tape = *tape_;
-    tape.stride = static_cast<std::size_t>(stride_);
+    tape.stride = stride_;
+    Writer(program, tape);
     const auto blocks = [&](std::size_t vectors) {
         return (vectors * static_cast<std::size_t>(width_) + most - 1) / most;
     };
-    tape.cells.resize(blocks(static_cast<std::size_t>(tape.rows) * tape.stride));
-    tape.sum.resize(blocks(static_cast<std::size_t>(tape.sums)));
-    tape.next.resize(blocks(static_cast<std::size_t>(tape.sums)));
+    tape.cells.resize(blocks(static_cast<std::size_t>(tape.rows) * static_cast<std::size_t>(stride_)));
+    tape.sum.resize(blocks(static_cast<std::size_t>(tape.sum_count)));
+    tape.next.resize(blocks(static_cast<std::size_t>(tape.sum_count)));
+    tape.part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
+    tape.next_part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
     tape.weights.resize(blocks(static_cast<std::size_t>(program.scalars())));
 #ifdef RBDYN_HAS_LANES
     tape.run = abreast::two_of_two<Tape>;
@@ -449,14 +504,13 @@ RBDYN_INLINE SeriesAbreast::~SeriesAbreast() = default;
 
 RBDYN_INLINE bool SeriesAbreast::fits(const Program& program, int order) const {
     if (order != order_ || program.instructions().size() != instructions_.size() ||
-        program.slots() + static_cast<int>(0) > tape_->rows ||
         static_cast<std::size_t>(std::min(program.inputs(), program.outputs())) != tape_->motion.size())
         return false;
-    const std::vector<int>& outputs = tape_->outputs;
+    const std::vector<Tape::Place>& outputs = tape_->outputs;
     const auto count = static_cast<std::size_t>(program.outputs()) + program.switches().size();
     if (count != outputs.size()) return false;
     for (std::size_t i = 0; i < count; ++i)
-        if (program.output(static_cast<int>(i)) != outputs[i]) return false;
+        if (program.output(static_cast<int>(i)) * tape_->stride != outputs[i]) return false;
     std::size_t term = 0, product = 0;
     for (std::size_t n = 0; n < instructions_.size(); ++n) {
         const Instruction &i = program.instructions()[n], &own = instructions_[n];
@@ -477,7 +531,7 @@ RBDYN_INLINE bool SeriesAbreast::fits(const Program& program, int order) const {
 
 RBDYN_INLINE void SeriesAbreast::expand(std::span<const Motion> motions, bool whole) {
     Tape& tape = *tape_;
-    const auto width = static_cast<std::size_t>(width_), stride = tape.stride;
+    const auto width = static_cast<std::size_t>(width_), stride = static_cast<std::size_t>(stride_);
     double *cells = tape.cells.data()->lanes, *weights = tape.weights.data()->lanes;
     for (std::size_t l = 0; l < width; ++l) {
         // lanes to spare have another one's
@@ -498,22 +552,20 @@ RBDYN_INLINE bool SeriesAbreast::is_good(int motion) const {
 
 RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, bool whole) const {
     const Tape& tape = *tape_;
-    const auto width = static_cast<std::size_t>(width_), stride = tape.stride;
+    const auto width = static_cast<std::size_t>(width_), count = static_cast<std::size_t>(stride_);
     const double* cells = tape.cells.data()->lanes + motion;
-    const auto copy = [&](int slot) {
-        const double* from = cells + static_cast<std::size_t>(slot) * stride * width;
-        double* to = series.row(slot);
-        for (std::size_t k = 0; k < stride; ++k) to[k] = from[k * width];
+    const auto copy = [&](std::size_t slot) {
+        const double* from = cells + slot * count * width;
+        double* to = series.row(static_cast<int>(slot));
+        for (std::size_t k = 0; k < count; ++k) to[k] = from[k * width];
     };
-    if (whole) {
-        for (int slot = 0; slot < series.program().slots(); ++slot) copy(slot);
-        return;
-    }
-    for (const auto& [input, rate] : tape.motion) copy(input);
+    const auto slots = static_cast<std::size_t>(whole ? series.program().slots() : series.program().inputs());
+    for (std::size_t slot = 0; slot < slots; ++slot) copy(slot);
+    if (whole) return;
     const auto last = static_cast<std::size_t>(order_ - 1);
     for (const auto& [input, rate] : tape.motion) {
-        const double* from = cells + static_cast<std::size_t>(rate) * stride * width;
-        double* to = series.row(rate);
+        const double* from = cells + static_cast<std::size_t>(rate) * width;
+        double* to = series.row(static_cast<int>(rate / tape.stride));
         to[0] = from[0];
         to[last] = from[last * width];
     }

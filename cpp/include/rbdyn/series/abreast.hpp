@@ -10,6 +10,8 @@
 #if defined(__GNUC__) || defined(__clang__)
 #define RBDYN_HAS_LANES 1
 
+#include <cstddef>
+
 #include "rbdyn/basics/form.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::series::abreast {
@@ -41,13 +43,9 @@ RBDYN_ABREAST void dot(const Lanes* a, const Lanes* b, int n, Lanes& sum) {
     sum = all;
 }
 
-/// A product of two series: what it adds to a sum at an even order, and to the same sum at the next one.
+/// A product of two series at an even order above 0: what it adds to a sum there, and to the same sum at the next one.
 template <class Lanes>
 RBDYN_ABREAST void even_order(const Lanes* x, const Lanes* y, int k, Lanes& sum, Lanes& next) {
-    if (k == 0) {
-        sum += x[0] * y[0];
-        return;
-    }
     const Lanes* right = y + k - 1;
     Lanes above = *right, a{}, b = x[1] * above, c{}, d{};
     for (const Lanes *left = x + 2, *end = x + k; left != end; left += 2) {
@@ -63,8 +61,45 @@ RBDYN_ABREAST void even_order(const Lanes* x, const Lanes* y, int k, Lanes& sum,
     d += x[k] * y[1];
     a += x[0] * y[k];
     b += x[k] * y[0];
-    sum += a + b;
-    next += c + d;
+    sum = a + b;
+    next = c + d;
+}
+
+/// Two of them with a factor in common, whose coefficients are loaded once.
+template <class Lanes>
+RBDYN_ABREAST void even_order(const Lanes* x, const Lanes* z, const Lanes* y, int k, Lanes* sum, Lanes* next) {
+    const Lanes* right = y + k - 1;
+    Lanes above = *right, a{}, b = x[1] * above, c{}, d{}, e{}, f = z[1] * above, g{}, h{};
+    const std::ptrdiff_t other = z - x;
+    for (const Lanes *left = x + 2, *end = x + k; left != end; left += 2) {
+        const Lanes first = right[-1], second = right[-2];
+        Lanes even = left[0], odd = left[1];
+        a += even * first;
+        c += even * above;
+        b += odd * second;
+        d += odd * first;
+        even = left[other];
+        odd = left[other + 1];
+        e += even * first;
+        g += even * above;
+        f += odd * second;
+        h += odd * first;
+        above = second;
+        right -= 2;
+    }
+    const Lanes last = y[k], start = y[0], slow = y[1];
+    c += x[1] * last;
+    d += x[k] * slow;
+    a += x[0] * last;
+    b += x[k] * start;
+    g += z[1] * last;
+    h += z[k] * slow;
+    e += z[0] * last;
+    f += z[k] * start;
+    sum[0] = a + b;
+    next[0] = c + d;
+    sum[1] = e + f;
+    next[1] = g + h;
 }
 
 /// The rest of it at an odd order.
