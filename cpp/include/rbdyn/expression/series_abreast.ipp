@@ -21,7 +21,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 /// What is computed at each order, in its order: stage by stage, and in a stage one kind after the other. Where things
-/// are is said in vectors from the first one on: of a series its coefficient 0.
+/// are is said in bytes from the first one on: of a series its coefficient 0.
 struct SeriesAbreast::Tape {
     using Place = std::ptrdiff_t;
 
@@ -73,7 +73,7 @@ struct SeriesAbreast::Tape {
     std::vector<std::pair<Place, Place>> motion;  // an input and its rate
     std::vector<Place> outputs;                   // all, also switches
     int rows = 0, sum_count = 0, part_count = 0;
-    Place stride = 0, time = -1;
+    Place vector = 0, stride = 0, time = -1;  // bytes of a vector, of a series
     // vectors one after the other, whatever their width
     std::vector<Block> cells, sum, next, weights, part, next_part;
     Block t{}, unit{}, check{};
@@ -108,6 +108,8 @@ private:
 
     /// The place of a row; of none that of the first, of which nothing is read.
     Place at(int row) const { return row < 0 ? 0 : row * tape_.stride; }
+    /// -1: none.
+    Place weight_at(int weight) const { return weight < 0 ? -1 : weight * tape_.vector; }
     template <class T>
     static Place end(const std::vector<T>& list) {
         return static_cast<Place>(list.size());
@@ -119,17 +121,17 @@ private:
         for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
             const Schedule::Combination& c = schedule_.combinations[i];
             const bool is_series = c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0;
-            const Place first = tape_.sum_count;
+            const Place first = tape_.sum_count * tape_.vector;
             for (int lane = c.first_lane; lane < c.first_lane + c.lanes; ++lane) {
                 write_sum(schedule_.sums[c.sum], static_cast<std::size_t>(lane));
                 if (is_series)
                     tape_.sums.back().out = at(c.instruction->out);
                 else
-                    tape_.sums.back().out = tape_.sum_count;
+                    tape_.sums.back().out = tape_.sum_count * tape_.vector;
                 tape_.sums.back().is_series = is_series;
                 ++tape_.sum_count;
             }
-            if (!is_series) sums_of.push_back({c.instruction, {first, tape_.sum_count}});
+            if (!is_series) sums_of.push_back({c.instruction, {first, tape_.sum_count * tape_.vector}});
         }
         pair_products(first_product);
         for (const auto& [instruction, sums] : sums_of) write_combination(*instruction, sums.first, sums.second);
@@ -141,7 +143,7 @@ private:
             }
             const int slope = other.code == Code::norm ? -1 : other.extra;
             tape_.others.push_back({other.code, at(other.out), at(other.out2), at(other.a), at(other.b), at(other.c),
-                                    at(slope), other.weight, other.value});
+                                    at(slope), weight_at(other.weight), other.value});
         }
         tape_.stages.push_back({tape_.scales.size(), tape_.singles.size(), tape_.pairs.size(), tape_.sums.size(),
                                 tape_.combinations.size(), tape_.others.size()});
@@ -166,14 +168,14 @@ private:
         while (!waiting.empty()) {
             Tape::Product& one = *waiting.front();
             waiting.erase(waiting.begin());
-            one.part = part++;
+            one.part = part++ * tape_.vector;
             const auto other =
                 std::find_if(waiting.begin(), waiting.end(), [&](const Tape::Product* p) { return p->y == one.y; });
             if (other == waiting.end()) {
                 tape_.singles.push_back(one);
                 continue;
             }
-            (*other)->part = part++;
+            (*other)->part = part++ * tape_.vector;
             tape_.pairs.push_back({one.x, (*other)->x, one.y, one.part});
             waiting.erase(other);
         }
@@ -183,8 +185,9 @@ private:
     void write_combination(const Instruction& i, Place first_sum, Place last_sum) {
         const Place first = end(tape_.multiples);
         for (int t = 0; t < i.terms; ++t)
-            tape_.multiples.push_back({at(program_.terms(i)[t].slot), program_.terms(i)[t].weight});
-        tape_.combinations.push_back({at(i.out), i.weight, first, end(tape_.multiples), first_sum, last_sum});
+            tape_.multiples.push_back({at(program_.terms(i)[t].slot), weight_at(program_.terms(i)[t].weight)});
+        tape_.combinations.push_back(
+            {at(i.out), weight_at(i.weight), first, end(tape_.multiples), first_sum, last_sum});
     }
 
     /// Of a slot, or of a row of it times its weight, which is written where it is used first.
@@ -193,7 +196,7 @@ private:
         const auto [known, is_new] = weighted_.try_emplace(w, tape_.rows);
         if (is_new) {
             ++tape_.rows;
-            tape_.scales.push_back({at(known->second), at(w.slot), w.scalar});
+            tape_.scales.push_back({at(known->second), at(w.slot), weight_at(w.scalar)});
         }
         return at(known->second);
     }
@@ -209,6 +212,16 @@ namespace abreast {
 
 namespace kernels = series::abreast;
 
+/// The vector at a place.
+template <class Lanes>
+RBDYN_ABREAST Lanes* at(Lanes* first, std::ptrdiff_t place) {
+    return reinterpret_cast<Lanes*>(reinterpret_cast<char*>(first) + place);
+}
+template <class Lanes>
+RBDYN_ABREAST const Lanes* at(const Lanes* first, std::ptrdiff_t place) {
+    return reinterpret_cast<const Lanes*>(reinterpret_cast<const char*>(first) + place);
+}
+
 template <class Lanes, class F>
 RBDYN_ABREAST void each(const Lanes& x, Lanes& out, F f) {
     constexpr int width = sizeof(Lanes) / sizeof(double);
@@ -218,12 +231,12 @@ RBDYN_ABREAST void each(const Lanes& x, Lanes& out, F f) {
 template <class Lanes, class Tape>
 RBDYN_ABREAST void norm(const typename Tape::Other& s, Tape& tape, Lanes* cells, const Lanes* weights, int k) {
     constexpr int width = sizeof(Lanes) / sizeof(double);
-    const Lanes* part[3] = {cells + s.a, cells + s.b, cells + s.c};
-    Lanes* out = cells + s.out;
+    const Lanes* part[3] = {at(cells, s.a), at(cells, s.b), at(cells, s.c)};
+    Lanes* out = at(cells, s.out);
     if (k == 0) {
         const Lanes square = part[0][0] * part[0][0] + part[1][0] * part[1][0] + part[2][0] * part[2][0];
         for (int l = 0; l < width; ++l) {
-            const bool is_ignored = s.weight >= 0 && weights[s.weight][l] != 0.0,
+            const bool is_ignored = s.weight >= 0 && (*at(weights, s.weight))[l] != 0.0,
                        is_zero = part[0][0][l] == 0.0 && part[1][0][l] == 0.0 && part[2][0][l] == 0.0;
             if (is_ignored || is_zero) tape.begins_at_zero[static_cast<std::size_t>(l)] = true;
             out[0][l] = std::sqrt(square[l]);
@@ -242,8 +255,8 @@ RBDYN_ABREAST void norm(const typename Tape::Other& s, Tape& tape, Lanes* cells,
 /// Coefficient k of what an instruction that is no combination gives, as in SeriesEvaluator::compute().
 template <class Lanes, class Tape>
 RBDYN_ABREAST void instruct(const typename Tape::Other& s, Tape& tape, Lanes* cells, const Lanes* weights, int k) {
-    Lanes *out = cells + s.out, *out2 = cells + s.out2, *slope = cells + s.slope;
-    const Lanes *a = cells + s.a, *b = cells + s.b, *c = cells + s.c;
+    Lanes *out = at(cells, s.out), *out2 = at(cells, s.out2), *slope = at(cells, s.slope);
+    const Lanes *a = at(cells, s.a), *b = at(cells, s.b), *c = at(cells, s.c);
     const auto order = static_cast<double>(k);
     switch (s.code) {
         case Code::combine:
@@ -363,42 +376,43 @@ RBDYN_ABREAST void advance(Tape& tape, Lanes* cells, const Lanes* weights, int k
     Lanes* next = nexts;
     for (const typename Tape::Ends& stage : tape.stages) {
         for (const auto* end = tape.scales.data() + stage.scales; scale != end; ++scale)
-            now[scale->out] = weights[scale->weight] * now[scale->a];
+            *at(now, scale->out) = *at(weights, scale->weight) * *at(now, scale->a);
         if (is_even && k > 0) {
             for (const auto* end = tape.singles.data() + stage.singles; single != end; ++single)
-                kernels::even_order(cells + single->x, cells + single->y, k, parts[single->part],
-                                    next_parts[single->part]);
+                kernels::even_order(at(cells, single->x), at(cells, single->y), k, *at(parts, single->part),
+                                    *at(next_parts, single->part));
             for (const auto* end = tape.pairs.data() + stage.pairs; pair != end; ++pair)
-                kernels::even_order(cells + pair->x, cells + pair->z, cells + pair->y, k, parts + pair->part,
-                                    next_parts + pair->part);
+                kernels::even_order(at(cells, pair->x), at(cells, pair->z), at(cells, pair->y), k,
+                                    at(parts, pair->part), at(next_parts, pair->part));
         }
         for (const auto* end = tape.sums.data() + stage.sums; sum != end; ++sum, ++next) {
             const auto *p = products + sum->first, *last = products + sum->last;
             Lanes all{};
             if (!is_even) {
                 all = *next;
-                for (; p != last; ++p) kernels::odd_order(cells + p->x, cells + p->y, k, all);
+                for (; p != last; ++p) kernels::odd_order(at(cells, p->x), at(cells, p->y), k, all);
             } else if (k > 0) {
                 Lanes above{};
                 for (; p != last; ++p) {
-                    all += parts[p->part];
-                    above += next_parts[p->part];
+                    all += *at(parts, p->part);
+                    above += *at(next_parts, p->part);
                 }
                 *next = above;
             } else {
-                for (; p != last; ++p) all += cells[p->x] * cells[p->y];
+                for (; p != last; ++p) all += *at(cells, p->x) * *at(cells, p->y);
                 *next = Lanes{};
             }
-            *(sum->is_series ? now + sum->out : sums + sum->out) = all;
+            *at(sum->is_series ? now : sums, sum->out) = all;
         }
         for (const auto* end = tape.combinations.data() + stage.combinations; combination != end; ++combination) {
             Lanes all{};
-            if (k == 0 && combination->constant >= 0) all = weights[combination->constant];
+            if (k == 0 && combination->constant >= 0) all = *at(weights, combination->constant);
             const auto *m = tape.multiples.data() + combination->first,
                        *last = tape.multiples.data() + combination->last;
-            for (; m != last; ++m) all += weights[m->weight] * now[m->series];
-            for (auto i = combination->first_sum; i < combination->last_sum; ++i) all += sums[i];
-            now[combination->out] = all;
+            for (; m != last; ++m) all += *at(weights, m->weight) * *at(now, m->series);
+            const Lanes *own = at(sums, combination->first_sum), *own_end = at(sums, combination->last_sum);
+            for (; own != own_end; ++own) all += *own;
+            *at(now, combination->out) = all;
         }
         for (const auto* end = tape.others.data() + stage.others; other != end; ++other)
             instruct(*other, tape, cells, weights, k);
@@ -411,7 +425,7 @@ RBDYN_ABREAST void expand(Tape& tape, int order, bool whole) {
     const Lanes* weights = Tape::template in<Lanes>(tape.weights);
     const Lanes unit = Tape::template in<Lanes>(tape.unit);
     if (tape.time >= 0) {
-        Lanes* time = cells + tape.time;
+        Lanes* time = at(cells, tape.time);
         time[0] = Tape::template in<Lanes>(tape.t);
         time[1] = unit;
         for (int k = 2; k <= order; ++k) time[k] = Lanes{};
@@ -420,12 +434,12 @@ RBDYN_ABREAST void expand(Tape& tape, int order, bool whole) {
         advance(tape, cells, weights, k);
         if (k == order) break;
         const Lanes factor = unit / static_cast<double>(k + 1);
-        for (const auto& [input, rate] : tape.motion) cells[input + k + 1] = cells[rate + k] * factor;
+        for (const auto& [input, rate] : tape.motion) at(cells, input)[k + 1] = at(cells, rate)[k] * factor;
     }
     Lanes check{};
-    for (const auto& [input, rate] : tape.motion) check += 0.0 * cells[rate + order - 1];
+    for (const auto& [input, rate] : tape.motion) check += 0.0 * at(cells, rate)[order - 1];
     if (whole)
-        for (const auto output : tape.outputs) check += 0.0 * cells[output + order];
+        for (const auto output : tape.outputs) check += 0.0 * at(cells, output)[order];
     Tape::template in<Lanes>(tape.check) = check;
 }
 
@@ -480,7 +494,8 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
         products_.insert(products_.end(), program.products(i), program.products(i) + i.products);
     }
     Tape& tape = *tape_;
-    tape.stride = stride_;
+    tape.vector = static_cast<Tape::Place>(static_cast<std::size_t>(width_) * sizeof(double));
+    tape.stride = stride_ * tape.vector;
     Writer(program, tape);
     const auto blocks = [&](std::size_t vectors) {
         return (vectors * static_cast<std::size_t>(width_) + most - 1) / most;
@@ -564,8 +579,9 @@ RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, bool 
     if (whole) return;
     const auto last = static_cast<std::size_t>(order_ - 1);
     for (const auto& [input, rate] : tape.motion) {
-        const double* from = cells + static_cast<std::size_t>(rate) * width;
-        double* to = series.row(static_cast<int>(rate / tape.stride));
+        const auto row = static_cast<std::size_t>(rate / tape.stride);
+        const double* from = cells + row * count * width;
+        double* to = series.row(static_cast<int>(row));
         to[0] = from[0];
         to[last] = from[last * width];
     }
