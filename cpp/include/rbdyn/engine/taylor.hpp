@@ -62,11 +62,12 @@ public:
     void expand();
     /// The same, as they were computed side by side.
     SeriesAbreast::Motion motion() const { return {t_.hi, unit_, x_, series_->weights()}; }
+    /// Until the next step begins these are asked for more.
     void take(const SeriesAbreast& abreast, int motion);
     const Program& program() const { return equations_->program; }
     int order() const { return order_; }
-    /// Whether more of them is looked at than the motion.
-    bool looks_at_all() const { return !equations_->guards.empty() || !hidden_->none(); }
+    /// Whether there are guards, of which one more coefficient is known than of rates.
+    bool has_guards() const { return !equations_->guards.empty(); }
 
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
@@ -101,9 +102,10 @@ private:
 
     /// What is made for equations, and kept.
     struct Workshop {
-        Workshop(const Program& program, int order) : series(program, order), hidden(program, order) {}
+        Workshop(const Equations& equations, int order);
         SeriesEvaluator series;
         HiddenTerms hidden;
+        std::vector<int> looked_at;  // slots, beside the state's and the rates'
     };
 
     void set_parameters();
@@ -113,12 +115,15 @@ private:
 
     Workshop& workshop_for(const Equations& equations);
 
+    /// Takes the rest of coefficients that were computed side by side.
+    void complete();
+
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
     double step_length(double span);
 
     /// Whether a guard is a polynomial, exact at any length: of a high degree that is no rounding (a power of a
     /// distance would else be cut shorter and shorter towards its zero).
-    bool is_polynomial(const double* c, const Guard& guard) const;
+    bool is_polynomial(const double* c, const Guard& guard);
 
     /// How much of a step that nothing limits the equations themselves bear out, at 64 places: a series knows them
     /// where it begins, and sees neither a pulse far away nor that a root has passed its zero.
@@ -152,6 +157,9 @@ private:
     const Equations* equations_ = nullptr;
     SeriesEvaluator* series_ = nullptr;
     const HiddenTerms* hidden_ = nullptr;
+    const std::vector<int>* looked_at_ = nullptr;
+    const SeriesAbreast* abreast_ = nullptr;  // has the rest of its coefficients; null: there is none
+    int lane_ = 0;
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     double unit_ = 0.0, natural_ = 0.0;
     double limit_ = 0.0;  // of the step that is begun

@@ -47,6 +47,7 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
         Workshop& workshop = workshop_for(equations);
         series_ = &workshop.series;
         hidden_ = &workshop.hidden;
+        looked_at_ = &workshop.looked_at;
         scales_.resize(x.size());
         scales_.follow(equations.groups);
         roots_ = has_roots(equations.program) && equations.start_flags.empty()
@@ -81,6 +82,7 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::begin_step(double limit) {
     }
     limit_ = limit;
     attempts_ = 0;
+    abreast_ = nullptr;
     if (!(unit_ > 0.0)) unit_ = power_of_two(limit - t_);
     return std::nullopt;
 }
@@ -202,6 +204,7 @@ RBDYN_INLINE int TaylorEngine::guard_order() const { return order_; }
 
 RBDYN_INLINE void TaylorEngine::guard_sizes(int index, double* sizes) {
     const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
+    complete();
     const TermSizes::Sizes s = TermSizes(*series_, order_)(equations_->program.output(g.output));
     std::copy_n(s.begin(), order_ + 1, sizes);
 }
@@ -230,10 +233,19 @@ RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
     return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
 }
 
+RBDYN_INLINE TaylorEngine::Workshop::Workshop(const Equations& equations, int order)
+    : series(equations.program, order), hidden(equations.program, order), looked_at(hidden.slots()) {
+    for (const Guard& guard : equations.guards)
+        if (guard.output >= 0) looked_at.push_back(equations.program.output(guard.output));
+    std::sort(looked_at.begin(), looked_at.end());
+    looked_at.erase(std::unique(looked_at.begin(), looked_at.end()), looked_at.end());
+    std::erase_if(looked_at, [&](int slot) { return slot < equations.variables(); });
+}
+
 RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations& equations) {
     for (auto& [known, workshop] : workshops_)
         if (known == &equations) return *workshop;
-    workshops_.emplace_back(&equations, std::make_unique<Workshop>(equations.program, order_));
+    workshops_.emplace_back(&equations, std::make_unique<Workshop>(equations, order_));
     return *workshops_.back().second;
 }
 
@@ -250,7 +262,14 @@ RBDYN_INLINE void TaylorEngine::expand() {
 RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
     if (!abreast.is_good(motion)) return expand();
     series_->set_unit(unit_);
-    abreast.give(motion, *series_, looks_at_all());
+    abreast.give(motion, *series_, *looked_at_, has_guards());
+    abreast_ = &abreast;
+    lane_ = motion;
+}
+
+RBDYN_INLINE void TaylorEngine::complete() {
+    if (abreast_ != nullptr) abreast_->give_all(lane_, *series_, has_guards());
+    abreast_ = nullptr;
 }
 
 RBDYN_INLINE double TaylorEngine::step_length(double span) {
@@ -360,11 +379,12 @@ RBDYN_INLINE bool TaylorEngine::passes_guard(double tau) const {
     });
 }
 
-RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) const {
+RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) {
     if (c[order_] != 0.0 || c[order_ - 1] != 0.0 || c[order_ - 2] != 0.0 || c[order_ - 3] != 0.0) return false;
     int k = order_ - 4;
     while (k > order_ / 2 && c[k] == 0.0) --k;
     if (k == order_ / 2) return false;
+    complete();
     const TermSizes::Sizes sizes = TermSizes(*series_, order_)(equations_->program.output(guard.output));
     return std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[at(k)];
 }

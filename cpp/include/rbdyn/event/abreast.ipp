@@ -22,8 +22,11 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE AbreastShape::AbreastShape(const Program& program, int order) {
     using Processor = SeriesAbreast::Processor;
     few = std::make_unique<SeriesAbreast>(program, order, std::min(SeriesAbreast::widest(), Processor::four));
-    if (SeriesAbreast::widest() == Processor::eight)
-        many = std::make_unique<SeriesAbreast>(program, order, Processor::eight);
+    if (SeriesAbreast::widest() != Processor::eight) return;
+    many = std::make_unique<SeriesAbreast>(program, order, Processor::eight);
+    // four that are kept near the processor are quicker than eight that are not
+    constexpr std::size_t near = 32 * 1024;
+    if (few->bytes() <= near && many->bytes() > near) many.reset();
 }
 
 RBDYN_INLINE RunAbreast::RunAbreast(std::unique_ptr<TaylorEngine> engine, std::unique_ptr<Driver> driver, double until,
@@ -122,7 +125,7 @@ RBDYN_INLINE void Abreast::turn(const std::vector<RunAbreast*>& runs) {
         bool whole = false;
         for (const RunAbreast* run : chosen_) {
             motions_.push_back(run->engine_->motion());
-            whole = whole || run->engine_->looks_at_all();
+            whole = whole || run->engine_->has_guards();
         }
         series.expand(motions_, whole);
         for (std::size_t i = 0; i < chosen_.size(); ++i) chosen_[i]->engine_->take(series, static_cast<int>(i));

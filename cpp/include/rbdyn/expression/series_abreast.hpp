@@ -46,16 +46,24 @@ public:
         std::span<const double> state;
         std::span<const double> weights;  // SeriesEvaluator::weights()
     };
-    /// Coefficients 0 .. order of the inputs of width() motions at most; `whole`: also of order `order` of all slots.
+    /// Coefficients 0 .. order of the inputs of width() motions at most, 0 .. order - 1 of the other slots; `whole`: 0
+    /// .. order of these too.
     void expand(std::span<const Motion> motions, bool whole);
     /// Whether the motion's coefficients are what it has alone.
     bool is_good(int motion) const;
-    /// Hands them to its evaluator: those of the inputs, and rates as far as is_finite() looks, or of all slots.
-    void give(int motion, SeriesEvaluator& series, bool whole) const;
+    /// Hands a motion's to its evaluator: those of the inputs, of rates what is_finite() looks at, and of some slots.
+    void give(int motion, SeriesEvaluator& series, std::span<const int> slots, bool whole) const;
+    /// Those of all slots.
+    void give_all(int motion, SeriesEvaluator& series, bool whole) const;
+
+    /// Bytes that an expansion goes through again and again.
+    std::size_t bytes() const;
 
 private:
     struct Tape;
     class Writer;
+
+    void copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const;
 
     int order_, width_, stride_;
     std::vector<Instruction> instructions_;

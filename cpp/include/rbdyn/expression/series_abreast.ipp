@@ -565,26 +565,40 @@ RBDYN_INLINE bool SeriesAbreast::is_good(int motion) const {
     return !tape_->begins_at_zero[l] && tape_->check.lanes[l] == 0.0;
 }
 
-RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, bool whole) const {
-    const Tape& tape = *tape_;
-    const auto width = static_cast<std::size_t>(width_), count = static_cast<std::size_t>(stride_);
-    const double* cells = tape.cells.data()->lanes + motion;
-    const auto copy = [&](std::size_t slot) {
-        const double* from = cells + slot * count * width;
-        double* to = series.row(static_cast<int>(slot));
-        for (std::size_t k = 0; k < count; ++k) to[k] = from[k * width];
-    };
-    const auto slots = static_cast<std::size_t>(whole ? series.program().slots() : series.program().inputs());
-    for (std::size_t slot = 0; slot < slots; ++slot) copy(slot);
-    if (whole) return;
-    const auto last = static_cast<std::size_t>(order_ - 1);
-    for (const auto& [input, rate] : tape.motion) {
-        const auto row = static_cast<std::size_t>(rate / tape.stride);
-        const double* from = cells + row * count * width;
-        double* to = series.row(static_cast<int>(row));
+RBDYN_INLINE void SeriesAbreast::copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const {
+    const auto width = static_cast<std::size_t>(width_);
+    const double* from = tape_->cells.data()->lanes + static_cast<std::size_t>(slot * stride_) * width +
+                         static_cast<std::size_t>(motion);
+    double* to = series.row(slot);
+#ifdef RBDYN_HAS_LANES
+#pragma GCC unroll 4
+#endif
+    for (std::size_t k = 0; k < count; ++k) to[k] = from[k * width];
+}
+
+RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, std::span<const int> slots,
+                                      bool whole) const {
+    const auto count = static_cast<std::size_t>(stride_);
+    for (int slot = 0; slot < series.program().inputs(); ++slot) copy(motion, slot, count, series);
+    for (const int slot : slots) copy(motion, slot, whole ? count : count - 1, series);
+    const auto width = static_cast<std::size_t>(width_), last = static_cast<std::size_t>(order_ - 1) * width;
+    for (const auto& [input, rate] : tape_->motion) {
+        const auto slot = static_cast<int>(rate / tape_->stride);
+        const double* from = tape_->cells.data()->lanes + static_cast<std::size_t>(slot * stride_) * width +
+                             static_cast<std::size_t>(motion);
+        double* to = series.row(slot);
         to[0] = from[0];
-        to[last] = from[last * width];
+        to[order_ - 1] = from[last];
     }
 }
+
+RBDYN_INLINE void SeriesAbreast::give_all(int motion, SeriesEvaluator& series, bool whole) const {
+    const auto count = static_cast<std::size_t>(stride_);
+    const int inputs = series.program().inputs();
+    for (int slot = 0; slot < series.program().slots(); ++slot)
+        copy(motion, slot, whole || slot < inputs ? count : count - 1, series);
+}
+
+RBDYN_INLINE std::size_t SeriesAbreast::bytes() const { return tape_->cells.size() * sizeof(Tape::Block); }
 
 }  // namespace rbdyn::inline RBDYN_FORM
