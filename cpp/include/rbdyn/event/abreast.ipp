@@ -49,7 +49,9 @@ void RunAbreast::go(const Part& part) {
 }
 
 RBDYN_INLINE void RunAbreast::begin(double start, std::vector<double> x) {
+    const auto before = std::chrono::steady_clock::now();
     go([&] { return driver_->set_out(record, start, std::move(x), until_); });
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
 }
 
 RBDYN_INLINE void RunAbreast::go_on() {
