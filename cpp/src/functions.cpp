@@ -1,6 +1,7 @@
 // Compiled once: functions of the user's, recorded.
 #include "exported.hpp"
 
+#include "rbdyn/expression/abreast_tape.ipp"
 #include "rbdyn/expression/callback.ipp"
 #include "rbdyn/expression/condition.ipp"
 #include "rbdyn/expression/derivative.ipp"

@@ -77,6 +77,7 @@
 #include "rbdyn/event/record.ipp"
 #include "rbdyn/event/search.ipp"
 #include "rbdyn/event/search_least.ipp"
+#include "rbdyn/expression/abreast_tape.ipp"
 #include "rbdyn/expression/callback.ipp"
 #include "rbdyn/expression/condition.ipp"
 #include "rbdyn/expression/derivative.ipp"

@@ -19,6 +19,10 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+namespace abreast {
+struct Tape;  // abreast_tape.hpp
+}
+
 class SeriesAbreast {
 public:
     enum class Processor { any, four, eight };
@@ -60,16 +64,13 @@ public:
     std::size_t bytes() const;
 
 private:
-    struct Tape;
-    class Writer;
-
     void copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const;
 
     int order_, width_, stride_;
     std::vector<Instruction> instructions_;
     std::vector<Term> terms_;
     std::vector<ProductTerm> products_;
-    std::unique_ptr<Tape> tape_;
+    std::unique_ptr<abreast::Tape> tape_;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM
