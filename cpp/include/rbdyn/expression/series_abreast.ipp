@@ -26,7 +26,7 @@ inline void two_of_two(Tape& tape, int order, bool whole) { expand<kernels::Four
 __attribute__((target("avx2"))) inline void four(Tape& tape, int order, bool whole) {
     expand<kernels::Four>(tape, order, whole);
 }
-__attribute__((target("avx512f,prefer-vector-width=512"))) inline void eight(Tape& tape, int order, bool whole) {
+__attribute__((target("avx512f"))) inline void eight(Tape& tape, int order, bool whole) {
     expand<kernels::Eight>(tape, order, whole);
 }
 #endif
