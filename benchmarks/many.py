@@ -1,7 +1,8 @@
 """Members of a sweep a second: a Python loop over simulate(), simulate_many() on one and on two threads, and executors.
 
 Each row is a scene with 2000 starts or numbers; microseconds a member of the whole call, least of five, and how many
-members were planned. `loop` sets what is varied and calls simulate(initial=) for each.
+members were planned. Members of a thread go one after the other; for those side by side see lanes.py. `loop` sets
+what is varied and calls simulate(initial=) for each.
 """
 
 import time
@@ -95,10 +96,10 @@ def main():
         many = rb.simulate_many
         ways = (
             ("loop", loop, {}),
-            ("1 thread", many, {"threads": 1}),
-            ("2 threads", many, {"threads": 2}),
-            ("pool of 2 threads", many, {"executor": threads}),
-            ("2 processes", many, {"executor": processes}),
+            ("1 thread", many, {"threads": 1, "lanes": False}),
+            ("2 threads", many, {"threads": 2, "lanes": False}),
+            ("pool of 2 threads", many, {"executor": threads, "lanes": False}),
+            ("2 processes", many, {"executor": processes, "lanes": False}),
         )
         for options in ({"rtol": 1e-9}, {"error": 1e-9}):
             print(f"microseconds a member, {COUNT} members, {options}")
@@ -109,7 +110,7 @@ def main():
                 for _, run, how in ways:
                     time_of_one, result = microseconds(run, scene, vary, until, **options, **how)
                     row.append(time_of_one)
-                    if how == {"threads": 1}:
+                    if how.get("threads") == 1:
                         planned = sum(s.planned for s in result.statistics)
                 print(f"  {name:34}" + "".join(f"{x:19.1f}" for x in row) + f"{planned:9}", flush=True)
 

@@ -106,7 +106,7 @@ py::object refusal_of(const std::exception_ptr& refused) {
 
 py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count, double until, double start,
                 std::optional<double> error, std::optional<double> rtol, const std::string& engine,
-                const KeepLike& keep, std::int64_t max_steps, const py::object& progress, int threads) {
+                const KeepLike& keep, std::int64_t max_steps, const py::object& progress, int threads, bool lanes) {
     // copies, since other threads may change the scene while this one runs without the lock
     const rbdyn::Scene copy = scene.scene;
     const auto handles = std::make_shared<const Handles>(scene.handles);
@@ -115,6 +115,7 @@ py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count
     rbdyn::ManyOptions options;
     options.run = options_of(until, start, error, rtol, engine, keep, max_steps);
     options.threads = needs_lock(copy) ? 1 : threads;
+    options.lanes = lanes;
     options.monitor = [&](double fraction) { return watch.goes_on(fraction); };
     std::vector<rbdyn::Member> done;
     {
@@ -173,7 +174,7 @@ void bind_many(py::module_& m) {
     const rbdyn::SimulateOptions defaults;
     m.def("_sweep", &sweep, py::arg("scene"), py::arg("vary"), py::arg("count"), py::arg("until"), py::kw_only(),
           py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"), py::arg("max_steps"),
-          py::arg("progress"), py::arg("threads"),
+          py::arg("progress"), py::arg("threads"), py::arg("lanes"),
           "The runs of a sweep, what went wrong with each, and what interrupted it.");
     m.def("_check_sweep", &check, py::arg("scene"), py::arg("vary"), py::arg("count"), py::arg("until"), py::kw_only(),
           py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"), py::arg("max_steps"),

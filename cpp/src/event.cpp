@@ -1,6 +1,7 @@
 // Compiled once: what happens on the way.
 #include "exported.hpp"
 
+#include "rbdyn/event/abreast.ipp"
 #include "rbdyn/event/closer_look.ipp"
 #include "rbdyn/event/driver.ipp"
 #include "rbdyn/event/driver_ends.ipp"

@@ -1,6 +1,7 @@
 // Compiled once: functions of the user's, recorded.
 #include "exported.hpp"
 
+#include "rbdyn/expression/abreast_tape.ipp"
 #include "rbdyn/expression/callback.ipp"
 #include "rbdyn/expression/condition.ipp"
 #include "rbdyn/expression/derivative.ipp"
@@ -21,6 +22,7 @@
 #include "rbdyn/expression/rounded.ipp"
 #include "rbdyn/expression/rounding_sizes.ipp"
 #include "rbdyn/expression/schedule.ipp"
+#include "rbdyn/expression/series_abreast.ipp"
 #include "rbdyn/expression/series_evaluator.ipp"
 #include "rbdyn/expression/series_sizes.ipp"
 #include "rbdyn/expression/term_sizes.ipp"

@@ -2,8 +2,10 @@
 #include "exported.hpp"
 
 #include "rbdyn/integrate.ipp"
+#include "rbdyn/member_abreast.ipp"
 #include "rbdyn/options.ipp"
 #include "rbdyn/own_motion.ipp"
+#include "rbdyn/passes.ipp"
 #include "rbdyn/simulate.ipp"
 #include "rbdyn/simulate_many.ipp"
 #include "rbdyn/solve.ipp"

@@ -4236,7 +4236,7 @@ def _scene_from(text: str, document: str) -> Scene:
     ...
 def _scene_text(scene: Scene) -> str:
     ...
-def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex) -> tuple[typing.Any, ...]:
+def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex, lanes: bool) -> tuple[typing.Any, ...]:
     """
     The runs of a sweep, what went wrong with each, and what interrupted it.
     """

@@ -39,6 +39,7 @@ def simulate_many(
     progress: bool | Callable[[float], Any] = False,
     threads: int | None = None,
     executor: Executor | None = None,
+    lanes: bool = True,
 ) -> Many:
     """Runs a scene many times, each with starts and numbers of its own; each member is what simulate() makes of it.
 
@@ -46,7 +47,8 @@ def simulate_many(
     each: (n,), (n, 3), ... What is not varied is as in the scene. threads: how many of this process, one for each
     processor by default; functions in Python that are called back run on one. executor: of concurrent.futures or with
     its interface, instead of them; the members are handed to it in chunks. The other arguments are those of simulate();
-    progress: of all members together.
+    progress: of all members together. lanes: whether members go side by side through a processor that computes several
+    numbers at once; that changes how long they take, and no bit of them.
 
     A member that fails does not stop the others: Many.errors has its exception. The results are the same, bit for bit,
     for any number of threads and any executor; scene and parameters stay as they are. Raises InvalidInput, before
@@ -66,10 +68,12 @@ def simulate_many(
         "keep": keep,
         "max_steps": max_steps,
     }
+    if not isinstance(lanes, bool):
+        raise InvalidInput(f"simulate_many: lanes is {lanes!r}; it is True or False")
     if executor is None:
         try:
             runs, errors, raised = _core._sweep(
-                scene, arrays, count, until, **options, progress=progress, threads=threads or 0
+                scene, arrays, count, until, **options, progress=progress, threads=threads or 0, lanes=lanes
             )
         except KeyboardInterrupt as interrupt:
             # while starts were read: nothing has begun
@@ -77,7 +81,7 @@ def simulate_many(
     else:
         # what breaks a rule is said before anything is sent
         _core._check_sweep(scene, arrays, count, until, **options)
-        runs, errors, raised = _on(executor, scene, arrays, count, until, options, progress)
+        runs, errors, raised = _on(executor, scene, arrays, count, until, options, progress, lanes)
     many = Many(runs, errors, dict(arrays), float(start), float(until))
     if raised is not None:
         raised.many = many
@@ -121,12 +125,14 @@ def _are_attitudes(values: Any) -> bool:
 class _Sweep:
     """What all chunks share, in this process or as it arrives in another one."""
 
-    def __init__(self, scene: Scene, keys: list[Any], until: float, options: dict[str, Any]) -> None:
-        self.scene, self.keys, self.until, self.options = scene, keys, until, options
+    def __init__(self, scene: Scene, keys: list[Any], until: float, options: dict[str, Any], lanes: bool) -> None:
+        self.scene, self.keys, self.until, self.options, self.lanes = scene, keys, until, options, lanes
 
     def run(self, values: list[Any], go_on: Callable[[float], Any]) -> tuple[list[Any], list[Any], Any]:
         vary = dict(zip(self.keys, values, strict=True))
-        return _core._sweep(self.scene, vary, len(values[0]), self.until, **self.options, progress=go_on, threads=1)
+        return _core._sweep(
+            self.scene, vary, len(values[0]), self.until, **self.options, progress=go_on, threads=1, lanes=self.lanes
+        )
 
 
 class _Stopped(Exception):
@@ -168,12 +174,13 @@ def _on(
     until: float,
     options: dict[str, Any],
     progress: bool | Callable[[float], Any],
+    lanes: bool,
 ) -> tuple[list[Any], list[Any], Any]:
     """The members, in chunks through an executor: runs, errors, and what interrupted them."""
     workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
     size = max(1, -(-count // (CHUNKS_A_WORKER * workers)))
     places = [(first, min(first + size, count)) for first in range(0, count, size)]
-    sweep = _Sweep(scene, list(arrays), until, options)
+    sweep = _Sweep(scene, list(arrays), until, options, lanes)
     stopped = threading.Event()
 
     def go_on(fraction: float) -> None:

@@ -105,6 +105,50 @@ def test_executors_of_threads_and_of_processes_give_the_same():
                     same(member, run)
 
 
+@pytest.mark.parametrize("options", [{"error": 1e-9}, {"rtol": 1e-9}, {"rtol": 1e-9, "keep": "end"}])
+def test_members_side_by_side_have_the_bits_that_they_have_one_after_the_other(options):
+    # as many as there are lanes, and some more, of steps that are of very different lengths
+    scene, it = top()
+    spins = np.outer(np.logspace(-2, 3, 21), [0, 0.1, 1])
+    beads, bead = hoop()
+    speeds = np.linspace(-5, 12, 21)
+    for swept_scene, vary, until, body in (
+        (scene, {(it, "angular_velocity"): spins}, 0.2, it),
+        (beads, {(bead, "speed"): speeds}, 3.0, bead),
+    ):
+        beside, apart = (
+            rb.simulate_many(swept_scene, vary, until, threads=1, lanes=lanes, **options) for lanes in (True, False)
+        )
+        assert beside.status == apart.status
+        assert np.array_equal(beside.error, apart.error, equal_nan=True)
+        assert np.array_equal(beside.end, apart.end) and (beside.end < until).sum() == (4 if body is bead else 0)
+        for a, b in zip(beside, apart, strict=True):
+            assert (a.statistics.steps, a.statistics.runs, a.events) == (
+                b.statistics.steps,
+                b.statistics.runs,
+                b.events,
+            )
+            assert np.array_equal(a[body].velocity(a.end), b[body].velocity(b.end))
+            if "keep" not in options:
+                same(a, b)
+
+
+def test_a_cluster_of_dask_gives_the_same():
+    distributed = pytest.importorskip("distributed")
+    scene, upper, lower = double_pendulum()
+    vary = {(upper, "angle"): np.linspace(0, 2, 24), (lower, "rate"): np.linspace(-3, 3, 24)}
+    here = rb.simulate_many(scene, vary, 1.0)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        there = rb.simulate_many(scene, vary, 1.0, executor=client.get_executor())
+        used = client.run(lambda: "rbdyn" in __import__("sys").modules)
+    assert list(used.values()) == [True, True]
+    for member, run in zip(there, here, strict=True):
+        same(member, run)
+
+
 class Immediate(Executor):
     """An executor of one's own: pickles what it is given, as those that send it elsewhere do."""
 
@@ -267,6 +311,7 @@ def test_what_breaks_a_rule_is_refused_before_anything_runs():
         ({"until": -1.0}, "until is -1"),
         ({"error": 1e-9, "rtol": 1e-9}, "both error"),
         ({"progress": 3}, "progress is 3"),
+        ({"lanes": 4}, "lanes is 4; it is True or False"),
     ):
         with pytest.raises(rb.InvalidInput, match=message):
             rb.simulate_many(scene, {k: [1.0]}, **{"until": 1.0, **options})

@@ -18,9 +18,12 @@
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/options.hpp"
+#include "rbdyn/passes.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+class Driver;
 
 namespace simulating {
 
@@ -55,10 +58,9 @@ inline constexpr double other_stride = 0.7;
 /// Whether events are handed on while a run goes on: nothing is held against it.
 inline bool streams_events(const SimulateOptions& options) { return options.rtol.has_value(); }
 
-struct Timed {
-    Record record;
-    double seconds = 0.0;
-};
+/// What drives an engine of a tolerance through it.
+std::unique_ptr<Driver> make_driver(const HybridModel& model, Engine& engine, const SimulateOptions& options,
+                                    const Beginning& beginning, double tolerance, const Keep& keep);
 
 /// One integration, from the state x where the motion begins.
 Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
@@ -117,10 +119,10 @@ std::optional<Course> course_of(const Record& record, const std::string& engine,
 void drop_grazes(Record& record, const std::vector<Event>& grazes);
 
 /// Runs a model from the state x with an engine: once if only a local tolerance is asked for, else until it agrees with
-/// the closed form, if there is one, or with a better run of the engine `judge`.
+/// the closed form, if there is one, or with a better run of the engine `judge`. `ahead`: what is made already of it.
 Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
                const Beginning& beginning, const std::string& engine, const std::string& judge,
-               const std::shared_ptr<const ClosedForm>& form = nullptr);
+               const std::shared_ptr<const ClosedForm>& form = nullptr, Ahead* ahead = nullptr);
 
 /// A motion and its estimate, where they have come to.
 struct Standing {

@@ -72,6 +72,17 @@ RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double
                        "\", and this model has no closed form; use \"auto\" or one of the others");
 }
 
+RBDYN_INLINE std::unique_ptr<Driver> make_driver(const HybridModel& model, Engine& engine, const SimulateOptions& o,
+                                                 const Beginning& beginning, double tolerance, const Keep& keep) {
+    auto driver = std::make_unique<Driver>(model, engine, o.max_steps, keep, o.monitor,
+                                           tolerance * (o.until - beginning.origin), o.rtol.has_value(), tolerance);
+    driver->pass_stops(beginning.stops_from);
+    if (streams_events(o)) driver->keep_events(o.events);
+    // those that are let go while it runs do not count
+    driver->watch_memory({o.warn, !streams_events(o) ? 3.0 : o.events.keeps_all() ? 2.0 : 0.0});
+    return driver;
+}
+
 RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,
                              const Beginning& beginning, const std::string& name, double tolerance, const Keep& keep,
                              const Manner& manner, const std::shared_ptr<const ClosedForm>& form) {
@@ -79,14 +90,9 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
     const std::unique_ptr<Engine> engine =
         form ? std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order)
              : make_engine(name, tolerance, manner);
-    Driver driver(model, *engine, o.max_steps, keep, o.monitor, tolerance * (o.until - beginning.origin),
-                  o.rtol.has_value(), tolerance);
-    driver.pass_stops(beginning.stops_from);
-    if (streams_events(o)) driver.keep_events(o.events);
-    // those that are let go while it runs do not count
-    driver.watch_memory({o.warn, !streams_events(o) ? 3.0 : o.events.keeps_all() ? 2.0 : 0.0});
-    Timed result{beginning.halt != nullptr ? driver.go_on(*beginning.halt, o.until)
-                                           : driver.run(beginning.origin, x, o.until)};
+    const std::unique_ptr<Driver> driver = make_driver(model, *engine, o, beginning, tolerance, keep);
+    Timed result{beginning.halt != nullptr ? driver->go_on(*beginning.halt, o.until)
+                                           : driver->run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     return result;
 }
@@ -200,53 +206,41 @@ RBDYN_INLINE void drop_grazes(Record& record, const std::vector<Event>& grazes) 
 
 RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& options,
                             const Beginning& beginning, const std::string& engine, const std::string& judge,
-                            const std::shared_ptr<const ClosedForm>& form) {
+                            const std::shared_ptr<const ClosedForm>& form, Ahead* ahead) {
     Solution result;
     const auto take = [&](Timed&& timed) { simulating::take(result, std::move(timed)); };
-    const auto run_with = [&](const std::string& name, double tolerance, const Keep& keep, const Manner& manner = {}) {
+    const auto run_with = [&](const std::string& name, const Pass& pass) {
         ++result.runs;
-        return integrate(model, x, options, beginning, name, tolerance, keep, manner);
+        if (ahead != nullptr && name == engine)
+            if (auto made = ahead->take(pass)) return *std::move(made);
+        return integrate(model, x, options, beginning, name, pass.tolerance, pass.keep, pass.manner);
     };
     const auto is_cut_short = [&](Timed& timed) { return simulating::is_cut_short(model, result, timed); };
 
+    Pass first = first_pass(model, options, engine);
     if (options.rtol) {
-        const Manner manner{.gives_way = gives_way(model, options, engine, *options.rtol)};
-        Timed only = run_with(engine, *options.rtol, options.keep, manner);
-        result.course = course_of(only.record, engine, *options.rtol, manner);
+        Timed only = run_with(engine, first);
+        result.course = course_of(only.record, engine, first.tolerance, first.manner);
         if (is_cut_short(only)) return result;
         take(std::move(only));
         result.certain_until = result.record.end.hi;
         return result;
     }
 
-    // the run at a tolerance a little below the error asked for, held against a better one
-    double tolerance = first_tolerance(engine, options.error);
-    Manner manner{.gives_way = gives_way(model, options, engine, tolerance)};
+    // held against a better one
     const bool is_judge = !form && engine == judge;
     const bool keeps_all = options.keep.what == Keep::What::all;
-    const Keep compared = compared_pieces(options);
-    Timed run = run_with(engine, tolerance, compared, manner);
+    Timed run = run_with(engine, first);
     std::vector<Event> grazes;
     bool amplifies = false;
     // a closed form is not wrong itself
     AccuracyCheck check(model, options.error, options.monitor, form ? 1.25 : 2.0);
     for (;;) {
         if (is_cut_short(run)) return result;
-        const bool at_floor = tolerance <= least_tolerance(engine);
-        const double finer = is_judge ? judging_tolerance(engine, tolerance)
-                                      : std::clamp(std::min(options.error, 10.0 * tolerance) * 1e-3, 1e-17, 1e-13);
-        using Rounding = Program::Rounding;
-        Manner finer_manner{.rounding = manner.rounding == Rounding::nearest ? Rounding::other : Rounding::nearest};
-        if (is_judge) {
-            finer_manner.order = at_floor ? other_order : 0;
-            finer_manner.stride = other_stride * manner.stride;
-            finer_manner.is_refined = manner.is_refined || amplifies;
-            finer_manner.gives_way = manner.gives_way;
-        }
-        const Keep held = held_against(run.record, compared);
+        const Pass finer = judging_pass(options, engine, is_judge, first, run.record, amplifies);
         Timed better =
-            form ? integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), held, {}, form)
-                 : run_with(judge, finer, held, finer_manner);
+            form ? integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), finer.keep, {}, form)
+                 : run_with(judge, finer);
         Comparison comparison;
         try {
             if (better.record.thrown) std::rethrow_exception(better.record.thrown);
@@ -255,7 +249,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             if (comparison.stopped)
                 run.record.status = status;
             else
-                comparison = check(run.record, better.record, held.times);
+                comparison = check(run.record, better.record, finer.keep.times);
         } catch (...) {
             take(std::move(run));
             result.record.status = Status::stopped_by_user;
@@ -274,30 +268,29 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         result.certain_until = comparison.certain_until;
         grazes = std::move(comparison.grazes);
         result.scales = std::move(comparison.scales);
-        result.course = course_of(run.record, engine, tolerance, manner);
+        result.course = course_of(run.record, engine, first.tolerance, first.manner);
         result.judge = form ? course_of(better.record, "closed form", 0.1 * least_tolerance("taylor"), {})
-                            : course_of(better.record, judge, finer, finer_manner);
+                            : course_of(better.record, judge, finer.tolerance, finer.manner);
         // rounding has grown alike in both; where that may be more than is asked, a judge of more digits tells
         constexpr double doubtful = 0.125, to_rounding = 1e-15;
-        if (comparison.amplifies && comparison.error > doubtful * options.error && finer <= to_rounding && is_judge &&
-            engine == "taylor" && !finer_manner.is_refined) {
+        if (comparison.amplifies && comparison.error > doubtful * options.error && finer.tolerance <= to_rounding &&
+            is_judge && engine == "taylor" && !finer.manner.is_refined) {
             amplifies = true;
             continue;
         }
         if (comparison.same_events && comparison.error <= options.error) break;
         // what is left is the rounding of doubles, and what the motion makes of it
-        if (engine == "taylor" && !manner.is_refined && tolerance <= 10.0 * least_tolerance(engine)) {
-            const Manner refined{.is_refined = true};
-            Timed longer = run_with(engine, least_tolerance(engine), compared, refined);
+        if (engine == "taylor" && !first.manner.is_refined && first.tolerance <= 10.0 * least_tolerance(engine)) {
+            const Pass refined{least_tolerance(engine), {.is_refined = true}, first.keep};
+            Timed longer = run_with(engine, refined);
             const Status status = longer.record.status;
             if (status != Status::not_finite && status != Status::inconsistent) {
                 run = std::move(longer);
-                tolerance = least_tolerance(engine);
-                manner = refined;
+                first = refined;
                 continue;
             }
         }
-        if (at_floor) {
+        if (first.tolerance <= least_tolerance(engine)) {
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
             result.message =
@@ -312,12 +305,12 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             return result;
         }
         // errors go with tolerances, roughly, while they are small; a fifth of what is asked is aimed at
-        const double aimed = 0.2 * tolerance * options.error / comparison.error;
+        const double before = first.tolerance, aimed = 0.2 * before * options.error / comparison.error;
         const bool is_known = comparison.error < 0.1;
-        tolerance = is_judge && !is_known ? finer : std::clamp(aimed, 1e-3 * tolerance, 0.2 * tolerance);
-        tolerance = std::max(tolerance, least_tolerance(engine));
-        manner.gives_way = gives_way(model, options, engine, tolerance);
-        run = run_with(engine, tolerance, compared, manner);
+        first.tolerance = is_judge && !is_known ? finer.tolerance : std::clamp(aimed, 1e-3 * before, 0.2 * before);
+        first.tolerance = std::max(first.tolerance, least_tolerance(engine));
+        first.manner.gives_way = gives_way(model, options, engine, first.tolerance);
+        run = run_with(engine, first);
     }
     if (!keeps_all) run.record.keep_only(options.keep.times);
     drop_grazes(run.record, grazes);

@@ -52,7 +52,17 @@ Trajectory simulate(const Scene& scene, const SimulateOptions& options);
 /// is nothing to go on with: at the end of a rail.
 Trajectory simulate(const Trajectory& run, const ContinueOptions& options);
 
+struct PlannedScene;
+struct RunData;
+
 namespace simulating {
+
+class Ahead;
+
+/// What there is of a scene that is planned. `before`: the run that it goes on with, if any; `ahead`: what is made of
+/// it already.
+Attempt attempted(PlannedScene planned, const SimulateOptions& options, double planning_seconds, const RunData* before,
+                  Ahead* ahead = nullptr);
 
 /// Of our own tests: from now on every run whose plan speaks of it is held against the size that a plan made anew says
 /// its motion has, and std::logic_error is thrown where they differ. What begins later than a plan speaks of, what

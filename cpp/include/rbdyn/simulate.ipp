@@ -75,18 +75,18 @@ RBDYN_INLINE void settle_events(Solved& result, const SimulateOptions& options, 
     data.events = Events(data.record.events);
 }
 
-/// What there is of a scene that is planned.
 RBDYN_INLINE Attempt attempted(PlannedScene planned, const SimulateOptions& options, double planning_seconds,
-                               const RunData* before) {
+                               const RunData* before, Ahead* ahead) {
     const auto began = std::chrono::steady_clock::now();
     auto& [frozen, plan, is_new] = planned;
     const std::int64_t calls = plan.python_calls();
-    Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options, before)
+    Solved result = plan.parts.empty() ? solve_together(std::move(frozen), std::move(plan), options, before, ahead)
                                        : solve_apart(std::move(frozen), std::move(plan), options, before);
     Statistics& s = result.data.statistics;
     s.planned = is_new;
     s.python_calls = result.data.plan.python_calls() - calls;
-    const double solving = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const double here = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
+                 solving = here + (ahead != nullptr ? ahead->seconds() : 0.0);
     s.seconds = planning_seconds + solving;
     s.planning_seconds = planning_seconds;
     // what is returned is little work beside

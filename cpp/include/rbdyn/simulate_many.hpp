@@ -1,7 +1,8 @@
 // simulate_many(): one scene, thousands of starts and numbers.
 //
 // Members are runs of their own: each is, bit for bit, what simulate() makes of its scene, whatever the number of
-// threads and whatever became of the others. Plans are kept from one to the next (plan/kept_plan.hpp).
+// threads and whatever became of the others. Plans are kept from one to the next (plan/kept_plan.hpp); each thread has
+// several members on their way, whose Taylor series are expanded side by side (member_abreast.hpp).
 #pragma once
 
 #include <cstddef>
@@ -39,8 +40,9 @@ struct Member {
 };
 
 struct ManyOptions {
-    SimulateOptions run = {};                       // of each member; its monitor is not called
-    int threads = 0;                                // 0: one for each processor
+    SimulateOptions run = {};  // of each member; its monitor is not called
+    int threads = 0;           // 0: one for each processor
+    bool lanes = true;         // several members side by side where that is quicker, to the same bits
     std::function<bool(double)> monitor = nullptr;  // called now and then with the fraction that is done, in the thread
                                                     // that waits; false stops all that is not done
 };

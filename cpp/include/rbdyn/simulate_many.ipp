@@ -10,7 +10,10 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <limits>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -18,8 +21,10 @@
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/event/abreast.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/parameter.hpp"
+#include "rbdyn/member_abreast.hpp"
 #include "rbdyn/options.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -46,10 +51,14 @@ inline constexpr auto looks = std::chrono::milliseconds(50);
 /// Members in their order, taken one by one by several threads.
 class Members {
 public:
-    using One = std::function<Attempt(std::size_t, const SimulateOptions&)>;
+    /// The scene of a member, which is `own` or outlives it.
+    using SceneOf = std::function<const Scene&(std::size_t, std::optional<Scene>& own)>;
+    using NumbersOf = std::function<const BoundParameters::Values&(std::size_t)>;
 
-    Members(std::size_t count, const One& one, const ManyOptions& options)
-        : one_(one), options_(options), members_(count) {
+    /// `numbers`: those of a member; `now`: of all of them, what is not their own.
+    Members(std::size_t count, SceneOf scene, NumbersOf numbers, const BoundParameters::Values& now,
+            const ManyOptions& options)
+        : scene_of_(std::move(scene)), numbers_of_(std::move(numbers)), now_(now), options_(options), members_(count) {
         validate(options_.run);
         require_engine("simulate_many", options_.run.engine);
         require(options_.threads >= 0, "simulate_many", "threads", options_.threads,
@@ -59,7 +68,10 @@ public:
     std::vector<Member> run() {
         const std::size_t wanted = options_.threads > 0 ? static_cast<std::size_t>(options_.threads)
                                                         : std::max(1U, std::thread::hardware_concurrency());
-        const std::size_t threads = std::min(wanted, members_.size());
+        const std::size_t threads = std::max<std::size_t>(std::min(wanted, members_.size()), 1);
+        // each thread has its share
+        const bool is_endless = options_.run.until == std::numeric_limits<double>::infinity();
+        if (options_.lanes && !is_endless) room_ = std::min(Abreast::room(), (members_.size() + threads - 1) / threads);
         if (threads <= 1)
             here();
         else
@@ -77,14 +89,85 @@ private:
             look();
             return goes_on_.load();
         };
-        for (std::size_t i = next_++; i < members_.size() && goes_on_; i = next_++) {
-            try {
-                members_[i].attempt = one_(i, options);
-            } catch (...) {
-                members_[i].refused = std::current_exception();
+        const BoundParameters as_they_are(now_);
+        if (room_ > 1)
+            side_by_side(options, look);
+        else
+            one_by_one(options, look);
+    }
+
+    /// The next member that none has taken; none if there is none.
+    std::optional<std::size_t> taken() {
+        if (!goes_on_) return std::nullopt;
+        const std::size_t i = next_++;
+        return i < members_.size() ? std::optional(i) : std::nullopt;
+    }
+
+    /// What becomes of a member, by a function that may throw; then `look`.
+    template <class Made>
+    void settle(std::size_t i, const Made& made, const std::function<void()>& look) {
+        try {
+            members_[i].attempt = made();
+        } catch (...) {
+            members_[i].refused = std::current_exception();
+        }
+        ++done_;
+        look();
+    }
+
+    void one_by_one(const SimulateOptions& options, const std::function<void()>& look) {
+        while (const auto i = taken())
+            settle(
+                *i,
+                [&] {
+                    const BoundParameters own(numbers_of_(*i));
+                    std::optional<Scene> scene;
+                    return attempt(scene_of_(*i, scene), options);
+                },
+                look);
+    }
+
+    /// Several on their way at once.
+    void side_by_side(const SimulateOptions& options, const std::function<void()>& look) {
+        struct OnItsWay {
+            std::size_t index;
+            std::unique_ptr<MemberAbreast> member;
+        };
+        std::vector<OnItsWay> all;
+        Abreast abreast;
+        std::vector<RunAbreast*> runs;
+        for (;;) {
+            while (all.size() < room_) {
+                const auto i = taken();
+                if (!i) break;
+                std::unique_ptr<MemberAbreast> member;
+                try {
+                    const BoundParameters own(numbers_of_(*i));
+                    std::optional<Scene> scene;
+                    member = std::make_unique<MemberAbreast>(scene_of_(*i, scene), options, numbers_of_(*i));
+                } catch (...) {
+                    settle(
+                        *i, [&]() -> Attempt { throw; }, look);
+                    continue;
+                }
+                all.push_back({*i, std::move(member)});
             }
-            ++done_;
-            look();
+            if (all.empty()) return;
+            // those that wait for others go on before they are finished
+            std::erase_if(all, [&](OnItsWay& one) {
+                while (one.member->run() != nullptr && one.member->run()->is_over()) one.member->go_on();
+                if (one.member->run() != nullptr) return false;
+                settle(
+                    one.index, [&] { return one.member->attempt(); }, look);
+                return true;
+            });
+            runs.clear();
+            for (const OnItsWay& one : all) runs.push_back(one.member->run());
+            if (runs.size() == room_ || next_ >= members_.size() || !goes_on_) {
+                // until one is over
+                const auto is_over = [](const RunAbreast* run) { return run->is_over(); };
+                while (!runs.empty() && std::none_of(runs.begin(), runs.end(), is_over)) abreast.turn(runs);
+            }
         }
     }
 
@@ -135,8 +218,11 @@ private:
         }
     }
 
-    const One& one_;
+    SceneOf scene_of_;
+    NumbersOf numbers_of_;
+    const BoundParameters::Values& now_;
     const ManyOptions& options_;
+    std::size_t room_ = 0;  // members that a thread has on their way; up to 1: one after the other
     std::vector<Member> members_;
     std::atomic<std::size_t> next_{0}, done_{0};
     std::atomic<bool> goes_on_{true};
@@ -179,22 +265,24 @@ RBDYN_INLINE std::vector<Member> simulate_many(const Scene& scene, const std::ve
     const GivenNumbers given = planning::numbers_of(scene);
     BoundParameters::Values now;
     for (std::size_t k = 0; k < given.cells.size(); ++k) now.emplace_back(given.cells[k], given.values[k]);
-    const simulating::Members::One one = [&](std::size_t i, const SimulateOptions& run) {
-        const BoundParameters as_they_are(now), own(all[i].numbers);
-        if (all[i].starts.empty()) return attempt(scene, run);
-        Scene member = scene;
-        for (const auto& [body, start] : all[i].starts) member.replace(body, start);
-        return attempt(member, run);
+    const auto scene_of = [&](std::size_t i, std::optional<Scene>& own) -> const Scene& {
+        if (all[i].starts.empty()) return scene;
+        own = scene;
+        for (const auto& [body, start] : all[i].starts) own->replace(body, start);
+        return *own;
     };
-    return simulating::Members(members.size(), one, options).run();
+    const auto numbers_of = [&](std::size_t i) -> const BoundParameters::Values& { return all[i].numbers; };
+    return simulating::Members(members.size(), scene_of, numbers_of, now, options).run();
 }
 
 RBDYN_INLINE std::vector<Member> simulate_many(std::size_t count, const std::function<Scene(std::size_t)>& scene,
                                                const ManyOptions& options) {
-    const simulating::Members::One one = [&](std::size_t i, const SimulateOptions& run) {
-        return attempt(scene(i), run);
+    const auto scene_of = [&](std::size_t i, std::optional<Scene>& own) -> const Scene& {
+        return own.emplace(scene(i));
     };
-    return simulating::Members(count, one, options).run();
+    const BoundParameters::Values none;
+    const auto numbers_of = [&](std::size_t) -> const BoundParameters::Values& { return none; };
+    return simulating::Members(count, scene_of, numbers_of, none, options).run();
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

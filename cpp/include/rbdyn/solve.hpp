@@ -42,8 +42,12 @@ struct Solved {
 Solved solved(Scene scene, Plan plan, std::string engine, Solution&& solution);
 
 /// Solves a scene of one part. Throws InvalidInput if the engine asked for cannot do it. `before`: the run that it goes
-/// on with at the start that is asked for, if it does with one.
-Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before = nullptr);
+/// on with at the start that is asked for, if it does with one. `ahead`: what is made already of it.
+Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options, const RunData* before = nullptr,
+                      Ahead* ahead = nullptr);
+
+/// Throws InvalidInput for a start whose squares are beyond the range of doubles, speeds and energies with them.
+void require_squares(const Scene& scene);
 
 /// The motion of a scene of one part from where a run has come to. What a run has for that is taken if it leads to the
 /// error asked for; else the motion is computed anew from where it began, and what was before is left out.

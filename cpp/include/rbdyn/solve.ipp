@@ -150,7 +150,6 @@ RBDYN_INLINE void set_origin(Solved& result, const SimulateOptions& options, con
     if (before != nullptr) result.data.first_angles = angles_at(*before, options.start);
 }
 
-/// Throws InvalidInput for a start whose squares are beyond the range of doubles, speeds and energies with them.
 RBDYN_INLINE void require_squares(const Scene& scene) {
     constexpr double most = 1e150;
     double largest = 0.0;
@@ -177,7 +176,8 @@ RBDYN_INLINE void require_squares(const Scene& scene) {
                 "larger units");
 }
 
-RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& asked, const RunData* before) {
+RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions& asked, const RunData* before,
+                                   Ahead* ahead) {
     std::string engine = engine_for(plan, asked.engine);
     SimulateOptions options = asked;
     // what goes on may be computed anew from where it began
@@ -195,7 +195,8 @@ RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions
         const Beginning beginning{options.start};
         return engine == "closed form"
                    ? solve_closed(model, x, options, beginning, begun(plan.closed, beginning.origin))
-                   : solve(model, x, options, beginning, engine, plan.integrator, begun(plan.closed, beginning.origin));
+                   : solve(model, x, options, beginning, engine, plan.integrator, begun(plan.closed, beginning.origin),
+                           ahead);
     };
     Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : from_start();
     // what is a square loses its digits from here on

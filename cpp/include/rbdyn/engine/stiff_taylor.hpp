@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -35,7 +36,8 @@ public:
 
     void start(const Equations& equations, std::span<const double> parameters, Instant t,
                std::span<const double> x) override;
-    StepStatus step(double limit) override;
+    std::optional<StepStatus> begin_step(double limit) override;
+    std::optional<StepStatus> end_step() override;
 
     void state(double tau, std::span<double> x) const override;
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;

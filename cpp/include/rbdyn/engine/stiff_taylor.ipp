@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -53,7 +54,7 @@ RBDYN_INLINE void StiffTaylorEngine::begin_series(int first_look) {
     looks_at_ = first_look;
 }
 
-RBDYN_INLINE StepStatus StiffTaylorEngine::step(double limit) {
+RBDYN_INLINE std::optional<StepStatus> StiffTaylorEngine::begin_step(double limit) {
     // ten times what a trial took is to go by before the next
     if (phase_ == Phase::changing && !give_way(limit)) begin_series(static_cast<int>(price() * trial_ / stiff::share));
     if (is_implicit() && is_worth_it()) {
@@ -61,8 +62,12 @@ RBDYN_INLINE StepStatus StiffTaylorEngine::step(double limit) {
         if (status == StepStatus::ok) return status;
         take_over(std::numeric_limits<int>::max());
     }
-    const StepStatus status = TaylorEngine::step(limit);
-    if (status == StepStatus::ok && ++steps_ >= looks_at_ && is_stiff(limit)) phase_ = Phase::changing;
+    return TaylorEngine::begin_step(limit);
+}
+
+RBDYN_INLINE std::optional<StepStatus> StiffTaylorEngine::end_step() {
+    const std::optional<StepStatus> status = TaylorEngine::end_step();
+    if (status == StepStatus::ok && ++steps_ >= looks_at_ && is_stiff(limit())) phase_ = Phase::changing;
     return status;
 }
 

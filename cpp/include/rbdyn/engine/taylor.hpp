@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -24,6 +25,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 
@@ -49,6 +51,24 @@ public:
 
     StepStatus step(double limit) override;
 
+    // A step in parts, for one who expands several engines side by side (taylor_abreast.hpp): it begins, the series are
+    // expanded as often as it asks for, and it ends.
+
+    /// What came of it if it is over already, made without series.
+    virtual std::optional<StepStatus> begin_step(double limit);
+    /// What came of it; none if the series are to be expanded anew.
+    virtual std::optional<StepStatus> end_step();
+    /// Coefficients 0 .. order of the state, and of the guards where there are any.
+    void expand();
+    /// The same, as they were computed side by side.
+    SeriesAbreast::Motion motion() const { return {t_.hi, unit_, x_, series_->weights()}; }
+    /// Until the next step begins these are asked for more.
+    void take(const SeriesAbreast& abreast, int motion);
+    const Program& program() const { return equations_->program; }
+    int order() const { return order_; }
+    /// Whether there are guards, of which one more coefficient is known than of rates.
+    bool has_guards() const { return !equations_->guards.empty(); }
+
     void rest(double tau, std::span<const double> x, std::span<double> low) const override;
 
     void standing(std::span<double> x, std::span<double> low) const override;
@@ -72,6 +92,8 @@ protected:
     std::span<const double> parameters() const { return parameters_; }
     Program::Rounding rounding() const { return rounding_; }
     double tolerance() const { return std::exp2(log_tolerance_); }
+    /// Of the step that is begun.
+    double limit() const { return limit_; }
     Instant t_;
     MotionScales scales_;
 
@@ -80,9 +102,10 @@ private:
 
     /// What is made for equations, and kept.
     struct Workshop {
-        Workshop(const Program& program, int order) : series(program, order), hidden(program, order) {}
+        Workshop(const Equations& equations, int order);
         SeriesEvaluator series;
         HiddenTerms hidden;
+        std::vector<int> looked_at;  // slots, beside the state's and the rates'
     };
 
     void set_parameters();
@@ -92,15 +115,15 @@ private:
 
     Workshop& workshop_for(const Equations& equations);
 
-    /// Coefficients 0 .. order of the state, and of the guards where there are any.
-    void expand(int n);
+    /// Takes the rest of coefficients that were computed side by side.
+    void complete();
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
     double step_length(double span);
 
     /// Whether a guard is a polynomial, exact at any length: of a high degree that is no rounding (a power of a
     /// distance would else be cut shorter and shorter towards its zero).
-    bool is_polynomial(const double* c, const Guard& guard) const;
+    bool is_polynomial(const double* c, const Guard& guard);
 
     /// How much of a step that nothing limits the equations themselves bear out, at 64 places: a series knows them
     /// where it begins, and sees neither a pulse far away nor that a root has passed its zero.
@@ -134,8 +157,14 @@ private:
     const Equations* equations_ = nullptr;
     SeriesEvaluator* series_ = nullptr;
     const HiddenTerms* hidden_ = nullptr;
+    const std::vector<int>* looked_at_ = nullptr;
+    const SeriesAbreast* abreast_ = nullptr;  // has the rest of its coefficients; null: there is none
+    int lane_ = 0;
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     double unit_ = 0.0, natural_ = 0.0;
+    double limit_ = 0.0;      // of the step that is begun
+    int attempts_ = 0;        // at it
+    double overflows_ = 0.0;  // a unit of time in which coefficients of it do
     std::vector<double> x_, low_, start_low_, parameters_;
     std::vector<double> mode_x_, mode_low_;     // the state its mode began with
     double steps_before_ = 0.0;                 // of what it goes on with

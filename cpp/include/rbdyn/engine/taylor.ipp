@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -19,6 +20,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -45,6 +47,7 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
         Workshop& workshop = workshop_for(equations);
         series_ = &workshop.series;
         hidden_ = &workshop.hidden;
+        looked_at_ = &workshop.looked_at;
         scales_.resize(x.size());
         scales_.follow(equations.groups);
         roots_ = has_roots(equations.program) && equations.start_flags.empty()
@@ -62,6 +65,14 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
 RBDYN_INLINE void TaylorEngine::carry(std::span<const double> rest) { low_.assign(rest.begin(), rest.end()); }
 
 RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
+    if (const auto made = begin_step(limit)) return *made;
+    for (;;) {
+        expand();
+        if (const auto made = end_step()) return *made;
+    }
+}
+
+RBDYN_INLINE std::optional<StepStatus> TaylorEngine::begin_step(double limit) {
     if (!is_ready_) {
         mode_x_ = x_;
         mode_low_ = low_;
@@ -69,51 +80,56 @@ RBDYN_INLINE StepStatus TaylorEngine::step(double limit) {
         set_parameters();
         is_ready_ = true;
     }
+    limit_ = limit;
+    attempts_ = 0;
+    overflows_ = std::numeric_limits<double>::infinity();
+    abreast_ = nullptr;
+    if (!(unit_ > 0.0)) unit_ = power_of_two(limit - t_);
+    return std::nullopt;
+}
+
+RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     const int n = equations_->variables();
-    const double span = limit - t_;
-    if (!(unit_ > 0.0)) unit_ = power_of_two(span);
-    double length = 0.0, overflows = std::numeric_limits<double>::infinity();
-    for (int attempt = 0;; ++attempt) {
-        expand(n);
-        if (!series_->is_finite(0)) return StepStatus::not_finite;
-        const bool is_finite = series_->is_finite(order_ - 1);
-        length = is_finite ? step_length(span) * unevenness() : 0.0;
-        natural_ = length;
-        const bool is_unlimited = natural_ * unit_ > 0x1p32 * span;
-        if (length * unit_ > span) length = span / unit_;
-        bool capped = is_finite && length * unit_ >= span;
-        if (is_finite && !hidden_->none())
-            if (const double held = hidden_->held(*series_, length); held < length) {
-                natural_ = length = held;
-                capped = false;
-            }
-        if (is_finite && is_unlimited && may_hide(equations_->program)) {
-            const double part = borne_out(length);
-            capped = capped && part == 1.0;
-            length *= part;
+    const double span = limit_ - t_;
+    work_.right_hand_sides += order_;
+    if (!series_->is_finite(0)) return StepStatus::not_finite;
+    const bool is_finite = series_->is_finite(order_ - 1);
+    double length = is_finite ? step_length(span) * unevenness() : 0.0;
+    natural_ = length;
+    const bool is_unlimited = natural_ * unit_ > 0x1p32 * span;
+    if (length * unit_ > span) length = span / unit_;
+    bool capped = is_finite && length * unit_ >= span;
+    if (is_finite && !hidden_->none())
+        if (const double held = hidden_->held(*series_, length); held < length) {
+            natural_ = length = held;
+            capped = false;
         }
-        // a polynomial may be of any length, but its powers are numbers
-        constexpr double far = 256.0;
-        if (is_finite && (capped ? length <= longest : length >= 1.0 / far && length <= far)) break;
+    if (is_finite && is_unlimited && may_hide(equations_->program)) {
+        const double part = borne_out(length);
+        capped = capped && part == 1.0;
+        length *= part;
+    }
+    // a polynomial may be of any length, but its powers are numbers
+    constexpr double far = 256.0;
+    if (!is_finite || !(capped ? length <= longest : length >= 1.0 / far && length <= far)) {
         // the unit of time was far from the step: measure again in a better one
         ++work_.rejected;
-        if (!is_finite) overflows = unit_;
+        if (!is_finite) overflows_ = unit_;
         double factor = is_finite ? power_of_two(length) : 0x1p-24;
-        if (factor * unit_ >= overflows) {
-            // coefficients of the step's own size are no numbers, though the step is one: it is taken in parts
-            factor = overflows / unit_ / (2.0 * far);
-            if (factor <= 1.0) {
-                natural_ = length = std::min(length, far);
-                break;
-            }
+        // coefficients of the step's own size are no numbers, though the step is one: it is taken in parts
+        const bool is_in_parts = factor * unit_ >= overflows_;
+        if (is_in_parts) factor = overflows_ / unit_ / (2.0 * far);
+        if (!is_in_parts || factor > 1.0) {
+            unit_ *= factor;
+            if (attempts_++ > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
+            return std::nullopt;
         }
-        unit_ *= factor;
-        if (attempt > 100 || !(unit_ > 0.0)) return StepStatus::stalled;
+        natural_ = length = std::min(length, far);
     }
     length = borne_out_at_end(length);
     // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
     double h = length * unit_;
-    Instant end{limit, 0.0};
+    Instant end{limit_, 0.0};
     if (h < span) {
         const double next = t_.hi + h;
         h = next - t_.hi;
@@ -197,6 +213,7 @@ RBDYN_INLINE int TaylorEngine::guard_order() const { return order_; }
 
 RBDYN_INLINE void TaylorEngine::guard_sizes(int index, double* sizes) {
     const Guard& g = equations_->guards[static_cast<std::size_t>(index)];
+    complete();
     const TermSizes::Sizes s = TermSizes(*series_, order_)(equations_->program.output(g.output));
     std::copy_n(s.begin(), order_ + 1, sizes);
 }
@@ -225,22 +242,43 @@ RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
     return x > 0.0 && std::isfinite(x) ? std::ldexp(1.0, mantissa > 0.70710678 ? exponent : exponent - 1) : 1.0;
 }
 
+RBDYN_INLINE TaylorEngine::Workshop::Workshop(const Equations& equations, int order)
+    : series(equations.program, order), hidden(equations.program, order), looked_at(hidden.slots()) {
+    for (const Guard& guard : equations.guards)
+        if (guard.output >= 0) looked_at.push_back(equations.program.output(guard.output));
+    std::sort(looked_at.begin(), looked_at.end());
+    looked_at.erase(std::unique(looked_at.begin(), looked_at.end()), looked_at.end());
+    std::erase_if(looked_at, [&](int slot) { return slot < equations.variables(); });
+}
+
 RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations& equations) {
     for (auto& [known, workshop] : workshops_)
         if (known == &equations) return *workshop;
-    workshops_.emplace_back(&equations, std::make_unique<Workshop>(equations.program, order_));
+    workshops_.emplace_back(&equations, std::make_unique<Workshop>(equations, order_));
     return *workshops_.back().second;
 }
 
-RBDYN_INLINE void TaylorEngine::expand(int n) {
+RBDYN_INLINE void TaylorEngine::expand() {
     series_->begin(t_.hi, unit_);
-    for (int i = 0; i < n; ++i) series_->set_input(i, 0, x_[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < equations_->variables(); ++i) series_->set_input(i, 0, x_[at(i)]);
     for (int k = 0; k < order_; ++k) {
         series_->advance(k);
         series_->integrate(k);
     }
-    work_.right_hand_sides += order_;
     if (!equations_->guards.empty()) series_->advance(order_);
+}
+
+RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
+    if (!abreast.is_good(motion)) return expand();
+    series_->set_unit(unit_);
+    abreast.give(motion, *series_, *looked_at_, has_guards());
+    abreast_ = &abreast;
+    lane_ = motion;
+}
+
+RBDYN_INLINE void TaylorEngine::complete() {
+    if (abreast_ != nullptr) abreast_->give_all(lane_, *series_, has_guards());
+    abreast_ = nullptr;
 }
 
 RBDYN_INLINE double TaylorEngine::step_length(double span) {
@@ -350,11 +388,12 @@ RBDYN_INLINE bool TaylorEngine::passes_guard(double tau) const {
     });
 }
 
-RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) const {
+RBDYN_INLINE bool TaylorEngine::is_polynomial(const double* c, const Guard& guard) {
     if (c[order_] != 0.0 || c[order_ - 1] != 0.0 || c[order_ - 2] != 0.0 || c[order_ - 3] != 0.0) return false;
     int k = order_ - 4;
     while (k > order_ / 2 && c[k] == 0.0) --k;
     if (k == order_ / 2) return false;
+    complete();
     const TermSizes::Sizes sizes = TermSizes(*series_, order_)(equations_->program.output(guard.output));
     return std::abs(c[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[at(k)];
 }

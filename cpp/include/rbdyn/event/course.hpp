@@ -17,6 +17,8 @@ struct Manner {
     bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
     Program::Rounding rounding = Program::Rounding::nearest;  // of constants, so that no rounded one is shared
     bool gives_way = false;                                   // Taylor series that leave to BDF what is stiff
+
+    bool operator==(const Manner&) const = default;
 };
 
 struct Course {

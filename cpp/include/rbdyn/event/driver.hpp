@@ -6,6 +6,7 @@
 // bounded. What a function of the user's throws ends the run and is kept with it.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -37,6 +38,14 @@ public:
            double slack = 0.0, bool is_alone = false, double tolerance = 0.0);
 
     Record run(double start, std::vector<double> x, double until);
+
+    // The same in turns, for one who makes the steps of several runs side by side (abreast.hpp).
+
+    /// Begins it. Returns whether it wants a step of its engine.
+    bool set_out(Record& record, double start, std::vector<double> x, double until);
+    /// Goes on after that. Returns whether it wants one more.
+    bool go_on_after(Record& record, StepStatus step, double until);
+
     /// Goes on from where a run of the same model came to, as if it had not ended there.
     Record go_on(const Halt& halt, double until);
     /// What of the events is kept; by default all of them. They are handed on, or forgotten, while it runs.
@@ -47,14 +56,23 @@ public:
     void pass_stops(double until) { stops_from_ = until; }
 
 private:
-    template <class Begin>
-    Record made(const Begin& begin, double until);
+    /// A part of a run, which returns whether it goes on. Of one that is over, or that throws, the end is kept.
+    template <class Part>
+    bool guarded(Record& record, const Part& part);
     /// The motion begins: its mode at the start.
     void begin(Record& record);
     /// The motion goes on from now_.
     void resume(Record& record);
     /// From now_ to the end.
     void proceed(Record& record, double until);
+    /// Whether it may begin; else it is over.
+    bool is_possible(Record& record);
+    /// Less than this from the end is the end [s].
+    static double least_before(double until) { return 2.0 * epsilon * std::abs(until); }
+    /// To the next step. Returns whether there is one; else it is the end.
+    bool comes_to_step(Record& record, double until);
+    /// Takes the piece of a step. Returns whether the run goes on.
+    bool is_going_on(Record& record, StepStatus step, double until);
     /// What the guards `fired` change. `piece`, `cut`: where, if it is on one. Returns false where the run is over.
     bool change(Record& record, const std::vector<int>& fired, const Piece* piece, double cut);
     /// Those of the guards that fired which do not stop the run.

@@ -37,12 +37,10 @@ RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64
       progress_(tolerance),
       stops_from_(-std::numeric_limits<double>::infinity()) {}
 
-template <class Begin>
-Record Driver::made(const Begin& begin, double until) {
-    Record record;
+template <class Part>
+bool Driver::guarded(Record& record, const Part& part) {
     try {
-        begin(record);
-        proceed(record, until);
+        if (part()) return true;
         let_go(record, true);
     } catch (...) {
         record.thrown = std::current_exception();
@@ -50,17 +48,41 @@ Record Driver::made(const Begin& begin, double until) {
         if (record.modes.empty()) record.modes.push_back(model_.undecided());
         finish(record, now_.at, Status::stopped_by_user);
     }
-    return record;
+    return false;
 }
 
 RBDYN_INLINE Record Driver::run(double start, std::vector<double> x, double until) {
+    Record record;
     now_ = {.at = {start, 0.0}, .x = std::move(x), .low = {}, .mode = {}, .begins = true};
-    return made([&](Record& record) { begin(record); }, until);
+    guarded(record, [&] {
+        begin(record);
+        proceed(record, until);
+        return false;
+    });
+    return record;
 }
 
 RBDYN_INLINE Record Driver::go_on(const Halt& halt, double until) {
+    Record record;
     now_ = halt;
-    return made([&](Record& record) { resume(record); }, until);
+    guarded(record, [&] {
+        resume(record);
+        proceed(record, until);
+        return false;
+    });
+    return record;
+}
+
+RBDYN_INLINE bool Driver::set_out(Record& record, double start, std::vector<double> x, double until) {
+    now_ = {.at = {start, 0.0}, .x = std::move(x), .low = {}, .mode = {}, .begins = true};
+    return guarded(record, [&] {
+        begin(record);
+        return is_possible(record) && comes_to_step(record, until);
+    });
+}
+
+RBDYN_INLINE bool Driver::go_on_after(Record& record, StepStatus step, double until) {
+    return guarded(record, [&] { return is_going_on(record, step, until) && comes_to_step(record, until); });
 }
 
 RBDYN_INLINE void Driver::begin(Record& record) {
@@ -106,89 +128,114 @@ RBDYN_INLINE void Driver::resume(Record& record) {
 }
 
 RBDYN_INLINE void Driver::proceed(Record& record, double until) {
+    if (!is_possible(record)) return;
+    while (comes_to_step(record, until) && is_going_on(record, engine_.step(until), until))
+        ;
+}
+
+RBDYN_INLINE bool Driver::is_possible(Record& record) {
+    if (now_.mode.impossible.empty()) return true;
+    give_up(record, now_.mode);
+    return false;
+}
+
+RBDYN_INLINE bool Driver::comes_to_step(Record& record, double until) {
     std::vector<double>& x = now_.x;
     Instant& t = now_.at;
-    if (!now_.mode.impossible.empty()) return give_up(record, now_.mode);
-    // less than this from the end is the end
-    const double least = 2.0 * epsilon * std::abs(until);
-    while (until - t > least) {
+    const auto over = [&](Status status) {
+        finish(record, t, status);
+        return false;
+    };
+    if (until - t > least_before(until)) {
         let_go(record, false);
-        if (now_.mode.still) {
-            if (search_.examine_still(record, now_.mode, t, x)) return finish(record, t, Status::stopped_by_event);
-            if (search_.broken() != nullptr) return break_off(record, t);
-            rest(record, t, x, until);
-            t = {until, 0.0};
-            break;
+        if (!now_.mode.still) {
+            if (engine_.work().steps + engine_.work().parts + passed_ >= max_steps_) return over(Status::step_limit);
+            if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi)) return over(Status::stopped_by_user);
+            memory_.after(engine_.work().steps, record, t.hi, until, max_steps_);
+            return true;
         }
-        if (engine_.work().steps + engine_.work().parts + passed_ >= max_steps_)
-            return finish(record, t, Status::step_limit);
-        if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi))
-            return finish(record, t, Status::stopped_by_user);
-        memory_.after(engine_.work().steps, record, t.hi, until, max_steps_);
-        const StepStatus step = engine_.step(until);
-        if (step != StepStatus::ok) {
-            if (!now_.fresh && !record.empty()) record.last_state(x);
-            if (std::string why = model_.impossible(now_.mode, t.hi, x); !why.empty()) {
-                Mode after = now_.mode;
-                after.impossible = std::move(why);
-                return give_up(record, after);
-            }
-            if (!may_pass() || !pass(record, until)) return finish(record, t, Status::not_finite);
-            now_.fresh = true;
-            continue;
+        if (search_.examine_still(record, now_.mode, t, x)) return over(Status::stopped_by_event);
+        if (search_.broken() != nullptr) {
+            break_off(record, t);
+            return false;
         }
-        const Piece& piece = engine_.piece();
-        // a first step hardly longer than the rounding of time begins at a point that is to be passed, or beside it
-        if (now_.fresh && piece.length * piece.unit < 64.0 * epsilon * std::abs(t.hi) && may_pass() &&
-            pass(record, until)) {
-            now_.fresh = true;
-            continue;
-        }
-        const bool is_last = !(until - piece.at(piece.length) > least);
-        const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
-        if (cut < 0.0) {
-            store(record, piece, piece.length, now_.fresh);
-            t = piece.at(piece.length);
-            now_.fresh = now_.begins = false;
-            if (ends_in_small_steps(record, piece, piece.length, until)) return;
-            continue;
-        }
-        // a true end of this piece at the event, exact in the engine's own terms
-        const Instant at = cut < piece.length ? piece.at(cut) : piece.at(piece.length);
-        store(record, piece, cut, now_.fresh);
-        std::vector<double>& low = now_.low;
-        engine_.state(cut, x);
-        low.resize(x.size());
-        engine_.rest(cut, x, low);
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            const Instant sum = exact_sum(x[i], low[i]);
-            x[i] = sum.hi;
-            low[i] = sum.lo;
-        }
-        now_.fresh = true;
-        if (search_.broken() != nullptr) return break_off(record, at);
-        now_.crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : now_.crowded + 1;
-        search_.set_crowded(now_.crowded);
-        t = at;
-        if (search_.stops()) {
-            const auto& guards = now_.mode.equations->guards;
-            for (int index : search_.fired())
-                // what the equations say beyond is none of the laws
-                if (guards[static_cast<std::size_t>(index)].kind == EventKind::singular)
-                    return finish(record, t, Status::not_finite);
-            for (int index : search_.fired()) {
-                const Guard& guard = guards[static_cast<std::size_t>(index)];
-                note(record, {guard.kind, guard.subject, search_.direction(index), guard.name}, t);
-            }
-            if (t.hi > stops_from_) {
-                now_.fired = search_.fired();
-                return finish(record, t, Status::stopped_by_event);
-            }
-        }
-        if (!change(record, search_.fired(), &piece, cut)) return;
+        rest(record, t, x, until);
+        t = {until, 0.0};
     }
     const bool stops = search_.settle(record, now_.mode, t, x);
-    return finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
+    finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
+    return false;
+}
+
+RBDYN_INLINE bool Driver::is_going_on(Record& record, StepStatus step, double until) {
+    std::vector<double>& x = now_.x;
+    Instant& t = now_.at;
+    const auto over = [&](Status status) {
+        finish(record, t, status);
+        return false;
+    };
+    if (step != StepStatus::ok) {
+        if (!now_.fresh && !record.empty()) record.last_state(x);
+        if (std::string why = model_.impossible(now_.mode, t.hi, x); !why.empty()) {
+            Mode after = now_.mode;
+            after.impossible = std::move(why);
+            give_up(record, after);
+            return false;
+        }
+        if (!may_pass() || !pass(record, until)) return over(Status::not_finite);
+        now_.fresh = true;
+        return true;
+    }
+    const Piece& piece = engine_.piece();
+    // a first step hardly longer than the rounding of time begins at a point that is to be passed, or beside it
+    if (now_.fresh && piece.length * piece.unit < 64.0 * epsilon * std::abs(t.hi) && may_pass() &&
+        pass(record, until)) {
+        now_.fresh = true;
+        return true;
+    }
+    const bool is_last = !(until - piece.at(piece.length) > least_before(until));
+    const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
+    if (cut < 0.0) {
+        store(record, piece, piece.length, now_.fresh);
+        t = piece.at(piece.length);
+        now_.fresh = now_.begins = false;
+        return !ends_in_small_steps(record, piece, piece.length, until);
+    }
+    // a true end of this piece at the event, exact in the engine's own terms
+    const Instant at = cut < piece.length ? piece.at(cut) : piece.at(piece.length);
+    store(record, piece, cut, now_.fresh);
+    std::vector<double>& low = now_.low;
+    engine_.state(cut, x);
+    low.resize(x.size());
+    engine_.rest(cut, x, low);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Instant sum = exact_sum(x[i], low[i]);
+        x[i] = sum.hi;
+        low[i] = sum.lo;
+    }
+    now_.fresh = true;
+    if (search_.broken() != nullptr) {
+        break_off(record, at);
+        return false;
+    }
+    now_.crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : now_.crowded + 1;
+    search_.set_crowded(now_.crowded);
+    t = at;
+    if (search_.stops()) {
+        const auto& guards = now_.mode.equations->guards;
+        for (int index : search_.fired())
+            // what the equations say beyond is none of the laws
+            if (guards[static_cast<std::size_t>(index)].kind == EventKind::singular) return over(Status::not_finite);
+        for (int index : search_.fired()) {
+            const Guard& guard = guards[static_cast<std::size_t>(index)];
+            note(record, {guard.kind, guard.subject, search_.direction(index), guard.name}, t);
+        }
+        if (t.hi > stops_from_) {
+            now_.fired = search_.fired();
+            return over(Status::stopped_by_event);
+        }
+    }
+    return change(record, search_.fired(), &piece, cut);
 }
 
 RBDYN_INLINE std::vector<int> Driver::without_stops(const std::vector<int>& fired) const {

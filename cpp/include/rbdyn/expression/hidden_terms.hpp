@@ -35,6 +35,9 @@ public:
     /// Whether none is likely to have a pulse so narrow that one who evaluates it along a step may miss it.
     bool no_pulses() const { return arguments_.empty() && steep_.empty(); }
 
+    /// The slots that it looks at, some of them more than once.
+    std::vector<int> slots() const;
+
     /// How much of a length, in the unit of the series, hides no terms.
     double held(const SeriesEvaluator& series, double length) const;
     /// No pulses.

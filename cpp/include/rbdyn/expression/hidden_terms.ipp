@@ -151,6 +151,15 @@ RBDYN_INLINE std::vector<std::vector<int>> HiddenTerms::constants(const Program&
     return all;
 }
 
+RBDYN_INLINE std::vector<int> HiddenTerms::slots() const {
+    std::vector<int> all;
+    for (const Argument& argument : arguments_) all.push_back(argument.slot);
+    for (const Factors& factors : products_) all.insert(all.end(), {factors.a, factors.b});
+    for (const auto* inverses : {&inverses_, &steep_})
+        for (const Inverse& inverse : *inverses) all.push_back(inverse.slot);
+    return all;
+}
+
 RBDYN_INLINE double HiddenTerms::held(const SeriesEvaluator& series, double length) const {
     return shortened(series, products_, shortened(series, inverses_, held_pulses(series, length)));
 }

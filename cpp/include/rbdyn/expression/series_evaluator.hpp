@@ -49,8 +49,18 @@ public:
     const double* switch_value(int index) const { return coefficients(program_->switch_output(index)); }
     /// Of a term of a combination, for the parameters given.
     double weight(int index) const { return scalars_[static_cast<std::size_t>(index)]; }
+    std::span<const double> weights() const { return scalars_; }
     double unit() const { return unit_; }
+
+    /// Whether a program has functions that soon grow beyond the largest double. What comes near to it is infinite
+    /// then, and has no slopes: to what divides by it that is all the same.
+    static bool may_overflow(const Program& program);
+    static constexpr double largest = 0x1p960;
+
     const double* coefficients(int slot_index) const;
+    /// The same for who computed them elsewhere (series_abreast.hpp).
+    double* row(int slot_index) { return slot(slot_index).forward; }
+    void set_unit(double unit) { unit_ = unit; }
 
 private:
     // instructions with their series found once

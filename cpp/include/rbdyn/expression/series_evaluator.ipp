@@ -70,9 +70,13 @@ RBDYN_INLINE void SeriesEvaluator::advance(int k) {
     if (k == 0 && may_overflow_) overflows_ = overflows();
 }
 
+RBDYN_INLINE bool SeriesEvaluator::may_overflow(const Program& program) {
+    return std::ranges::any_of(program.instructions(), [](const Instruction& i) {
+        return i.code == Code::exponential || i.code == Code::hyperbolic || i.code == Code::power;
+    });
+}
+
 RBDYN_INLINE bool SeriesEvaluator::overflows() {
-    // of what is nearly as large the coefficients overflow
-    constexpr double largest = 0x1p960;
     bool any = false;
     for (int i = program_->inputs(); i < program_->slots(); ++i) {
         const series::View s = slot(i);
@@ -267,9 +271,7 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
                            combinations_.data() + to[1], steps_.data() + from[2], steps_.data() + to[2]});
     }
     for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) motion_.push_back({slot(i), output(i)});
-    for (const Step& s : steps_)
-        may_overflow_ =
-            may_overflow_ || s.code == Code::exponential || s.code == Code::hyperbolic || s.code == Code::power;
+    may_overflow_ = may_overflow(*program_);
 }
 
 RBDYN_INLINE SeriesEvaluator::Linear SeriesEvaluator::linear_part(const Instruction& i) {

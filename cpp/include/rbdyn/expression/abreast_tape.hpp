@@ -1,0 +1,88 @@
+// What SeriesAbreast computes: the instructions of a program laid out for vectors.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/program.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::abreast {
+
+/// What is computed at each order, in its order: stage by stage, and in a stage one kind after the other. Where things
+/// are is said in bytes from the first one on: of a series its coefficient 0.
+struct Tape {
+    static constexpr std::size_t most = 8;  // lanes
+    using Place = std::ptrdiff_t;
+
+    /// A series times a weight.
+    struct Scale {
+        Place out, a, weight;
+    };
+    /// A product, and the place of its part of a sum. Those of two with a factor in common are side by side.
+    struct Product {
+        Place x, y, part;
+    };
+    struct Pair {
+        Place x, z, y, part;
+    };
+    /// Of products [first, last); `series`: it is one by itself.
+    struct Sum {
+        Place first, last, out;
+        bool is_series;
+    };
+    /// A constant, multiples of series and sums.
+    struct Multiple {
+        Place series, weight;
+    };
+    struct Combination {
+        Place out, constant;  // -1: none
+        Place first, last, first_sum, last_sum;
+    };
+    struct Other {
+        Code code;
+        Place out, out2, a, b, c, slope;  // 0 of those that it has not
+        Place weight;
+        double value;
+    };
+    struct Ends {
+        std::size_t scales = 0, singles = 0, pairs = 0, sums = 0, combinations = 0, others = 0;
+    };
+    struct alignas(64) Block {
+        double lanes[most];
+    };
+
+    std::vector<Scale> scales;
+    std::vector<Product> products, singles;
+    std::vector<Pair> pairs;
+    std::vector<Sum> sums;
+    std::vector<Multiple> multiples;
+    std::vector<Combination> combinations;
+    std::vector<Other> others;
+    std::vector<Ends> stages;                     // where each of them ends
+    std::vector<std::pair<Place, Place>> motion;  // an input and its rate
+    std::vector<Place> outputs;                   // all, also switches
+    int rows = 0, sum_count = 0, part_count = 0;
+    Place vector = 0, stride = 0, time = -1;  // bytes of a vector, of a series
+    // vectors one after the other, whatever their width
+    std::vector<Block> cells, sum, next, weights, part, next_part;
+    Block t{}, unit{}, check{};
+    std::array<bool, most> begins_at_zero{};  // a norm
+    void (*run)(Tape&, int order, bool whole) = nullptr;
+
+    template <class Lanes>
+    static Lanes* in(std::vector<Block>& blocks) {
+        return reinterpret_cast<Lanes*>(blocks.data());
+    }
+    template <class Lanes>
+    static Lanes& in(Block& block) {
+        return reinterpret_cast<Lanes&>(block);
+    }
+};
+
+/// Lists what a program computes, in the order of SeriesEvaluator, on a tape whose vectors and series have their sizes.
+void write(const Program& program, Tape& tape);
+
+}  // namespace rbdyn::inline RBDYN_FORM::abreast

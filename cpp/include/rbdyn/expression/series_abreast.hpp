@@ -1,0 +1,77 @@
+// Runs a program in truncated Taylor series for several motions abreast, each with its own numbers, time and unit.
+//
+// A motion's coefficients are those that SeriesEvaluator gives it, bit for bit. Rare motions are not taken so far:
+// those with a norm that begins at zero, or with coefficients that are not finite (is_good()).
+//
+// There is code for processors with vectors of eight doubles (AVX-512), of four (AVX2), and for all others; which is
+// chosen when it is made.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace abreast {
+struct Tape;  // abreast_tape.hpp
+}
+
+class SeriesAbreast {
+public:
+    enum class Processor { any, four, eight };
+    /// The widest of this one; none where nothing goes abreast.
+    static Processor widest();
+    /// Those that this one can do.
+    static std::vector<Processor> processors();
+    /// Whether there is anything for a program: what is called back has no series.
+    static bool takes(const Program& program);
+
+    static constexpr int most = 8;  // motions
+
+    SeriesAbreast(const Program& program, int order, Processor processor = widest());
+    ~SeriesAbreast();
+    SeriesAbreast(const SeriesAbreast&) = delete;
+    SeriesAbreast& operator=(const SeriesAbreast&) = delete;
+
+    /// How many motions go abreast.
+    int width() const { return width_; }
+    /// Whether a program is computed by the same instructions; the numbers in it may be others.
+    bool fits(const Program& program, int order) const;
+
+    struct Motion {
+        double t, unit;
+        std::span<const double> state;
+        std::span<const double> weights;  // SeriesEvaluator::weights()
+    };
+    /// Coefficients 0 .. order of the inputs of width() motions at most, 0 .. order - 1 of the other slots; `whole`: 0
+    /// .. order of these too.
+    void expand(std::span<const Motion> motions, bool whole);
+    /// Whether the motion's coefficients are what it has alone.
+    bool is_good(int motion) const;
+    /// Hands a motion's to its evaluator: those of the inputs, of rates what is_finite() looks at, and of some slots.
+    void give(int motion, SeriesEvaluator& series, std::span<const int> slots, bool whole) const;
+    /// Those of all slots.
+    void give_all(int motion, SeriesEvaluator& series, bool whole) const;
+
+    /// Bytes that an expansion goes through again and again.
+    std::size_t bytes() const;
+
+private:
+    void copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const;
+
+    int order_, width_, stride_, inputs_, slots_;
+    bool may_overflow_;
+    std::vector<Instruction> instructions_;
+    std::vector<Term> terms_;
+    std::vector<ProductTerm> products_;
+    std::unique_ptr<abreast::Tape> tape_;
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,189 @@
+// Definitions of rbdyn/expression/series_abreast.hpp.
+#pragma once
+
+#include "rbdyn/expression/series_abreast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/abreast_run.hpp"
+#include "rbdyn/expression/abreast_tape.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/series/abreast.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+#ifdef RBDYN_HAS_LANES
+namespace abreast {
+
+inline void two_of_two(Tape& tape, int order, bool whole) { expand<kernels::Four>(tape, order, whole); }
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) inline void four(Tape& tape, int order, bool whole) {
+    expand<kernels::Four>(tape, order, whole);
+}
+__attribute__((target("avx512f"))) inline void eight(Tape& tape, int order, bool whole) {
+    expand<kernels::Eight>(tape, order, whole);
+}
+#endif
+
+}  // namespace abreast
+#endif
+
+RBDYN_INLINE std::vector<SeriesAbreast::Processor> SeriesAbreast::processors() {
+    std::vector<Processor> all = {Processor::any};
+#if defined(RBDYN_HAS_LANES) && defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) all.push_back(Processor::four);
+    if (__builtin_cpu_supports("avx512f")) all.push_back(Processor::eight);
+#endif
+    return all;
+}
+
+RBDYN_INLINE SeriesAbreast::Processor SeriesAbreast::widest() {
+    static const Processor known = processors().back();
+    return known;
+}
+
+RBDYN_INLINE bool SeriesAbreast::takes(const Program& program) {
+#ifdef RBDYN_HAS_LANES
+    return !program.has_calls() && program.outputs() >= program.inputs();
+#else
+    return false;
+#endif
+}
+
+RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Processor processor)
+    : order_(order),
+      width_(processor == Processor::eight ? 8 : 4),
+      stride_(order + 1),
+      inputs_(program.inputs()),
+      slots_(program.slots()),
+      may_overflow_(SeriesEvaluator::may_overflow(program)),
+      instructions_(program.instructions()),
+      tape_(std::make_unique<abreast::Tape>()) {
+    for (const Instruction& i : instructions_) {
+        terms_.insert(terms_.end(), program.terms(i), program.terms(i) + i.terms);
+        products_.insert(products_.end(), program.products(i), program.products(i) + i.products);
+    }
+    abreast::Tape& tape = *tape_;
+    tape.vector = static_cast<abreast::Tape::Place>(static_cast<std::size_t>(width_) * sizeof(double));
+    tape.stride = stride_ * tape.vector;
+    abreast::write(program, tape);
+    const auto blocks = [&](std::size_t vectors) {
+        return (vectors * static_cast<std::size_t>(width_) + most - 1) / most;
+    };
+    tape.cells.resize(blocks(static_cast<std::size_t>(tape.rows) * static_cast<std::size_t>(stride_)));
+    tape.sum.resize(blocks(static_cast<std::size_t>(tape.sum_count)));
+    tape.next.resize(blocks(static_cast<std::size_t>(tape.sum_count)));
+    tape.part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
+    tape.next_part.resize(blocks(static_cast<std::size_t>(tape.part_count)));
+    tape.weights.resize(blocks(static_cast<std::size_t>(program.scalars())));
+#ifdef RBDYN_HAS_LANES
+    tape.run = abreast::two_of_two;
+#if defined(__x86_64__)
+    if (processor == Processor::four) tape.run = abreast::four;
+    if (processor == Processor::eight) tape.run = abreast::eight;
+#endif
+#endif
+}
+
+RBDYN_INLINE SeriesAbreast::~SeriesAbreast() = default;
+
+RBDYN_INLINE bool SeriesAbreast::fits(const Program& program, int order) const {
+    if (order != order_ || program.instructions().size() != instructions_.size() ||
+        static_cast<std::size_t>(std::min(program.inputs(), program.outputs())) != tape_->motion.size())
+        return false;
+    const std::vector<abreast::Tape::Place>& outputs = tape_->outputs;
+    const auto count = static_cast<std::size_t>(program.outputs()) + program.switches().size();
+    if (count != outputs.size()) return false;
+    for (std::size_t i = 0; i < count; ++i)
+        if (program.output(static_cast<int>(i)) * tape_->stride != outputs[i]) return false;
+    std::size_t term = 0, product = 0;
+    for (std::size_t n = 0; n < instructions_.size(); ++n) {
+        const Instruction &i = program.instructions()[n], &own = instructions_[n];
+        if (i.code != own.code || i.out != own.out || i.out2 != own.out2 || i.a != own.a || i.b != own.b ||
+            i.c != own.c || i.terms != own.terms || i.products != own.products || i.weight != own.weight ||
+            i.extra != own.extra || i.value != own.value)
+            return false;
+        for (int k = 0; k < i.terms; ++k, ++term)
+            if (program.terms(i)[k].slot != terms_[term].slot || program.terms(i)[k].weight != terms_[term].weight)
+                return false;
+        for (int k = 0; k < i.products; ++k, ++product) {
+            const ProductTerm &p = program.products(i)[k], &q = products_[product];
+            if (p.a != q.a || p.b != q.b || p.weight != q.weight) return false;
+        }
+    }
+    return true;
+}
+
+RBDYN_INLINE void SeriesAbreast::expand(std::span<const Motion> motions, bool whole) {
+    abreast::Tape& tape = *tape_;
+    const auto width = static_cast<std::size_t>(width_), stride = static_cast<std::size_t>(stride_);
+    double *cells = tape.cells.data()->lanes, *weights = tape.weights.data()->lanes;
+    for (std::size_t l = 0; l < width; ++l) {
+        // lanes to spare have another one's
+        const Motion& m = motions[l < motions.size() ? l : 0];
+        tape.t.lanes[l] = m.t;
+        tape.unit.lanes[l] = m.unit;
+        for (std::size_t i = 0; i < m.state.size(); ++i) cells[i * stride * width + l] = m.state[i];
+        for (std::size_t i = 0; i < m.weights.size(); ++i) weights[i * width + l] = m.weights[i];
+    }
+    tape.begins_at_zero.fill(false);
+    tape.run(tape, order_, whole);
+}
+
+RBDYN_INLINE bool SeriesAbreast::is_good(int motion) const {
+    const auto l = static_cast<std::size_t>(motion);
+    if (tape_->begins_at_zero[l] || tape_->check.lanes[l] != 0.0) return false;
+    if (!may_overflow_) return true;
+    // one motion alone has no slopes where a denominator is that large
+    const auto width = static_cast<std::size_t>(width_);
+    const double* cells = tape_->cells.data()->lanes;
+    for (int slot = inputs_; slot < slots_; ++slot)
+        if (!(std::abs(cells[static_cast<std::size_t>(slot * stride_) * width + l]) <= SeriesEvaluator::largest))
+            return false;
+    return true;
+}
+
+RBDYN_INLINE void SeriesAbreast::copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const {
+    const auto width = static_cast<std::size_t>(width_);
+    const double* from = tape_->cells.data()->lanes + static_cast<std::size_t>(slot * stride_) * width +
+                         static_cast<std::size_t>(motion);
+    double* to = series.row(slot);
+#ifdef RBDYN_HAS_LANES
+#pragma GCC unroll 4
+#endif
+    for (std::size_t k = 0; k < count; ++k) to[k] = from[k * width];
+}
+
+RBDYN_INLINE void SeriesAbreast::give(int motion, SeriesEvaluator& series, std::span<const int> slots,
+                                      bool whole) const {
+    const auto count = static_cast<std::size_t>(stride_);
+    for (int slot = 0; slot < series.program().inputs(); ++slot) copy(motion, slot, count, series);
+    for (const int slot : slots) copy(motion, slot, whole ? count : count - 1, series);
+    const auto width = static_cast<std::size_t>(width_), last = static_cast<std::size_t>(order_ - 1) * width;
+    for (const auto& [input, rate] : tape_->motion) {
+        const auto slot = static_cast<int>(rate / tape_->stride);
+        const double* from = tape_->cells.data()->lanes + static_cast<std::size_t>(slot * stride_) * width +
+                             static_cast<std::size_t>(motion);
+        double* to = series.row(slot);
+        to[0] = from[0];
+        to[order_ - 1] = from[last];
+    }
+}
+
+RBDYN_INLINE void SeriesAbreast::give_all(int motion, SeriesEvaluator& series, bool whole) const {
+    const auto count = static_cast<std::size_t>(stride_);
+    const int inputs = series.program().inputs();
+    for (int slot = 0; slot < series.program().slots(); ++slot)
+        copy(motion, slot, whole || slot < inputs ? count : count - 1, series);
+}
+
+RBDYN_INLINE std::size_t SeriesAbreast::bytes() const { return tape_->cells.size() * sizeof(abreast::Tape::Block); }
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,167 @@
+// Series of several motions abreast: those that each motion has alone, bit for bit, on every processor.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
+#include <vector>
+
+#include "random.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/series/abreast.hpp"
+
+#ifdef RBDYN_HAS_LANES
+namespace rbdyn::test::test_series_abreast {
+namespace {
+
+using E = Expression;
+
+/// Rates of three variables with all that can be recorded, and four more outputs, the last one the square of a rate.
+Program everything() {
+    Recorder r;
+    const E x = r.input(0), y = r.input(1), z = r.input(2), t = r.time(), p = r.parameter(r.new_parameter());
+    std::vector<E> outputs = {p * y * z - 0.3 * x * sin(x) + exp(-x * y) + 0.1 * t,
+                              cos(z) * sqrt(x * x + 2.0) - x / (y * y + 1.0) + 0.25 * (x * x + y * y),
+                              tanh(x - y) + sinh(0.2 * z) * cosh(0.1 * x) - 0.5 * z + p * x * y};
+    outputs.push_back(log(x * x + 1.5) + pow(y * y + 0.5, 1.25) + pow(z * z + 0.25, -2.0) + 2.0);
+    outputs.push_back(recording::angle(y, x + 4.0) * length({x, y, z}));
+    outputs.push_back((x - y) * (x + y) * (z - x) + p);
+    outputs.push_back(outputs[0] * outputs[0]);
+    return Program(r, outputs, 3);
+}
+
+struct Alone {
+    double t, unit;
+    std::vector<double> x, parameters;
+};
+
+/// A motion by itself; with guards, coefficient `order` of everything.
+void expand(SeriesEvaluator& series, const Alone& motion, int order, bool has_guards) {
+    series.set_parameters(motion.parameters);
+    series.begin(motion.t, motion.unit);
+    for (std::size_t i = 0; i < motion.x.size(); ++i) series.set_input(static_cast<int>(i), 0, motion.x[i]);
+    for (int k = 0; k < order; ++k) {
+        series.advance(k);
+        series.integrate(k);
+    }
+    if (has_guards) series.advance(order);
+}
+
+std::vector<Alone> motions(Random& random, const Program& program, int count) {
+    std::vector<Alone> all;
+    for (int i = 0; i < count; ++i) {
+        // the other parameter says of the norm that it begins at zero
+        std::vector<double> parameters(static_cast<std::size_t>(program.parameters()), 0.0);
+        parameters[0] = random.uniform(0.5, 2.0);
+        all.push_back({random.uniform(-1.0, 1.0),
+                       std::exp2(random.whole(-8, 1)),
+                       {random.uniform(-1.5, 1.5), random.uniform(0.1, 1.5), random.uniform(-1.5, 1.5)},
+                       parameters});
+    }
+    return all;
+}
+
+bool are_same(const double* a, const double* b, int count) {
+    return std::memcmp(a, b, static_cast<std::size_t>(count) * sizeof(double)) == 0;
+}
+
+TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
+    const Program program = everything();
+    std::set<Code> codes;
+    for (const Instruction& i : program.instructions()) codes.insert(i.code);
+    EXPECT_EQ(codes.size(), 11U) << program.text();  // all but calls
+    Random random(1);
+    for (const SeriesAbreast::Processor processor : SeriesAbreast::processors())
+        for (const int order : {12, 13, 20, 24}) {
+            SeriesAbreast abreast(program, order, processor);
+            for (int trial = 0; trial < 40; ++trial) {
+                // lanes to spare, too; guards or none, one after the other
+                const std::vector<Alone> all = motions(random, program, random.whole(1, abreast.width()));
+                const bool has_guards = trial % 3 != 0;
+                std::vector<std::unique_ptr<SeriesEvaluator>> alone;
+                std::vector<SeriesAbreast::Motion> lanes;
+                for (const Alone& motion : all) {
+                    alone.push_back(std::make_unique<SeriesEvaluator>(program, order));
+                    expand(*alone.back(), motion, order, has_guards);
+                    lanes.push_back({motion.t, motion.unit, motion.x, alone.back()->weights()});
+                }
+                abreast.expand(lanes, has_guards);
+                for (std::size_t i = 0; i < all.size(); ++i) {
+                    ASSERT_TRUE(abreast.is_good(static_cast<int>(i)));
+                    SeriesEvaluator all_of_it(program, order), some(program, order);
+                    abreast.give_all(static_cast<int>(i), all_of_it, has_guards);
+                    const std::vector<int> last = {program.output(6)};
+                    abreast.give(static_cast<int>(i), some, last, has_guards);
+                    for (int slot = 0; slot < program.slots(); ++slot)
+                        ASSERT_TRUE(are_same(all_of_it.coefficients(slot), alone[i]->coefficients(slot), order + 1))
+                            << slot;
+                    for (int slot = 0; slot < 3; ++slot)
+                        ASSERT_TRUE(are_same(some.coefficients(slot), alone[i]->coefficients(slot), order + 1));
+                    ASSERT_TRUE(are_same(some.output(6), alone[i]->output(6), order + 1));
+                    for (const int k : {0, order - 1}) {
+                        ASSERT_TRUE(some.is_finite(k));
+                        for (int rate = 0; rate < 3; ++rate) ASSERT_EQ(some.output(rate)[k], alone[i]->output(rate)[k]);
+                    }
+                }
+            }
+        }
+}
+
+TEST(SeriesAbreast, say_of_one_motion_that_it_is_to_be_computed_alone_and_have_the_others) {
+    Recorder r;
+    const E x = r.input(0), y = r.input(1);
+    const Program program(r, std::vector<E>{length({x, y, 0.0 * x}) + 1.0, 1.0 / (x - 2.0)}, 2);
+    for (const SeriesAbreast::Processor processor : SeriesAbreast::processors()) {
+        SeriesAbreast abreast(program, 12, processor);
+        // a norm that begins at zero, a pole, one that is fine
+        const std::vector<Alone> all = {
+            {0.0, 0.5, {0.0, 0.0}, {}}, {0.0, 0.5, {2.0, 1.0}, {}}, {0.0, 0.5, {1.0, 1.0}, {}}};
+        std::vector<std::unique_ptr<SeriesEvaluator>> alone;
+        std::vector<SeriesAbreast::Motion> lanes;
+        for (Alone motion : all) {
+            motion.parameters.assign(static_cast<std::size_t>(program.parameters()), 0.0);
+            alone.push_back(std::make_unique<SeriesEvaluator>(program, 12));
+            expand(*alone.back(), motion, 12, false);
+        }
+        for (std::size_t i = 0; i < all.size(); ++i) lanes.push_back({0.0, 0.5, all[i].x, alone[i]->weights()});
+        abreast.expand(lanes, false);
+        EXPECT_FALSE(abreast.is_good(0));
+        EXPECT_FALSE(abreast.is_good(1));
+        ASSERT_TRUE(abreast.is_good(2));
+        // and the next time again
+        const std::vector<SeriesAbreast::Motion> other = {lanes[2], lanes[0]};
+        abreast.expand(other, false);
+        EXPECT_TRUE(abreast.is_good(0));
+        EXPECT_FALSE(abreast.is_good(1));
+        SeriesEvaluator given(program, 12);
+        abreast.give_all(0, given, false);
+        for (int slot = 0; slot < program.slots(); ++slot)
+            EXPECT_TRUE(are_same(given.coefficients(slot), alone[2]->coefficients(slot), 12)) << slot;
+    }
+}
+
+TEST(SeriesAbreast, fit_programs_of_the_same_instructions_with_other_numbers_in_them) {
+    const auto oscillator = [](double stiffness, double extra) {
+        Recorder r;
+        const E x = r.input(0), v = r.input(1);
+        std::vector<E> outputs = {v, -stiffness * x * x - 0.1 * v};
+        if (extra != 0.0) outputs[1] = outputs[1] + extra * x * v;
+        return Program(r, outputs, 2);
+    };
+    const Program program = oscillator(3.0, 0.0);
+    const SeriesAbreast abreast(program, 16);
+    EXPECT_TRUE(abreast.fits(program, 16));
+    EXPECT_TRUE(abreast.fits(oscillator(7.0, 0.0), 16));
+    EXPECT_FALSE(abreast.fits(program, 17));
+    EXPECT_FALSE(abreast.fits(oscillator(3.0, 1.0), 16));
+    EXPECT_FALSE(abreast.fits(everything(), 16));
+}
+
+}  // namespace
+}  // namespace rbdyn::test::test_series_abreast
+#endif
