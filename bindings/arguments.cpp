@@ -116,6 +116,40 @@ std::array<double, 2> pair_of(py::handle value, const std::string& object, const
     return {values[0], values[1]};
 }
 
+Values over_both(const ArrayLike& first, const ArrayLike& second, const std::string& object, const char* a,
+                 const char* b, FunctionRef<double, double, double> f) {
+    Array x = doubles(first, object, a), y = doubles(second, object, b);
+    for (py::ssize_t i = 1; i <= std::min(x.ndim(), y.ndim()); ++i) {
+        const py::ssize_t m = x.shape(x.ndim() - i), n = y.shape(y.ndim() - i);
+        if (m != n && m != 1 && n != 1)
+            throw InvalidInput(object + ": " + a + " has shape " + shape_of(x) + " and " + b + " " + shape_of(y) +
+                               "; give two of one shape, or a number and an array");
+    }
+    if (x.ndim() == 0 && y.ndim() == 0)
+        return py::reinterpret_borrow<Values>(to_python(unlocked([&] { return f(*x.data(), *y.data()); })));
+    // a number beside an array is read where it is; only what differs in shape is spread out first
+    const bool is_plain = x.ndim() == 0 || y.ndim() == 0 ||
+                          (x.ndim() == y.ndim() && std::equal(x.shape(), x.shape() + x.ndim(), y.shape()));
+    if (!is_plain) {
+        const py::sequence both = py::module_::import("numpy").attr("broadcast_arrays")(x, y);
+        x = both[0].cast<Array>();
+        y = both[1].cast<Array>();
+    }
+    const Array& larger = x.ndim() == 0 ? y : x;
+    py::array_t<double> result(std::vector<py::ssize_t>(larger.shape(), larger.shape() + larger.ndim()));
+    const double *in = x.data(), *other = y.data();
+    const py::ssize_t stride = x.ndim() == 0 ? 0 : 1, other_stride = y.ndim() == 0 ? 0 : 1;
+    double* const out = result.mutable_data();
+    const py::ssize_t count = larger.size();
+    unlocked([&] {
+        for (py::ssize_t i = 0; i < count; ++i) {
+            out[i] = f(in[i * stride], other[i * other_stride]);
+            rbdyn::Interruption::point();
+        }
+    });
+    return py::reinterpret_borrow<Values>(result);
+}
+
 py::array_t<double> rows_of(const std::vector<Vector3>& vectors) {
     py::array_t<double> result({static_cast<py::ssize_t>(vectors.size()), py::ssize_t{3}});
     double* out = result.mutable_data();

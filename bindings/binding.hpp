@@ -275,11 +275,14 @@ py::object to_python(const T& value) {
     return result;
 }
 
-/// As long as it lives its thread is without Python's lock, so that other threads run, and what takes long asks now and
-/// then (rbdyn::Interruption) whether a signal has come: Ctrl-C ends it, with KeyboardInterrupt.
+/// As long as it lives its thread is without Python's lock, so that other threads run, unless it keeps that; and what
+/// takes long asks now and then (rbdyn::Interruption) whether a signal has come: Ctrl-C ends it, with
+/// KeyboardInterrupt.
 class Unlocked {
 public:
-    Unlocked() : asked_(&ask) {}
+    explicit Unlocked(bool unlocks = true) : asked_(&ask) {
+        if (unlocks) free_.emplace();
+    }
 
 private:
     static void ask() {
@@ -288,7 +291,7 @@ private:
     }
 
     rbdyn::Interruption asked_;
-    py::gil_scoped_release free_;
+    std::optional<py::gil_scoped_release> free_;
 };
 
 /// What f returns, computed so.
@@ -298,10 +301,25 @@ auto unlocked(F&& f) {
     return f();
 }
 
-/// f at one argument, or at each of an array of them; the components of a vector or a matrix come last.
-template <class F>
-auto over(const ArrayLike& argument, const char* object, const char* what, F&& f) {
-    using Result = std::decay_t<std::invoke_result_t<F, double>>;
+/// A function that outlives the call it is handed to, without its type: what runs over arrays is compiled once for each
+/// kind of result, and not for each function.
+template <class Result, class... Arguments>
+class FunctionRef {
+public:
+    template <class F>
+    requires(!std::is_same_v<F, FunctionRef>) FunctionRef(const F& f)
+        : f_(&f),
+          call_([](const void* own, Arguments... x) -> Result { return (*static_cast<const F*>(own))(x...); }) {}
+    Result operator()(Arguments... x) const { return call_(f_, x...); }
+
+private:
+    const void* f_;
+    Result (*call_)(const void*, Arguments...);
+};
+
+/// Values at one argument, or at each of an array of them; the components of a vector or a matrix come last.
+template <class Result>
+auto values_over(const ArrayLike& argument, const char* object, const char* what, FunctionRef<Result, double> f) {
     using Returned = std::conditional_t<std::is_same_v<Result, double>, Values, Vectors>;
     const auto one = [&](double x) { return py::reinterpret_borrow<Returned>(to_python(f(x))); };
     if (PyFloat_Check(argument.ptr())) return one(PyFloat_AS_DOUBLE(argument.ptr()));
@@ -322,33 +340,15 @@ auto over(const ArrayLike& argument, const char* object, const char* what, F&& f
     return py::reinterpret_borrow<Returned>(result);
 }
 
-/// f at two arguments, numbers or arrays that are broadcast.
+/// The same of any function.
 template <class F>
-Values over_both(const ArrayLike& first, const ArrayLike& second, const std::string& object, const char* a,
-                 const char* b, F&& f) {
-    const Array x = doubles(first, object, a), y = doubles(second, object, b);
-    for (py::ssize_t i = 1; i <= std::min(x.ndim(), y.ndim()); ++i) {
-        const py::ssize_t m = x.shape(x.ndim() - i), n = y.shape(y.ndim() - i);
-        if (m != n && m != 1 && n != 1)
-            throw InvalidInput(object + ": " + a + " has shape " + shape_of(x) + " and " + b + " " + shape_of(y) +
-                               "; give two of one shape, or a number and an array");
-    }
-    if (x.ndim() == 0 && y.ndim() == 0)
-        return py::reinterpret_borrow<Values>(to_python(unlocked([&] { return f(*x.data(), *y.data()); })));
-    const py::sequence both = py::module_::import("numpy").attr("broadcast_arrays")(x, y);
-    const auto u = both[0].template cast<Array>(), v = both[1].template cast<Array>();
-    py::array_t<double> result(std::vector<py::ssize_t>(u.shape(), u.shape() + u.ndim()));
-    const double *in = u.data(), *other = v.data();
-    double* const out = result.mutable_data();
-    const py::ssize_t count = u.size();
-    unlocked([&] {
-        for (py::ssize_t i = 0; i < count; ++i) {
-            out[i] = f(in[i], other[i]);
-            rbdyn::Interruption::point();
-        }
-    });
-    return py::reinterpret_borrow<Values>(result);
+auto over(const ArrayLike& argument, const char* object, const char* what, const F& f) {
+    return values_over<std::decay_t<std::invoke_result_t<const F&, double>>>(argument, object, what, f);
 }
+
+/// f at two arguments, numbers or arrays that are broadcast.
+Values over_both(const ArrayLike& first, const ArrayLike& second, const std::string& object, const char* a,
+                 const char* b, FunctionRef<double, double, double> f);
 
 /// What operator<< writes, without its last end of line.
 template <class T>

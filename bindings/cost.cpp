@@ -5,6 +5,7 @@
 
 #include "rows.hpp"
 #include "running.hpp"
+#include "system.hpp"
 
 namespace binding {
 
@@ -12,10 +13,8 @@ using rbdyn::CostRow, rbdyn::MissingEngine, rbdyn::Prediction, rbdyn::Price;
 
 namespace {
 
-Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
-           const std::optional<std::vector<std::string>>& engines, double budget, const py::object& progress) {
-    const rbdyn::Scene copy = scene.scene;
-    Watch watch(progress);
+rbdyn::CostOptions options_of(double until, double start, const std::optional<ArrayLike>& errors,
+                              const std::optional<std::vector<std::string>>& engines, double budget, Watch& watch) {
     rbdyn::CostOptions options;
     options.until = until;
     options.start = start;
@@ -25,7 +24,34 @@ Price cost(const BoundScene& scene, double until, double start, const std::optio
         throw InvalidInput("cost: engines is empty; name those to price, or leave it out for all");
     options.budget = budget;
     options.monitor = watch.monitor(0.0, budget);
+    return options;
+}
+
+Price cost(const BoundScene& scene, double until, double start, const std::optional<ArrayLike>& errors,
+           const std::optional<std::vector<std::string>>& engines, double budget, const py::object& progress) {
+    const rbdyn::Scene copy = scene.scene;
+    Watch watch(progress);
+    const rbdyn::CostOptions options = options_of(until, start, errors, engines, budget, watch);
     return tabulated(copy, scene.handles, watch, [&] { return rbdyn::cost(copy, options); });
+}
+
+Price cost_of_system(const BoundSystem& system, double until, double start, const std::optional<ArrayLike>& errors,
+                     const std::optional<std::vector<std::string>>& engines, double budget,
+                     const py::object& progress) {
+    const rbdyn::System copy = system.system;
+    Watch watch(progress);
+    const rbdyn::CostOptions options = options_of(until, start, errors, engines, budget, watch);
+    std::optional<Price> price;
+    try {
+        const Unlocked free(!copy.calls_python());
+        price = rbdyn::cost(copy, options);
+    } catch (const rbdyn::SystemError& e) {
+        const bool is_inaccurate = e.run.status() == rbdyn::Status::accuracy_not_reached;
+        raise(error_with(e.run, is_inaccurate ? "AccuracyError" : "IntegrationError", e.what()));
+    }
+    watch.look(1.0);
+    watch.raise_if_raised<rbdyn::SystemRun>(std::nullopt);
+    return *std::move(price);
 }
 
 py::tuple data_of(const CostRow& r) {
@@ -174,6 +200,10 @@ spend by the clock, the reference included [s]. progress: True for a bar, or a f
 spent. What could not be had within it stands in `missing`, with the time it would have taken.
 
 Raises InvalidInput for what breaks a rule, and what simulate() raises of a scene that has no motion up to `until`.)");
+    m.def("cost", &cost_of_system, py::arg("system"), py::arg("until"), py::kw_only(),
+          py::arg("start") = defaults.start, py::arg("errors") = py::none(), py::arg("engines") = py::none(),
+          py::arg("budget") = defaults.budget, py::arg("progress") = false,
+          R"(The same for first-order equations of one's own: a System.)");
 }
 
 }  // namespace binding

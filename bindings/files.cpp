@@ -1,10 +1,12 @@
 // Scenes as data: texts of files, and the handles that a scene has.
 #include "files.hpp"
+#include "watch.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <random>
 #include <rbdyn/file/scene_file.hpp>
+#include <rbdyn/file/schema.hpp>
 #include <utility>
 #include <variant>
 
@@ -119,13 +121,47 @@ Handles handles_from_state(const py::tuple& state, const rbdyn::Scene& scene) {
             handles_from<ContactHandle>(state[5], Handle::Of::contact, scene.contacts().size())};
 }
 
+rbdyn::Scene as_data(const BoundScene& s, py::list* imported) {
+    rbdyn::Scene data = s.scene;
+    for (int i = 0; i < static_cast<int>(s.scene.watches().size()); ++i) {
+        const auto& watch = s.scene.watches()[static_cast<std::size_t>(i)];
+        const auto action = called_action(watch.options.action);
+        if (!action) continue;
+        const auto is_found = [&](bool in_program) {
+            return imported != nullptr &&
+                   py::module_::import("rbdyn.imported").attr("can_be")(*action, in_program).cast<bool>();
+        };
+        const auto import = [&] {
+            imported->append(py::make_tuple(i, *action));
+            data.act({i}, {});
+        };
+        // what a module has is itself, elsewhere too; what is recorded is no longer a function of Python's; what the
+        // program has is found by its own processes
+        std::string reason;
+        if (is_found(false))
+            import();
+        else if (auto recorded = recorded_action(*action, s, watch.name, reason))
+            data.act({i}, {rbdyn::WatchAction::Kind::change, *std::move(recorded)});
+        else if (is_found(true))
+            import();
+        else
+            throw InvalidInput("the action of watch \"" + watch.name + "\" is a function that is called back (" +
+                               reason +
+                               "), and only what is recorded can be saved or pickled, or, to be pickled, what is "
+                               "imported from a module");
+    }
+    return data;
+}
+
 py::tuple scene_state(const BoundScene& s) {
     try {
-        const auto [text, parameters] = rbdyn::text_and_parameters(s.scene);
+        py::list imported;
+        const auto [text, parameters] = rbdyn::text_and_parameters(as_data(s, &imported));
         // as objects: what is pickled with them keeps them
         py::list objects;
         for (const rbdyn::Parameter& p : parameters) objects.append(parameter_object(p));
-        return py::make_tuple(text, objects, handles_state(s.handles));
+        if (imported.empty()) return py::make_tuple(text, objects, handles_state(s.handles));
+        return py::make_tuple(text, objects, handles_state(s.handles), imported);
     } catch (const InvalidInput& e) {
         // as everything that cannot be pickled
         throw py::type_error(e.what());
@@ -133,20 +169,30 @@ py::tuple scene_state(const BoundScene& s) {
 }
 
 BoundScene scene_from_state(const py::tuple& state) {
-    if (state.size() != 3) throw InvalidInput("Scene: its data are not those of a scene");
+    if (state.size() != 3 && state.size() != 4) throw InvalidInput("Scene: its data are not those of a scene");
     rbdyn::Scene scene =
         rbdyn::scene_from(state[0].cast<std::string>(), "scene", state[1].cast<std::vector<rbdyn::Parameter>>());
     Handles handles = handles_from_state(state[2].cast<py::tuple>(), scene);
-    return {std::move(scene), std::move(handles)};
+    BoundScene result{std::move(scene), std::move(handles)};
+    if (state.size() == 3) return result;
+    for (const py::handle item : state[3].cast<py::list>()) {
+        const auto [index, action] = item.cast<std::pair<int, py::object>>();
+        if (index < 0 || index >= static_cast<int>(result.scene.watches().size()))
+            throw InvalidInput("Scene: its data have an action of a watch that it has not");
+        const std::string name = result.scene.watches()[static_cast<std::size_t>(index)].name;
+        result.scene.act({index}, action_of(action, result, name));
+    }
+    return result;
 }
 
 void bind_files(py::module_& m) {
     m.def(
-        "_scene_text", [](const BoundScene& s) { return rbdyn::text_of(s.scene); }, py::arg("scene"));
+        "_scene_text", [](const BoundScene& s) { return rbdyn::text_of(as_data(s, nullptr)); }, py::arg("scene"));
     m.def(
         "_scene_from",
         [](const std::string& text, const std::string& document) { return bound(rbdyn::scene_from(text, document)); },
         py::arg("text"), py::arg("document"));
+    m.def("_scene_schema", &rbdyn::scene_schema);
 }
 
 }  // namespace binding

@@ -111,8 +111,7 @@ auto tabulated(const rbdyn::Scene& scene, const Handles& handles, Watch& watch, 
     };
     std::optional<decltype(verb())> table;
     try {
-        std::optional<py::gil_scoped_release> free;
-        if (!calls_python(scene)) free.emplace();
+        const Unlocked free(!calls_python(scene));
         table = verb();
     } catch (const rbdyn::AccuracyError& e) {
         raise_with(e, "AccuracyError");

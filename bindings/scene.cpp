@@ -163,7 +163,14 @@ ContactHandle contact(BoundScene& self, const AnyPart& a, const AnySurface& b,
 double assemble(BoundScene& self, const std::vector<BodyHandle>& keep) {
     std::vector<rbdyn::BodyHandle> kept;
     for (const BodyHandle& h : keep) kept.push_back(self.handles.body(h, "Scene.assemble"));
-    return self.scene.assemble(kept);
+    // a copy, since other threads may read and change the scene meanwhile; what ends it leaves the scene as it was
+    const rbdyn::Scene before = self.scene;
+    rbdyn::Scene assembled = before;
+    const double moved = unlocked([&] { return assembled.assemble(kept); });
+    if (!(self.scene == before))
+        throw InvalidInput("Scene.assemble: another thread has changed the scene meanwhile; assemble it again");
+    self.scene = std::move(assembled);
+    return moved;
 }
 
 // the first of them can be made from nothing, as Python's arguments must

@@ -182,10 +182,12 @@ std::pair<rbdyn::BodyHandle, std::string> word_of(const Handles& handles, const 
                                                   const std::string& verb) {
     const bool is_pair = py::isinstance<py::tuple>(key) && py::len(key) == 2;
     const auto pair = is_pair ? py::reinterpret_borrow<py::tuple>(key) : py::tuple(2);
-    if (!is_pair || !py::isinstance<Handle>(pair[0]) || !py::isinstance<py::str>(pair[1]))
+    const bool is_named = is_pair && py::isinstance<py::str>(pair[0]);
+    if (!is_pair || !(is_named || py::isinstance<Handle>(pair[0])) || !py::isinstance<py::str>(pair[1]))
         throw InvalidInput(verb + ": a key is " + shown(key) +
-                           "; it is a handle and a word of add(), as in (ball, \"position\")");
-    return {handles.body(pair[0].cast<const Handle&>(), verb), pair[1].cast<std::string>()};
+                           "; it is a handle or a name, and a word of add(), as in (ball, \"position\")");
+    const py::object handle = is_named ? handles.find(plain(pair[0]), verb) : py::object(pair[0]);
+    return {handles.body(handle.cast<const Handle&>(), verb), pair[1].cast<std::string>()};
 }
 
 void restart(rbdyn::Scene& scene, const Handles& handles, const py::dict& initial, const std::string& verb) {

@@ -150,7 +150,7 @@ def typed(text: str) -> str:
     )
     for name in ("SystemNow", "SystemRun"):
         text = _of_class(text, name, (r"variable: typing\.Any", "variable: str | int"))
-    initial = "collections.abc.Mapping[tuple[BodyHandle, str], typing.Any]"
+    initial = " | ".join(f"collections.abc.Mapping[tuple[{key}, str], typing.Any]" for key in ("BodyHandle", "str"))
     text = re.sub(r"initial: typing\.Any", f"initial: {initial} | None", text)
     handed_on = f"{_literal(('all', 'last'))} | collections.abc.Callable[[Event], typing.Any]"
     text = re.sub(r"events: typing\.Any", f"events: {handed_on}", text)

@@ -53,8 +53,7 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
 
     std::optional<rbdyn::Attempt> result;
     {
-        std::optional<py::gil_scoped_release> free;
-        if (!calls_python(copy)) free.emplace();
+        const Unlocked free(!calls_python(copy));
         result = rbdyn::attempt(copy, options);
     }
     return finished(*result, handles, watch, start, until);
@@ -74,8 +73,7 @@ BoundTrajectory simulate_on(const BoundTrajectory& before, double until, std::op
     options.warn = watch.warn();
     std::optional<rbdyn::Attempt> result;
     {
-        std::optional<py::gil_scoped_release> free;
-        if (!calls_python(before.run.scene())) free.emplace();
+        const Unlocked free(!calls_python(before.run.scene()));
         result = rbdyn::attempt(before.run, options);
     }
     return finished(*result, before.handles, watch, start, until);
@@ -91,7 +89,7 @@ rbdyn::StateRun simulate_top(const rbdyn::EulerTop& model, const ArrayLike& stat
     std::optional<rbdyn::StateRun> run;
     std::string failure;
     {
-        const py::gil_scoped_release free;
+        const Unlocked free;
         try {
             run = rbdyn::simulate(model, x, options);
         } catch (const rbdyn::ModelError& e) {
@@ -118,8 +116,7 @@ rbdyn::SystemRun simulate_system(const BoundSystem& system, double until, double
     options.events = events_of(events, std::make_shared<const Handles>());
     std::optional<rbdyn::SystemAttempt> result;
     {
-        std::optional<py::gil_scoped_release> free;
-        if (!copy.calls_python()) free.emplace();
+        const Unlocked free(!copy.calls_python());
         result = rbdyn::attempt(copy, options);
     }
     watch.look(done_of(result->run.end(), start, until));

@@ -17,7 +17,7 @@ namespace {
 
 /// Of a quantity in Python; none: a number.
 using Shape = std::vector<py::ssize_t>;
-using Asked = std::function<py::object(Quantity, int subject, const Shape& shape)>;
+using Ask = std::function<py::object(Quantity, int subject, const Shape& shape)>;
 
 int count_of(const Shape& shape) {
     return static_cast<int>(std::accumulate(shape.begin(), shape.end(), py::ssize_t{1}, std::multiplies<>()));
@@ -25,7 +25,7 @@ int count_of(const Shape& shape) {
 
 /// What `now` is: gives what it is asked for, as long as the function it was made for runs.
 struct Present {
-    Asked ask;
+    Ask ask;
     Handles handles;
 };
 
@@ -74,7 +74,7 @@ py::object ask(const Present& now, Quantity quantity, int subject, const Shape& 
 
 /// Calls f with a present moment that ends with the call.
 template <class F>
-auto with_present(Asked asked, const Handles& handles, F&& f) {
+auto with_present(Ask asked, const Handles& handles, F&& f) {
     const auto now = std::make_shared<Present>(Present{std::move(asked), handles});
     struct End {
         Present& now;
@@ -167,6 +167,105 @@ auto call_with_numbers(const Called& c, const Observe& observe, Read&& read) {
         c.scene.handles, [&](const py::object& now) { return read(c.f(now)); });
 }
 
+/// A function of the present moment that is recorded, and what it asks for: its inputs.
+struct Asked {
+    Asked(const BoundScene& of, std::string who) : scene(of), user(std::move(who)) {}
+
+    const BoundScene& scene;
+    std::string user;
+    std::vector<Observable> all = {};
+
+    /// Throws InvalidInput where it asks for what the scene does not have, which is no reason to call it back.
+    Attempt record(const py::object& f, const std::function<std::vector<Expression>(const py::object&)>& results) {
+        std::exception_ptr refused;
+        const auto now = std::make_shared<Present>(Present{nullptr, scene.handles});
+        const auto ask_in = [&](Recording& recording, Quantity quantity, int subject,
+                                const Shape& shape) -> py::object {
+            try {
+                scene.scene.require_observable({quantity, subject, 0}, user);
+            } catch (const InvalidInput&) {
+                refused = std::current_exception();
+                throw;
+            }
+            const auto found = std::find(all.begin(), all.end(), Observable{quantity, subject, 0});
+            const auto first = static_cast<int>(found - all.begin());
+            if (found == all.end())
+                for (int i = 0; i < count_of(shape); ++i) all.push_back({quantity, subject, i});
+            return shape.empty() ? recording.input(first) : recording.inputs(first, shape);
+        };
+        struct End {
+            Present& now;
+            ~End() { now.ask = nullptr; }
+        } end{*now};
+        Attempt result = attempt(
+            f,
+            [&](Recording& recording) {
+                now->ask = [&](Quantity quantity, int subject, const Shape& shape) {
+                    return ask_in(recording, quantity, subject, shape);
+                };
+                return py::make_tuple(now);
+            },
+            results);
+        if (!result.function && refused) std::rethrow_exception(refused);
+        return result;
+    }
+};
+
+/// What an action returns while it is recorded: the numbers of its words, in the order of these.
+struct ChangedWords {
+    const BoundScene& scene;
+    const std::string& user;
+    std::vector<rbdyn::RecordedAction::Word> all = {};
+
+    std::vector<Expression> read(const py::object& returned) {
+        std::vector<rbdyn::RecordedAction::Word> words;
+        std::vector<Expression> numbers;
+        if (!returned.is_none()) {
+            if (!py::isinstance<py::dict>(returned))
+                throw InvalidInput("it returns " + shown(returned) + ", which is no dict of what changes");
+            for (const auto& [key, value] : returned.cast<py::dict>()) {
+                if (!py::isinstance<Handle>(key) || !py::isinstance<py::dict>(value))
+                    throw InvalidInput("it returns an item " + shown(key) + ", which is no handle with a dict");
+                const int body = scene.handles.body(key.cast<const Handle&>(), user).index;
+                for (const auto& [word, what] : value.cast<py::dict>())
+                    add(body, word.cast<std::string>(), py::reinterpret_borrow<py::object>(what), words, numbers);
+            }
+        }
+        if (!all.empty() && words != all) throw InvalidInput("it changes other words in other cases");
+        all = words;
+        return numbers;
+    }
+
+private:
+    static void add(int body, std::string word, const py::object& what, std::vector<rbdyn::RecordedAction::Word>& words,
+                    std::vector<Expression>& numbers) {
+        const py::object array = py::module_::import("numpy").attr("asarray")(what, py::arg("dtype") = "object");
+        const py::list items(array.attr("ravel")());
+        const auto size = static_cast<int>(items.size());
+        if ((word == "position" || word == "velocity") && size == 2) word += " (2)";
+        if (rbdyn::RecordedAction::numbers(word) != size)
+            throw InvalidInput("it gives " + word + " by " + std::to_string(size) +
+                               " numbers, which is recorded of an attitude as a quaternion, and of other words as they "
+                               "are");
+        for (const py::handle item : items) {
+            const auto x = operand(item);
+            if (!x) throw InvalidInput("it gives " + word + " by " + shown(item));
+            numbers.push_back(*x);
+        }
+        words.push_back({body, std::move(word)});
+    }
+};
+
+/// An action of Python's, called with the present moment.
+struct CalledAction {
+    std::shared_ptr<const Called> c;
+
+    std::vector<rbdyn::StateChange> operator()(const Observe& observe) const {
+        return call_with_numbers(*c, observe,
+                                 [&](const py::object& y) { return changes(y, c->scene.handles, c->user); });
+    }
+};
+
 /// Asks a function that is to be called back for its value at a made-up moment. Throws InvalidInput if it asks for what
 /// the moment does not have; whatever else goes wrong there need not in a motion.
 void try_out(const Called& c) {
@@ -214,35 +313,10 @@ WatchFunction watched_function(const py::object& f, const BoundScene& scene, std
     require_of_now(f, user);
     std::string reason = "trace=False";
     if (trace.value_or(true)) {
-        std::vector<Observable> asked;
-        std::exception_ptr refused;  // what the scene does not have is no reason to call back
-        const auto now = std::make_shared<Present>(Present{nullptr, scene.handles});
-        const auto ask_in = [&](Recording& recording, Quantity quantity, int subject,
-                                const Shape& shape) -> py::object {
-            try {
-                scene.scene.require_observable({quantity, subject, 0}, user);
-            } catch (const InvalidInput&) {
-                refused = std::current_exception();
-                throw;
-            }
-            const auto found = std::find(asked.begin(), asked.end(), Observable{quantity, subject, 0});
-            const auto first = static_cast<int>(found - asked.begin());
-            if (found == asked.end())
-                for (int i = 0; i < count_of(shape); ++i) asked.push_back({quantity, subject, i});
-            return shape.empty() ? recording.input(first) : recording.inputs(first, shape);
-        };
-        const Attempt a = attempt(
-            f,
-            [&](Recording& recording) {
-                now->ask = [&](Quantity quantity, int subject, const Shape& shape) {
-                    return ask_in(recording, quantity, subject, shape);
-                };
-                return py::make_tuple(now);
-            },
-            [&](const py::object& returned) { return std::vector<Expression>{one_expression(returned, user)}; });
-        now->ask = nullptr;
-        if (a.function) return {with_inputs(a.function, static_cast<int>(asked.size())), asked};
-        if (refused) std::rethrow_exception(refused);
+        Asked asked(scene, user);
+        const Attempt a = asked.record(
+            f, [&](const py::object& returned) { return std::vector<Expression>{one_expression(returned, user)}; });
+        if (a.function) return {with_inputs(a.function, static_cast<int>(asked.all.size())), asked.all};
         if (is_lack(a.cause)) throw InvalidInput(user + ": " + std::string(py::str(a.cause)));
         if (trace.value_or(false)) throw InvalidInput(user + ": its function cannot be recorded: " + a.reason);
         reason = a.reason;
@@ -267,10 +341,30 @@ rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, 
         throw InvalidInput(user + ": action is " + shown(action) +
                            "; it is \"record\", \"stop\", or a function of now");
     require_of_now(action, user + ": action");
-    return {Kind::change, [c = called(action, scene, user)](const Observe& observe) {
-                return call_with_numbers(*c, observe,
-                                         [&](const py::object& y) { return changes(y, c->scene.handles, c->user); });
-            }};
+    return {Kind::change, CalledAction{called(action, scene, user)}};
+}
+
+std::optional<py::object> called_action(const rbdyn::WatchAction& action) {
+    const auto* const found = action.change ? action.change.target<CalledAction>() : nullptr;
+    if (found == nullptr) return std::nullopt;
+    return found->c->f;
+}
+
+std::optional<rbdyn::RecordedAction> recorded_action(const py::object& action, const BoundScene& scene,
+                                                     const std::string& name, std::string& reason) {
+    const std::string user = "watch \"" + name + "\"";
+    Asked asked(scene, user);
+    ChangedWords words{scene, user};
+    try {
+        const Attempt a = asked.record(action, [&](const py::object& returned) { return words.read(returned); });
+        reason = a.reason;
+        if (a.function)
+            return rbdyn::RecordedAction(with_inputs(a.function, static_cast<int>(asked.all.size())), asked.all,
+                                         words.all);
+    } catch (const InvalidInput& e) {
+        reason = e.what();
+    }
+    return std::nullopt;
 }
 
 py::tuple watch_data(const WatchFunction& function, const std::string& user) {

@@ -1,6 +1,8 @@
 // Watched functions of Python's: what they are called with, and what becomes of them.
 #pragma once
 
+#include <optional>
+#include <rbdyn/scene/recorded_action.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +19,12 @@ rbdyn::WatchFunction watched_function(const py::object& f, const BoundScene& sce
                                       const std::string& user);
 /// "record", "stop", or a function that changes the state.
 rbdyn::WatchAction action_of(const py::object& action, const BoundScene& scene, const std::string& name);
+
+/// The function that an action calls in Python, if it does.
+std::optional<py::object> called_action(const rbdyn::WatchAction& action);
+/// The same recorded, as it can be written; none, and the reason, where it cannot be.
+std::optional<rbdyn::RecordedAction> recorded_action(const py::object& action, const BoundScene& scene,
+                                                     const std::string& name, std::string& reason);
 
 /// The one number that a watched function returns, recorded, and in numbers. Throws InvalidInput for anything else.
 rbdyn::Expression one_expression(const py::object& returned, const std::string& user);

@@ -12,9 +12,11 @@ from typing import Any
 
 import matplotlib.pyplot
 import numpy as np
+import numpy.typing as npt
 import rbdyn as rb
 
 GRAVITY, RADIUS, MASS, TILT, ROLLING = 9.8125, 0.0375, 0.4, 0.3, 2e-4
+Numbers = npt.NDArray[np.float64]
 
 
 def settled(rolling: float, until: float) -> tuple[rb.Trajectory, rb.BodyHandle]:
@@ -32,7 +34,7 @@ def settled(rolling: float, until: float) -> tuple[rb.Trajectory, rb.BodyHandle]
     return rb.simulate(scene, until, error=1e-9), disc
 
 
-def tilt_and_rate(run: rb.Trajectory, disc: rb.BodyHandle, t: Any) -> Any:
+def tilt_and_rate(run: rb.Trajectory, disc: rb.BodyHandle, t: Numbers) -> tuple[Numbers, Numbers]:
     """The tilt, and how fast the place of contact runs round: the axis's rate about the vertical."""
     axes, w = run[disc].rotation_matrix(t), run[disc].angular_velocity(t)
     axis, turn = axes[:, :, 2], w[:, 1, None] * axes[:, :, 0] - w[:, 0, None] * axes[:, :, 1]
@@ -52,7 +54,8 @@ t = np.linspace(0, run.end, 4001)
 tilt, rate = tilt_and_rate(run, disc, t)
 print(f"rate {rate[0]:.3f} rad/s at {np.degrees(tilt[0]):.3f} degrees; {rate[-1]:.3f} at {np.degrees(tilt[-1]):.3f}")
 late = t > 0.9 * run.end  # it is the law of small tilts
-slope, level = np.polyfit(t[late], 1 / rate[late], 1)
+line = np.polyfit(t[late], 1 / rate[late], 1)
+slope, level = float(line[0]), float(line[1])
 print(f"1/rate falls by {-slope:.7f}, rho/(3 R) is {ROLLING / 3 / RADIUS:.7f}; it ends at {-level / slope:.4f} s")
 assert abs(-slope / (ROLLING / 3 / RADIUS) - 1) < 0.03 and abs(-level / slope / END - 1) < 0.01
 assert rate[-1] > 20 * rate[0] and tilt[-1] < 0.003 * tilt[0]

@@ -14,9 +14,10 @@ rb.save(top, "top.json")
 rb.simulate(top, until=2.0, error=1e-9).save("monday.npz")
 
 # on Tuesday, in another process
-run = rb.load("monday.npz")
+run: rb.Trajectory = rb.load("monday.npz")
 on = rb.simulate(run, until=5.0)
-whole = rb.simulate(rb.load("top.json"), until=5.0, error=1e-9)
+scene: rb.Scene = rb.load("top.json")
+whole = rb.simulate(scene, until=5.0, error=1e-9)
 (top_of_run,), (top_of_whole,) = on.bodies, whole.bodies
 apart = np.abs(on[top_of_run].rotation_matrix(5.0) - whole[top_of_whole].rotation_matrix(5.0)).max()
 print(f"went on from {on.start} s to {on.end} s, estimated error {on.error:.1e}")

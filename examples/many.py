@@ -1,6 +1,7 @@
 """Where a bead on a rough hoop comes to rest: two thousand starts at once, as one picture of its basins."""
 
 import numpy as np
+import numpy.typing as npt
 import rbdyn as rb
 
 scene = rb.Scene(gravity=[0, 0, -9.81])
@@ -14,7 +15,7 @@ many = rb.simulate_many(
 print(many)
 assert not len(many.failed)
 
-rest = many[bead].parameter(20.0).reshape(angles.shape)
+rest: npt.NDArray[np.float64] = many[bead].parameter(20.0).reshape(angles.shape)
 turns = np.round(rest / (2 * np.pi)).astype(int)
 print("\nturns until it sticks, over the angle it starts at (across) and its speed (down)")
 for row, speed in zip(turns, speeds[:, 0], strict=True):

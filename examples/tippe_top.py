@@ -38,8 +38,8 @@ assert tilt[0] < 20 and tilt[-1] > 175 and np.sign(w[-1, 2]) == -np.sign(w[0, 2]
 assert np.ptp(jellett) < 1e-8 * abs(jellett[0])
 height = run[top].position(t)[:, 2]
 assert np.allclose(height, RADIUS * (1 - LOW * axes[:, 2, 2]), rtol=0, atol=1e-14)
-(sticks,) = run.events.times("stick", touch)
-energy = np.array([run.energy(time) for time in t])
+(sticks,) = map(float, run.events.times("stick", touch))
+energy = run.energy(t)
 assert (np.diff(energy[t < sticks]) < 1e-12 * energy[0]).all() and np.ptp(energy[t > sticks]) < 1e-8 * energy[0]
 
 plt: Any = matplotlib.pyplot

@@ -50,7 +50,7 @@ assert np.allclose(x, center + SPEED / part * np.cos(part * t), rtol=0, atol=1e-
 assert np.allclose(y, SPEED / part * np.sin(part * t), rtol=0, atol=1e-9) and np.ptp(z) < 1e-14
 print(f"circle of {SPEED / part:.6f} m about {center:.6f} m, one turn in {2 * math.pi / part:.6f} s")
 
-(sticks,) = run.events.times("stick", touch)
+(sticks,) = map(float, run.events.times("stick", touch))
 later = np.linspace(sticks, run.end, 500)[1:]
 place, v = run[sliding].position(later), run[sliding].velocity(later)
 speeds = np.linalg.norm(v, axis=1)

@@ -5,3 +5,4 @@
 #include "rbdyn/file/functions.ipp"
 #include "rbdyn/file/place.ipp"
 #include "rbdyn/file/scene_file.ipp"
+#include "rbdyn/file/schema.ipp"

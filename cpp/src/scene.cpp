@@ -12,6 +12,7 @@
 #include "rbdyn/scene/pair_laws.ipp"
 #include "rbdyn/scene/parts.ipp"
 #include "rbdyn/scene/plan_slot.ipp"
+#include "rbdyn/scene/recorded_action.ipp"
 #include "rbdyn/scene/rigid_motion.ipp"
 #include "rbdyn/scene/scene.ipp"
 #include "rbdyn/scene/spring.ipp"

@@ -99,7 +99,7 @@ from rbdyn._core import (
 )
 from rbdyn.array_functions import where
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
-from rbdyn.files import load, save
+from rbdyn.files import load, save, scene_schema
 from rbdyn.frames import Axis, Frenet, Imbalance, PointMotion, PrincipalAxes
 from rbdyn.many import Many
 from rbdyn.sample import Sample
@@ -222,6 +222,7 @@ __all__ = [
     "plan",
     "rail_potential",
     "save",
+    "scene_schema",
     "shapes",
     "simulate",
     "simulate_many",

@@ -44,6 +44,16 @@ def save(thing: Scene | Trajectory, path: str | os.PathLike[str]) -> None:
         raise InvalidInput(f"save: {thing!r} is neither a scene nor a run")
 
 
+def scene_schema() -> dict[str, Any]:
+    """The JSON schema of scenes' files (draft 2020-12), made from what reads and writes them.
+
+    It says which fields there are and of what form they are, for editors and for programs that write scenes; rules
+    between numbers are checked when a scene is read.
+    """
+    schema: dict[str, Any] = json.loads(_core._scene_schema())
+    return schema
+
+
 def load(path: str | os.PathLike[str]) -> Any:
     """Reads what save() wrote: a scene, equal to what it was, or a run that answers as it did.
 
@@ -77,7 +87,10 @@ def _contents(run: Trajectory) -> dict[str, Any]:
     """What a file has of a run: texts, and arrays. `scene`, `handles` and `state` are what it is read from."""
     try:
         scene, state = run.__getstate__()
-        text, _, handles = scene.__getstate__()
+        text, _, handles, *imported = scene.__getstate__()
+        if imported:
+            # a file has no functions of Python's: what can be recorded is, and the rest is refused
+            text = _core._scene_text(scene)
     except TypeError as problem:
         raise InvalidInput(f"save: {problem}") from None
     about = {

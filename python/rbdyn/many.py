@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from rbdyn.errors import Error, InvalidInput
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from rbdyn._core import Handle, Parameter, Trajectory
+    from rbdyn._core import BodyPoint, Handle, Parameter, Trajectory
 
 
 def _stacked(values: list[Any]) -> Any:
@@ -85,6 +85,10 @@ class Many:
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[i] for i in range(len(self)))
 
+    @overload
+    def __getitem__(self, key: int) -> Trajectory: ...
+    @overload
+    def __getitem__(self, key: Handle | BodyPoint | str) -> Any: ...
     def __getitem__(self, key: Any) -> Any:
         if isinstance(key, (int, np.integer)):
             n = len(self)

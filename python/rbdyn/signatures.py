@@ -49,7 +49,8 @@ def verb(function: Verb) -> Verb:
     def call(*arguments: Any, **options: Any) -> Any:
         return function(*arguments, **options)
 
-    call.__module__ = "rbdyn"
+    # by which pickle finds it, too: a pool of processes is given it as it is
+    call.__module__, call.__qualname__ = "rbdyn", function.__name__
     return cast(Verb, call)
 
 

@@ -28,7 +28,7 @@ def announced(simulate):
         if options.get("initial"):
             scene = copy.copy(scene)
             for (handle, word), value in options["initial"].items():
-                scene.replace(handle, **{word: value})
+                scene.replace(scene[handle] if isinstance(handle, str) else handle, **{word: value})
         plan = rb.plan(scene)
         assert run.statistics.size == plan.size, f"{run.statistics.size} is not what the plan says\n{plan}"
         return run

@@ -4,9 +4,11 @@ import io
 import json
 import math
 import random
+import re
 import sys
 import zipfile
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -152,10 +154,93 @@ def test_what_is_called_back_is_refused(tmp_path):
             rb.save(thing, tmp_path / f"x.{suffix}")
     other = rb.Scene()
     ball = other.add(rb.Particle(1.0))
-    other.watch("high", lambda now: now[ball].position[2] - 1, action=lambda now: None)
+    other.watch("high", lambda now: now[ball].position[2] - 1, action=lambda now: {ball: {"speed": float(now.time)}})
     with pytest.raises(rb.InvalidInput, match='action of watch "high" is a function that is called back'):
         rb.save(other, tmp_path / "x.json")
     assert not list(tmp_path.iterdir())
+
+
+def bouncing():
+    """A ball that an action sends up again, and another body whose words change with it."""
+    kept = rb.parameter(0.75, "kept")
+    scene = rb.Scene(gravity=[0, 0, -10])
+    ball = scene.add(rb.Particle(1.0), position=[0, 0, 1], velocity=[1, 0, 0], name="ball")
+    wheel = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Revolute([1, 0, 0]), rate=1.0)
+    body = scene.add(rb.RigidBody(1.0, [1, 2, 3]), position=[9, 0, 0], angular_velocity=[0, 1, 0])
+
+    def bounce(now):
+        velocity = now[ball].velocity
+        return {
+            ball: {"velocity": [velocity[0], velocity[1], -kept * velocity[2]]},
+            wheel: {"rate": now[wheel].rate + np.where(now.time > 1, 0.5, 0.25)},
+            body: {"attitude": now[body].quaternion, "angular_velocity": [0, now.time, 1]},
+        }
+
+    scene.watch("floor", lambda now: now[ball].position[2], direction="falling", action=bounce)
+    return scene
+
+
+def test_an_action_that_can_be_recorded_is_in_the_file(tmp_path):
+    scene = bouncing()
+    rb.save(scene, tmp_path / "scene.json")
+    loaded = rb.load(tmp_path / "scene.json")
+    assert rb._core._scene_text(loaded) == (tmp_path / "scene.json").read_text()
+    assert loaded == rb.load(tmp_path / "scene.json")
+    here, there = rb.simulate(scene, 3.0), rb.simulate(loaded, 3.0)
+    assert len(here.events) > 3 and [e.time for e in here.events] == [e.time for e in there.events]
+    assert np.array_equal(state(here, 3.0), state(there, 3.0))
+    here.save(tmp_path / "run.npz")
+    on = rb.simulate(rb.load(tmp_path / "run.npz"), until=3.1)
+    assert [e.time for e in on.events] == pytest.approx(
+        [e.time for e in rb.simulate(scene, 3.1).events if e.time > 3.0]
+    )
+
+
+@pytest.mark.parametrize(
+    "path, value, message",
+    [
+        (("changes", 0, "word"), "colour", 'an action changes "colour", which no joint has'),
+        (("changes", 0, "body"), "nobody", "it is the name of a body"),
+        (("function", "results"), ["n0"], "results for what it changes"),
+        (("asks",), [], "it has one input for each of the 0 it asks for"),
+    ],
+)
+def test_an_action_in_a_file_is_checked(path, value, message, tmp_path):
+    text = changed(rb._core._scene_text(bouncing()), ("watches", 0, "action", *path), value)
+    (tmp_path / "x.json").write_text(text)
+    with pytest.raises(rb.InvalidInput, match=re.escape(message)):
+        rb.load(tmp_path / "x.json")
+
+
+SCHEMA = Path(__file__).parents[2] / "docs" / "scene.schema.json"
+
+
+def test_the_schema_is_that_of_the_library():
+    # rewritten by: python -c "import rbdyn; print(rbdyn._core._scene_schema(), end='')" > docs/scene.schema.json
+    assert SCHEMA.read_text() == rb._core._scene_schema()
+    assert rb.scene_schema() == json.loads(SCHEMA.read_text())
+
+
+@pytest.mark.parametrize("scene_of", [*SCENES, everything, bouncing], ids=lambda f: f.__name__)
+def test_scenes_are_as_the_schema_says(scene_of):
+    jsonschema = pytest.importorskip("jsonschema")
+    validator = jsonschema.Draft202012Validator(rb.scene_schema())
+    document = json.loads(rb._core._scene_text(scene_of()))
+    validator.validate(document)
+    document["$schema"] = "scene.schema.json"
+    assert rb._core._scene_from(json.dumps(document), "x").bodies
+    # what the library refuses for its form the schema refuses, too
+    for path, value in [
+        (("bodies", 0, "colour"), "red"),
+        (("bodies", 0, "joint", "kind"), "elastic"),
+        (("bodies", 0, "body", "mass"), "heavy"),
+        (("gravity",), [0, 0]),
+        (("version",), 2),
+    ]:
+        wrong = changed(json.dumps(document), path, value)
+        assert not validator.is_valid(json.loads(wrong)), path
+        with pytest.raises(rb.InvalidInput):
+            rb._core._scene_from(wrong, "x")
 
 
 def changed(text, path, value):
@@ -192,7 +277,7 @@ def changed(text, path, value):
         (["loads", 1, "function", "results", 0], "n999", r"results\[0\] is .*the name of an operation"),
         (["loads", 1, "function", "inputs"], 1e99, r"inputs is 1e\+99; it is a whole number"),
         (["watches", 0, "direction"], "up", r'direction is "up"; it is one of "either", "rising", "falling"'),
-        (["watches", 0, "action"], "change", r"action is .*which no file has"),
+        (["watches", 0, "action"], "change", r"action is .*is an object, with what it changes and a function"),
         (["integrals", 0, "function", "asks", 0, "component"], 99, r"component is 99; .* from 0 to 8"),
         (["gravity"], [0, 0, "nan"], r"gravity: .*is finite"),
         (["version"], 2, r"version is 2; this version of the library reads 1"),

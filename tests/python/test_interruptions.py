@@ -34,7 +34,8 @@ def long_calls():
     spline = rb.Spline(np.random.default_rng(1).normal(size=(20, 3)))
     places = np.linspace(0.0, 19.0, 5_000_000)
     points = np.random.default_rng(1).normal(size=(60_000, 3))
-    long = chain(64)
+    long, hanging = chain(64), springs(150, 1.0, aside=0.0)
+    rest = rb.equilibria(hanging)[0]
     system = rb.simulate(rb.System(lambda t, x: [x[1], -x[0]], [1.0, 0.0]), 5.0)
     hill = rb.Scene(gravity=[0, 0, -9.81])
     top = hill.add(rb.Particle(1.0), rb.Rail(spline), parameter=3.0)
@@ -54,7 +55,33 @@ def long_calls():
         "a spline of many points": lambda: rb.Spline(points),
         "equilibria": lambda: rb.equilibria(long),
         "x": lambda: system.x(times),
+        "normal_modes": lambda: rb.normal_modes(hanging, rest),
+        "the plan of a long chain": lambda: rb.plan(chain(400)),
+        "the plan of many springs": lambda: rb.plan(springs(3000, 1.0)),
+        "the plan of many modes": lambda: rb.plan(springs(400, 0.0)),
+        "a run that is planned": lambda: rb.simulate(springs(1500, 1.0), 1e-6),
+        "assemble": lambda: crank().assemble(),
     }
+
+
+def springs(n, rest_length, aside=0.1):
+    """Masses in a row, of which each plan finds that all move with all."""
+    scene, last = rb.Scene(), None
+    for i in range(n):
+        mass = scene.add(rb.Particle(1.0), position=[1.0 + i, aside, 0])
+        scene.connect(rb.Spring(1.0, rest_length), mass, [0, 0, 0] if last is None else last)
+        last = mass
+    return scene
+
+
+def crank():
+    scene, last, handles = rb.Scene(), None, []
+    for i in range(60):
+        hinge = rb.Revolute([0, 1, 0], at=[0, 0, 0.2 if i else 0], point=[0, 0, -0.1])
+        last = scene.add(rb.shapes.rod(1.0, 0.2, [0, 0, 1]), hinge, angle=0.1, **({"parent": last} if i else {}))
+        handles.append(last)
+    scene.constrain(rb.Ball(), last.point([0, 0, 0.1]), [5.0, 0, 5.0])
+    return scene
 
 
 CALLS = sorted(long_calls())

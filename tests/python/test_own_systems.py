@@ -301,3 +301,35 @@ def test_what_is_called_back_cannot_be_pickled_and_says_so(system):
         given.watch("w", lambda now: now.x[0], action=lambda now: [1.0])
     with pytest.raises(TypeError, match=r"only what is traced can be pickled"):
         pickle.dumps(given)
+
+
+def test_what_accuracy_costs_is_told_as_of_scenes():
+    # the same motion as a scene and as equations of one's own: errors of the same size, every engine in turn
+    system = rb.System(lambda t, x: [x[1], -9.81 * np.sin(x[0])], [2.0, 0.0], names=["angle", "rate"])
+    system.watch("lowest point", lambda now: now["angle"])
+    price = rb.cost(system, until=5.0, errors=[1e-4, 1e-8], budget=6.0)
+    assert price.automatic == "taylor" and "long double" in price.reference
+    engines = {row.engine for row in price.rows}
+    assert {"taylor", "dop853"} <= engines and "closed form" not in engines
+    assert [m.reason for m in price.missing if m.engine == "closed form"] == ["cannot: a System has none"]
+    exact = rb.simulate(system, until=5.0, error=1e-13)
+    for row in price.rows:
+        run = rb.simulate(system, until=5.0, rtol=row.tolerance, engine=row.engine)
+        apart = np.abs(run.x(5.0) - exact.x(5.0)).max() / 6.0
+        assert apart <= 3 * row.motion_error + 1e-14
+        assert row.has_all_events and row.events == row.events_expected == len(exact.events)
+    assert price.cheapest(1e-8).error <= 1e-8
+
+
+def test_what_cannot_be_recorded_is_priced_without_a_series():
+    system = rb.System(lambda t, x: [x[1], -float(x[0])], [1.0, 0.0])
+    price = rb.cost(system, until=3.0, errors=[1e-4], budget=3.0)
+    assert price.automatic == "dop853" and {row.engine for row in price.rows} <= {"dop853", "cvode-adams", "cvode-bdf"}
+    assert [m.reason for m in price.missing if m.engine == "taylor"][0].startswith("cannot: f of this System is called")
+
+
+def test_a_system_that_ends_early_has_no_price_and_says_why():
+    system = rb.System(lambda t, x: [1 + x[0] ** 2], [0.0])
+    with pytest.raises(rb.IntegrationError) as here:
+        rb.cost(system, until=2.0, budget=2.0)
+    assert here.value.run.end == pytest.approx(np.pi / 2)

@@ -290,3 +290,63 @@ def test_a_run_in_euler_angles_is_pickled():
         assert getattr(copied, name) == getattr(run, name)
     with pytest.raises(rb.InvalidInput, match="none of a run"):
         type(run).__new__(type(run)).__setstate__(b"rubbish")
+
+
+def copied(thing):
+    return pickle.loads(pickle.dumps(thing))
+
+
+def falling(action):
+    scene = rb.Scene(gravity=DOWN)
+    ball = scene.add(rb.Particle(1.0), position=[0, 0, 1], name="ball")
+    scene.watch("floor", lambda now: now[ball].position[2], direction="falling", action=action(ball))
+    return scene
+
+
+class Module:
+    """An action that is found by its name, with what it needs: this file is a module to other processes."""
+
+    def __init__(self, ball):
+        self.ball = ball
+
+    def __call__(self, now):
+        return {self.ball: {"velocity": [0.0, 0.0, abs(float(now[self.ball].velocity[2])) / 2]}}
+
+
+def recordable(ball):
+    return lambda now: {ball: {"velocity": -0.5 * now[ball].velocity}}
+
+
+def of_this_process(ball):
+    return lambda now: {ball: {"velocity": [0, 0, abs(float(now[ball].velocity[2])) / 2]}}
+
+
+@pytest.mark.parametrize("action", [Module, recordable], ids=["imported", "recorded"])
+def test_scenes_and_runs_with_actions_are_pickled(action):
+    scene = falling(action)
+    run = rb.simulate(scene, 1.2)
+    assert len(run.events) > 2
+    again, loaded = copied(scene), copied(run)
+    assert [e.time for e in rb.simulate(again, 1.2).events] == [e.time for e in run.events]
+    assert [e.time for e in loaded.events] == [e.time for e in run.events]
+    assert rb.simulate(loaded, 1.3).events[0].time == rb.simulate(run, 1.3).events[0].time
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        there = pool.submit(rb.simulate, scene, 1.2).result()
+    assert [e.time for e in there.events] == [e.time for e in run.events]
+
+
+def test_an_action_that_is_neither_recorded_nor_imported_is_refused():
+    with pytest.raises(
+        TypeError, match="only what is recorded can be saved or pickled, or, to be pickled, what is imp"
+    ):
+        pickle.dumps(falling(of_this_process))
+
+
+def test_verbs_are_found_by_their_names():
+    for name in rb.__all__:
+        thing = getattr(rb, name)
+        if callable(thing):
+            assert pickle.loads(pickle.dumps(thing)) is thing, name
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        (run,) = pool.map(rb.simulate, [hoop()], [1.0])
+    assert run.end == 1.0

@@ -29,6 +29,7 @@ def test_a_run_starts_where_initial_says_and_the_scene_stays_as_it_is():
     run = rb.simulate(scene, until=2.0, initial={(bar, "rate"): 3.0})
     built, _ = pendulum(angle=0.5, rate=3.0)
     same(run, rb.simulate(built, until=2.0), "bar")
+    same(run, rb.simulate(scene, until=2.0, initial={("bar", "rate"): 3.0}), "bar")
     assert run[bar].rate(0.0) == 3.0 and run[bar].angle(0.0) == 0.5
     assert scene == before
     assert rb.simulate(scene, until=2.0)[bar].rate(0.0) == -1.0
@@ -124,8 +125,10 @@ def test_words_of_other_joints_and_keys_that_are_none_are_refused():
         scene.replace(bar, speed=1.0)
     with pytest.raises(rb.InvalidInput, match='bar has no "speed"; a body on a hinge starts with angle, rate'):
         rb.simulate(scene, until=1.0, initial={(bar, "speed"): 1.0})
-    for key in (bar, "rate", (bar,), ("bar", "rate"), (bar, 3)):
-        with pytest.raises(rb.InvalidInput, match="it is a handle and a word of add"):
+    with pytest.raises(rb.InvalidInput, match='there is nothing named "rod"; there are "bar"'):
+        rb.simulate(scene, until=1.0, initial={("rod", "rate"): 1.0})
+    for key in (bar, "rate", (bar,), (bar, 3)):
+        with pytest.raises(rb.InvalidInput, match="it is a handle or a name, and a word of add"):
             rb.simulate(scene, until=1.0, initial={key: 1.0})
     with pytest.raises(rb.InvalidInput, match="initial is 3.0; it is a mapping"):
         rb.simulate(scene, until=1.0, initial=3.0)

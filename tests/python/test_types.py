@@ -2,8 +2,10 @@
 
 import importlib.util
 import inspect
+import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import rbdyn as rb
@@ -91,6 +93,20 @@ def test_the_examples_and_the_package_pass_mypy_in_strict_mode(root, tmp_path):
             cwd=tmp_path,
         )
         assert done.returncode == 0, f"{what}: {done.stdout}"
+
+
+@pytest.mark.skipif(importlib.util.find_spec("pyright") is None, reason="pyright is not installed")
+def test_the_examples_pass_pyright_in_strict_mode(root, tmp_path):
+    settings = {
+        "typeCheckingMode": "strict",
+        "include": [str(root / "examples")],
+        "extraPaths": [str(Path(rb.__file__).parents[1])],
+    }
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings))
+    done = subprocess.run(
+        [sys.executable, "-m", "pyright", "--pythonpath", sys.executable], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="mypy is not installed")

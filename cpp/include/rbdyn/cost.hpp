@@ -16,6 +16,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+class System;
+
 struct CostOptions {
     double until = 0.0;                                      // s
     double start = 0.0;                                      // s
@@ -29,5 +31,7 @@ struct CostOptions {
 /// Prices a scene. Throws InvalidInput for options that break a rule, and what simulate() throws of a scene that has no
 /// motion up to `until`.
 Price cost(const Scene& scene, const CostOptions& options);
+/// Prices equations of one's own (system/system.hpp).
+Price cost(const System& system, const CostOptions& options);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -19,11 +19,16 @@
 #include "rbdyn/options.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/price.hpp"
 #include "rbdyn/pricing.hpp"
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
+#include "rbdyn/simulate.hpp"
 #include "rbdyn/solve.hpp"
+#include "rbdyn/system/system.hpp"
+#include "rbdyn/system/system_model.hpp"
+#include "rbdyn/system/system_run.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::pricing {
 
@@ -62,7 +67,7 @@ struct Ladder {
 };
 
 /// The engines asked for, those that cannot do the scene with the reason. Throws InvalidInput for one that is none.
-RBDYN_INLINE std::vector<Ladder> ladders_of(const Plan& plan, const std::vector<Part>& parts,
+RBDYN_INLINE std::vector<Ladder> ladders_of(const std::string& natural, const std::vector<Part>& parts,
                                             const CostOptions& options, double loosest) {
     std::vector<std::string> wanted = options.engines;
     if (wanted.empty()) {
@@ -73,11 +78,11 @@ RBDYN_INLINE std::vector<Ladder> ladders_of(const Plan& plan, const std::vector<
     for (const std::string& name : wanted) {
         const bool is_auto = name == "auto";
         simulating::require_engine("cost", name);
-        Ladder ladder{is_auto ? plan.engine : name, {}};
+        Ladder ladder{is_auto ? natural : name, {}};
         const auto is_it = [&](const Ladder& other) { return other.engine == ladder.engine; };
         if (std::any_of(ladders.begin(), ladders.end(), is_it)) continue;
         try {
-            for (const Part& part : parts) ladder.engines.push_back(simulating::engine_for(part.plan, name));
+            for (const Part& part : parts) ladder.engines.push_back(part.engine_for(name));
         } catch (const InvalidInput& e) {
             // the reason alone, without what simulate() says before and advises after it
             const std::string why = e.what();
@@ -97,8 +102,8 @@ RBDYN_INLINE std::vector<Ladder> ladders_of(const Plan& plan, const std::vector<
 /// The list while it is made.
 class Pricing {
 public:
-    Pricing(const Scene& scene, Runner& runner, const Reference& reference, Purse& purse, double tightest)
-        : scene_(scene), runner_(runner), reference_(reference), purse_(purse), tightest_(tightest) {}
+    Pricing(const Whole& whole, Runner& runner, const Reference& reference, Purse& purse, double tightest)
+        : whole_(whole), runner_(runner), reference_(reference), purse_(purse), tightest_(tightest) {}
 
     /// One row more of an engine, or the reason why there is none. `others`: engines that have no row yet.
     void turn(Ladder& ladder, std::size_t others);
@@ -111,7 +116,7 @@ private:
     void no_time(Ladder& ladder, double seconds);
     void time_again(Ladder& ladder, std::size_t row);
 
-    const Scene& scene_;
+    const Whole& whole_;
     Runner& runner_;
     const Reference& reference_;
     Purse& purse_;
@@ -120,7 +125,7 @@ private:
 
 /// Where series leave something to BDF, at the loosest tolerance, the automatic choice is a way of its own. It is tried
 /// in a small part of the budget: what is stiff takes BDF no longer.
-RBDYN_INLINE void add_automatic(std::vector<Ladder>& ladders, Runner& runner, const Plan& plan,
+RBDYN_INLINE void add_automatic(std::vector<Ladder>& ladders, Runner& runner, const std::string& natural,
                                 const CostOptions& options, double loosest, Price& price) {
     constexpr double part = 0.05;
     const auto is_wanted = [&](const std::string& name) {
@@ -128,7 +133,7 @@ RBDYN_INLINE void add_automatic(std::vector<Ladder>& ladders, Runner& runner, co
                std::find(options.engines.begin(), options.engines.end(), name) != options.engines.end();
     };
     const auto series = std::find_if(ladders.begin(), ladders.end(), [&](const Ladder& ladder) {
-        return ladder.engine == plan.engine && ladder.cannot.empty() && ladder.least > 0.0;
+        return ladder.engine == natural && ladder.cannot.empty() && ladder.least > 0.0;
     });
     if (!is_wanted("auto") || series == ladders.end()) return;
     Ladder automatic = *series;
@@ -140,7 +145,7 @@ RBDYN_INLINE void add_automatic(std::vector<Ladder>& ladders, Runner& runner, co
     if (std::all_of(tried.records.begin(), tried.records.end(), [](const Record& r) { return r.changes.empty(); }))
         return;
     price.automatic = "auto";
-    if (!is_wanted(plan.engine)) ladders.erase(series);
+    if (!is_wanted(natural)) ladders.erase(series);
     ladders.push_back(std::move(automatic));
 }
 
@@ -201,7 +206,7 @@ RBDYN_INLINE void Pricing::turn(Ladder& ladder, std::size_t others) {
         const double first = purse_.spent();
         for (int i = 0; i < 3 && (i == 0 || 2.0 * (purse_.spent() - first) < repeat_share * purse_.budget()); ++i) {
             const auto seconds =
-                runner_.whole(scene_, ladder.engine.find(',') == std::string::npos ? ladder.engine : "auto",
+                runner_.whole(whole_, ladder.engine.find(',') == std::string::npos ? ladder.engine : "auto",
                               std::max(now.error, tightest_), 0.2 * purse_.left(), ladder.keep);
             if (!seconds) {
                 // one that takes so long is not tried for less
@@ -259,39 +264,33 @@ RBDYN_INLINE void name_stiffness(Price& price) {
     }
 }
 
-}  // namespace rbdyn::inline RBDYN_FORM::pricing
-
-namespace rbdyn::inline RBDYN_FORM {
-
-RBDYN_INLINE Price cost(const Scene& scene, const CostOptions& options) {
-    using namespace pricing;
+/// The options of the runs of a list. Throws InvalidInput for what breaks a rule.
+RBDYN_INLINE SimulateOptions runs_of(const CostOptions& options) {
     require(options.budget > 0.0, "cost", "budget", options.budget, "it is positive, in s");
-    std::vector<double> errors = options.errors;
-    if (errors.empty()) throw InvalidInput("cost: errors has 0 entries; give at least one");
-    for (const double e : errors) require(e > 0.0 && e <= 0.1, "cost", "an error", e, "it lies between 0 and 0.1");
-    std::sort(errors.begin(), errors.end());
+    if (options.errors.empty()) throw InvalidInput("cost: errors has 0 entries; give at least one");
+    for (const double e : options.errors)
+        require(e > 0.0 && e <= 0.1, "cost", "an error", e, "it lies between 0 and 0.1");
     SimulateOptions base;
     base.until = options.until;
     base.start = options.start;
     simulating::validate(base);
-    Purse purse(options.budget, options.monitor);
-    const auto [plan_scene, plan, is_new] = planned(scene);
-    std::vector<Part> parts;
-    const auto add = [&](const Plan& one, const Scene& alone) {
-        parts.push_back({one, alone, one.model->start(options.start)});
-    };
-    if (plan.parts.empty()) add(plan, plan_scene);
-    for (std::size_t i = 0; i < plan.parts.size(); ++i) add(plan.parts[i], plan.apart->parts[i].scene);
+    return base;
+}
 
-    std::vector<Ladder> ladders = ladders_of(plan, parts, options, errors.back());
+RBDYN_INLINE Price priced(const std::vector<Part>& parts, const std::string& natural, const Whole& whole,
+                          const CostOptions& options, Purse& purse) {
+    const SimulateOptions base = runs_of(options);
+    std::vector<double> errors = options.errors;
+    std::sort(errors.begin(), errors.end());
+    std::vector<Ladder> ladders = ladders_of(natural, parts, options, errors.back());
     Price price;
-    price.automatic = plan.engine;
+    price.automatic = natural;
     Runner runner(parts, base, purse);
     const auto integrates = [](const Ladder& ladder) { return ladder.cannot.empty() && ladder.least > 0.0; };
     const bool is_wanted = std::any_of(ladders.begin(), ladders.end(), integrates);
-    add_automatic(ladders, runner, plan, options, errors.back(), price);
-    const Reference reference(runner, plan_scene, purse, is_wanted);
-    Pricing list(scene, runner, reference, purse, errors.front());
+    add_automatic(ladders, runner, natural, options, errors.back(), price);
+    const Reference reference(runner, whole, purse, is_wanted);
+    Pricing list(whole, runner, reference, purse, errors.front());
     for (Ladder& ladder : ladders) {
         if (!ladder.cannot.empty()) list.missing.push_back({ladder.engine, 0.0, ladder.cannot});
         if (integrates(ladder) && !reference.is_any()) {
@@ -319,6 +318,50 @@ RBDYN_INLINE Price cost(const Scene& scene, const CostOptions& options) {
     price.reference = reference.said(price);
     price.seconds = purse.spent();
     return price;
+}
+
+/// What attempts are asked for.
+template <class Made>
+bool reaches(const Made& made) {
+    return made.outcome == simulating::Outcome::good && made.run.status() != Status::stopped_by_user;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::pricing
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE Price cost(const Scene& scene, const CostOptions& options) {
+    using namespace pricing;
+    const SimulateOptions base = runs_of(options);
+    Purse purse(options.budget, options.monitor);
+    const auto [plan_scene, plan, is_new] = planned(scene);
+    std::vector<Part> parts;
+    const auto add = [&](const Plan& one, const Scene& alone) {
+        parts.push_back({.model = *one.model,
+                         .start = one.model->start(base.start),
+                         .closed = one.closed,
+                         .calls_back = one.calls_back,
+                         .engine_for = [&one](const std::string& name) { return simulating::engine_for(one, name); },
+                         .close = [&one, &alone] { return planning::closed_form(alone, *one.model, true).form; }});
+    };
+    if (plan.parts.empty()) add(plan, plan_scene);
+    for (std::size_t i = 0; i < plan.parts.size(); ++i) add(plan.parts[i], plan.apart->parts[i].scene);
+    const Whole whole{[&](const SimulateOptions& o) { return reaches(attempt(scene, o)); },
+                      [&, &frozen = plan_scene](const SimulateOptions& o) { require_good(attempt(frozen, o)); }};
+    return priced(parts, plan.engine, whole, options, purse);
+}
+
+RBDYN_INLINE Price cost(const System& system, const CostOptions& options) {
+    using namespace pricing;
+    (void)runs_of(options);
+    Purse purse(options.budget, options.monitor);
+    const SystemModel model(system.frozen());
+    const auto engine_for = [&](const std::string& name) { return simulating::engine_for(system, name); };
+    const std::vector<Part> parts = {
+        {.model = model, .start = system.start(), .calls_back = system.calls_back(), .engine_for = engine_for}};
+    const Whole whole{[&](const SimulateOptions& o) { return reaches(attempt(system, o)); },
+                      [&](const SimulateOptions& o) { (void)simulate(system, o); }};
+    return priced(parts, engine_for("auto"), whole, options, purse);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -17,6 +17,7 @@
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -162,6 +163,7 @@ RBDYN_INLINE EffectTable effects(const Scene& scene, const SimulateOptions& opti
                 row.note =
                     "without it the run ends at " + text(row.time) + " s: " + std::string(name_of(less.run.status()));
         } catch (const std::exception& e) {
+            if (Interruption::has_ended()) throw;
             row.note = e.what();
         }
         table.rows.push_back(std::move(row));

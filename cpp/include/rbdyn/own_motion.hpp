@@ -11,6 +11,7 @@
 #include "rbdyn/engine/work.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/keep.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/model/own_model.hpp"
 #include "rbdyn/options.hpp"
 #include "rbdyn/trajectory/any_run.hpp"
@@ -58,6 +59,13 @@ StateRun simulate_own(const HybridModel& model, const std::vector<double>& state
 template <OwnModel M>
 StateRun simulate(const M& model, const std::vector<double>& state, const SimulateOptions& options) {
     return simulating::simulate_own(FunctorModel<M>(model), state, options);
+}
+template <class M>
+requires(!OwnModel<M>) StateRun simulate(const M&, const std::vector<double>&, const SimulateOptions&) {
+    static_assert(recording::fits<M>,
+                  "a model of your own has `int variables() const` and is called as model(t, x, rate), a number, a "
+                  "std::span<const S> and a std::span<S>: a template over S");
+    throw Error("no model");
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

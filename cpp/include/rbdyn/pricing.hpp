@@ -2,19 +2,21 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/cost.hpp"
 #include "rbdyn/event/course.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/options.hpp"
-#include "rbdyn/plan/plan.hpp"
 #include "rbdyn/price.hpp"
-#include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::pricing {
 
@@ -39,11 +41,24 @@ private:
     bool is_closed_ = false;
 };
 
-/// Bodies that something joins, by themselves.
+/// Bodies that something joins, by themselves, or a system of equations.
 struct Part {
-    const Plan& plan;
-    const Scene& scene;
-    std::vector<double> start;  // state
+    const HybridModel& model;
+    std::vector<double> start;                           // state
+    std::shared_ptr<const ClosedForm> closed = nullptr;  // its motion, if there is one
+    bool calls_back = false;
+    /// The engine that one of a name is for it; throws InvalidInput where that cannot do it.
+    std::function<std::string(const std::string&)> engine_for;
+    /// Its closed form, set up anew.
+    std::function<std::shared_ptr<const ClosedForm>()> close = {};
+};
+
+/// simulate() of all parts.
+struct Whole {
+    /// Whether it comes to what it is asked for.
+    std::function<bool(const SimulateOptions&)> reaches;
+    /// Throws what simulate() throws.
+    std::function<void(const SimulateOptions&)> require;
 };
 
 /// What came of all parts once.
@@ -70,7 +85,7 @@ public:
     Measured run_reference(const std::vector<std::string>& engines, double tolerance, double allowed,
                            const simulating::Manner& manner);
     /// simulate() of the whole scene with this error, in processor time; none if it does not reach it or not in time.
-    std::optional<double> whole(const Scene& scene, const std::string& engine, double error, double allowed,
+    std::optional<double> whole(const Whole& whole, const std::string& engine, double error, double allowed,
                                 Keep::What keep);
 
     const std::vector<Part>& parts() const { return parts_; }
@@ -96,7 +111,7 @@ class Reference {
 public:
     /// Runs it if something is to be held against it. Throws what simulate() throws if the motion does not go to its
     /// end.
-    Reference(Runner& runner, const Scene& scene, Purse& purse, bool is_wanted);
+    Reference(Runner& runner, const Whole& whole, Purse& purse, bool is_wanted);
 
     /// Whether there is one at all.
     bool is_any() const { return !first_.records.empty(); }
@@ -119,5 +134,9 @@ private:
 
 /// What rounding makes of a motion in closed form.
 double rounding_of(const Part& part, const SimulateOptions& base);
+
+/// The list of what has these parts. `natural`: the engine that simulate() takes by itself.
+Price priced(const std::vector<Part>& parts, const std::string& natural, const Whole& whole, const CostOptions& options,
+             Purse& purse);
 
 }  // namespace rbdyn::inline RBDYN_FORM::pricing

@@ -19,11 +19,6 @@
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
-#include "rbdyn/model/points.hpp"
-#include "rbdyn/plan/linear_motion.hpp"
-#include "rbdyn/plan/planning.hpp"
-#include "rbdyn/simulate.hpp"
-#include "rbdyn/solve.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
 
@@ -84,7 +79,7 @@ Measured Runner::measured(double allowed, SimulateOptions& options, const Integr
         else if (record.status == Status::step_limit)
             result.is_too_large = true;
         else
-            result.broken = simulating::broken_off(*parts_[now].plan.model, record);
+            result.broken = simulating::broken_off(parts_[now].model, record);
         result.records.clear();
         break;
     }
@@ -104,12 +99,12 @@ RBDYN_INLINE Measured Runner::run(const std::vector<std::string>& engines, doubl
         if (keeps_all) options.max_steps = most_numbers / (order_of_pieces * variables);
         if (engines[i] != "closed form")
             return simulating::integrate(
-                       *part.plan.model, part.start, options, engines[i], tolerance, keeps_all ? Keep{} : compared_,
-                       {.gives_way = simulating::gives_way(*part.plan.model, options, engines[i], tolerance)})
+                       part.model, part.start, options, engines[i], tolerance, keeps_all ? Keep{} : compared_,
+                       {.gives_way = simulating::gives_way(part.model, options, engines[i], tolerance)})
                 .record;
         // set up, and asked for one state and all events
-        const auto form = begun(planning::closed_form(part.scene, *part.plan.model, true).form, options.start);
-        Record record = simulating::solve_closed(*part.plan.model, part.start, options, {options.start}, form).record;
+        const auto form = begun(part.close(), options.start);
+        Record record = simulating::solve_closed(part.model, part.start, options, {options.start}, form).record;
         std::vector<double> end(part.start.size());
         form->state({base_.until - base_.start, 0.0}, end);
         return record;
@@ -120,14 +115,14 @@ RBDYN_INLINE Measured Runner::run_reference(const std::vector<std::string>& engi
                                             const simulating::Manner& manner) {
     SimulateOptions options = base_;
     return measured(allowed, options, [&](std::size_t i) {
-        const Plan& plan = parts_[i].plan;
-        return simulating::integrate(*plan.model, parts_[i].start, options, engines[i], tolerance, compared_, manner,
-                                     engines[i] == "closed form" ? begun(plan.closed, options.start) : nullptr)
+        const Part& part = parts_[i];
+        return simulating::integrate(part.model, part.start, options, engines[i], tolerance, compared_, manner,
+                                     engines[i] == "closed form" ? begun(part.closed, options.start) : nullptr)
             .record;
     });
 }
 
-RBDYN_INLINE std::optional<double> Runner::whole(const Scene& scene, const std::string& engine, double error,
+RBDYN_INLINE std::optional<double> Runner::whole(const Whole& whole, const std::string& engine, double error,
                                                  double allowed, Keep::What keep) {
     SimulateOptions options = base_;
     options.keep.what = keep;
@@ -136,21 +131,20 @@ RBDYN_INLINE std::optional<double> Runner::whole(const Scene& scene, const std::
     const double began = purse_.spent();
     options.monitor = [&](double) { return purse_.goes_on() && purse_.spent() - began <= allowed; };
     const double first = processor_seconds();
-    const Attempt made = attempt(scene, options);
+    const bool is_good = whole.reaches(options);
     const double seconds = processor_seconds() - first;
-    const bool is_good = made.outcome == simulating::Outcome::good && made.run.status() != Status::stopped_by_user;
     return is_good ? std::optional(seconds) : std::nullopt;
 }
 
 // --- what errors are measured against ---
 
-RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& purse, bool is_wanted) : runner_(runner) {
+RBDYN_INLINE Reference::Reference(Runner& runner, const Whole& whole, Purse& purse, bool is_wanted) : runner_(runner) {
     std::vector<std::string> engines;
     bool has_series = true;
     for (const Part& part : runner.parts()) {
-        is_closed_.push_back(part.plan.closed != nullptr);
+        is_closed_.push_back(part.closed != nullptr);
         engines.push_back(is_closed_.back() ? "closed form" : "taylor");
-        has_series = has_series && (is_closed_.back() || !part.plan.calls_back);
+        has_series = has_series && (is_closed_.back() || !part.calls_back);
     }
     if (!is_wanted) return;
     const bool all_closed = std::find(is_closed_.begin(), is_closed_.end(), false) == is_closed_.end();
@@ -174,7 +168,7 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
     if (has_series) names.push_back("taylor");
     std::erase_if(names, [&](const std::string& name) {
         try {
-            for (const Part& part : runner.parts()) (void)simulating::engine_for(part.plan, name);
+            for (const Part& part : runner.parts()) (void)part.engine_for(name);
             return false;
         } catch (const InvalidInput&) {
             return true;
@@ -201,7 +195,7 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Scene& scene, Purse& pur
     if (!broken.empty()) {
         SimulateOptions options = runner_.options();
         options.monitor = [&](double) { return purse.goes_on() && purse.left() > 0.0; };
-        require_good(attempt(scene, options));
+        whole.require(options);
     }
     // what ends one of them ends all
     double end = runner_.options().until;
@@ -219,7 +213,7 @@ RBDYN_INLINE bool Reference::reaches(const std::string& engine, double tolerance
 }
 
 /// How far places are apart after a motion has met another event than the reference.
-RBDYN_INLINE double places_apart(const SceneModel& model, const Record& run, const Record& reference,
+RBDYN_INLINE double places_apart(const HybridModel& model, const Record& run, const Record& reference,
                                  const Keep& compared, const Comparison& comparison, double wanted) {
     ErrorScales scales = comparison.scales;
     std::vector<Observed> seen, fine;
@@ -267,7 +261,7 @@ RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::s
         double wanted = std::clamp(about, simulating::least_error, 0.1);
         Comparison c;
         for (int pass = 0; pass < 3; ++pass) {
-            c = AccuracyCheck(*part.plan.model, wanted)(record, reference.records[i], runner_.compared().times);
+            c = AccuracyCheck(part.model, wanted)(record, reference.records[i], runner_.compared().times);
             const double found = std::max(c.motion_difference, c.event_difference);
             const double next = std::clamp(5.0 * found, simulating::least_error, 0.1);
             if (found <= wanted ? wanted <= 30.0 * next : wanted >= 0.1) break;
@@ -279,7 +273,7 @@ RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::s
         row.events_expected += c.better_events;
         row.has_all_events = row.has_all_events && c.same_events;
         if (!c.same_events)
-            row.motion_error = std::max(row.motion_error, places_apart(*part.plan.model, record, reference.records[i],
+            row.motion_error = std::max(row.motion_error, places_apart(part.model, record, reference.records[i],
                                                                        runner_.compared(), c, wanted));
     }
     row.error = std::max(row.motion_error, row.event_error);
@@ -288,8 +282,7 @@ RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::s
 RBDYN_INLINE double rounding_of(const Part& part, const SimulateOptions& base) {
     SimulateOptions options = base;
     options.rtol.reset();
-    return simulating::solve_closed(*part.plan.model, part.start, options, {options.start},
-                                    begun(part.plan.closed, options.start))
+    return simulating::solve_closed(part.model, part.start, options, {options.start}, begun(part.closed, options.start))
         .error.value_or(std::numeric_limits<double>::infinity());
 }
 

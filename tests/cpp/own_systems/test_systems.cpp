@@ -1,6 +1,7 @@
 // First-order equations of one's own from C++: functors recorded, watched and run, against closed forms.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <rbdyn/rbdyn.hpp>
 #include <span>
@@ -80,6 +81,18 @@ TEST(Systems, runs_are_read_back_from_their_bytes) {
     EXPECT_EQ(again.x(1.3), run.x(1.3));
     EXPECT_EQ(again.rate(1.3), run.rate(1.3));
     EXPECT_THROW(system_run_from(System(Oscillator{9.0}, {1.0, 0.0}), bytes_of(run)), InvalidInput);
+}
+
+TEST(Systems, prices_tell_errors_as_large_as_they_are) {
+    const Price price = cost(oscillator(), {.until = 3.0, .errors = {1e-4, 1e-8}, .budget = 3.0});
+    EXPECT_EQ(price.automatic, "taylor");
+    ASSERT_GE(price.rows.size(), 4u);
+    for (const CostRow& row : price.rows) {
+        const SystemRun run = simulate(oscillator(), {.until = 3.0, .rtol = row.tolerance, .engine = row.engine});
+        const double apart =
+            std::max(std::abs(run.x(3.0)[0] - std::cos(6.0)), std::abs(run.x(3.0)[1] + 2 * std::sin(6.0)) / 2);
+        EXPECT_LE(apart, 3.0 * row.error + 1e-14) << row.engine << ' ' << row.tolerance;
+    }
 }
 
 TEST(Systems, what_breaks_a_rule_is_refused_by_name) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/interruption.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -68,12 +69,14 @@ template <class T>
 SquareMatrixOf<T> product(const SquareMatrixOf<T>& a, const SquareMatrixOf<T>& b) {
     const int n = a.size();
     SquareMatrixOf<T> result(n);
-    for (int i = 0; i < n; ++i)
+    for (int i = 0; i < n; ++i) {
+        Interruption::point();
         for (int k = 0; k < n; ++k) {
             const T factor = a(i, k);
             if (factor == T(0.0)) continue;
             for (int j = 0; j < n; ++j) result(i, j) += factor * b(k, j);
         }
+    }
     return result;
 }
 
@@ -94,6 +97,7 @@ inline LinearSolution solve(SquareMatrix a, std::vector<double> b, double nothin
     LinearSolution result{std::vector<double>(at(n))};
     int rank = 0;
     for (; rank < n; ++rank) {
+        Interruption::point();
         const int k = rank;
         int row = k, column = k;
         for (int i = k; i < n; ++i)
@@ -141,7 +145,8 @@ inline SymmetricEigen symmetric_eigen(SquareMatrix a) {
     bool diagonal = false;
     for (int sweep = 0; sweep < most_sweeps && !diagonal; ++sweep) {
         diagonal = true;
-        for (int p = 0; p < n; ++p)
+        for (int p = 0; p < n; ++p) {
+            Interruption::point();
             for (int q = p + 1; q < n; ++q) {
                 if (!(std::abs(a(p, q)) > rounding)) continue;
                 diagonal = false;
@@ -161,6 +166,7 @@ inline SymmetricEigen symmetric_eigen(SquareMatrix a) {
                 a(q, q) += change;
                 a(p, q) = a(q, p) = 0.0;
             }
+        }
     }
     std::vector<int> order(static_cast<std::size_t>(n));
     std::iota(order.begin(), order.end(), 0);

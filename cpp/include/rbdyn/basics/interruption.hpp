@@ -4,7 +4,7 @@
 // often that a question is put every 50 ms, as far as the points lie no further apart.
 #pragma once
 
-#include <chrono>
+#include <cstdint>
 #include <functional>
 
 #include "rbdyn/basics/form.hpp"
@@ -21,16 +21,16 @@ public:
 
     /// A point where a computation may be ended: throws what the function does.
     static void point();
+    /// Whether the innermost function of this thread has ended a computation: what is thrown then is nobody's to keep.
+    static bool has_ended();
 
 private:
-    using Clock = std::chrono::steady_clock;
-    static constexpr auto interval = std::chrono::milliseconds(50);
-
     void look();
 
     std::function<void()> ask_;
     Interruption* outer_;
-    Clock::time_point asked_ = Clock::now(), looked_ = asked_;
+    std::int64_t asked_, looked_;  // when [ns]: what asks for a clock's header is read by all that has points
+    bool has_ended_ = false;
     int points_ = 0, stride_ = 1;  // since the clock was read; until it is read again
 };
 

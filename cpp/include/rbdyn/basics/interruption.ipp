@@ -4,6 +4,8 @@
 #include "rbdyn/basics/interruption.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <utility>
 
@@ -17,10 +19,20 @@ RBDYN_INLINE Interruption*& present() {
     return one;
 }
 
+constexpr std::int64_t interval = 50'000'000;  // ns
+
+RBDYN_INLINE std::int64_t now() {
+    using namespace std::chrono;
+    return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace interrupting
 
 RBDYN_INLINE Interruption::Interruption(std::function<void()> ask)
-    : ask_(std::move(ask)), outer_(std::exchange(interrupting::present(), this)) {}
+    : ask_(std::move(ask)),
+      outer_(std::exchange(interrupting::present(), this)),
+      asked_(interrupting::now()),
+      looked_(asked_) {}
 
 RBDYN_INLINE Interruption::~Interruption() { interrupting::present() = outer_; }
 
@@ -29,16 +41,24 @@ RBDYN_INLINE void Interruption::point() {
     if (one != nullptr && ++one->points_ >= one->stride_) one->look();
 }
 
+RBDYN_INLINE bool Interruption::has_ended() {
+    const Interruption* const one = interrupting::present();
+    return one != nullptr && one->has_ended_;
+}
+
 RBDYN_INLINE void Interruption::look() {
+    using interrupting::interval;
     constexpr int longest = 4096;
-    const Clock::time_point now = Clock::now();
+    const std::int64_t now = interrupting::now();
     // a tenth of the interval between two looks
     stride_ = now - looked_ > interval / 10 ? std::max(stride_ / 4, 1) : std::min(2 * stride_, longest);
     points_ = 0;
     looked_ = now;
     if (now - asked_ < interval) return;
+    has_ended_ = true;
     ask_();
-    asked_ = looked_ = Clock::now();
+    has_ended_ = false;
+    asked_ = looked_ = interrupting::now();
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -10,6 +10,7 @@
 
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/interruption.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::refining {
 
@@ -40,11 +41,13 @@ RBDYN_INLINE void turn(WideMatrix& x, const WideMatrix& s, const WideMatrix& r, 
 RBDYN_INLINE WideMatrix across(const WideMatrix& a, const WideMatrix& b) {
     const int n = a.size();
     WideMatrix result(n);
-    for (int k = 0; k < n; ++k)
+    for (int k = 0; k < n; ++k) {
+        Interruption::point();
         for (int i = 0; i < n; ++i) {
             const DoubleDouble factor = a(k, i);
             for (int j = i; j < n; ++j) result(i, j) += factor * b(k, j);
         }
+    }
     return result;
 }
 
@@ -104,6 +107,7 @@ RBDYN_INLINE SymmetricModes symmetric_modes(const WideMatrix& a) {
                 largest = std::max({largest, std::abs(e(i, j)), std::abs(e(j, i))});
             }
         for (int k = 0; k < n; ++k) {
+            Interruption::point();
             std::vector<double> more(at(n));
             for (int i = 0; i < n; ++i)
                 for (int j = 0; j < n; ++j) more[at(j)] += x(k, i).hi * e(i, j);

@@ -38,6 +38,7 @@
 #include "rbdyn/curve/polynomial.hpp"
 #include "rbdyn/curve/spline.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -105,6 +106,12 @@ public:
     requires Takes<F, Expression>
     explicit Curve(F&& function, Domain domain = {}, bool closed = false)
         : Curve(FunctionCurve{FunctionCurve::recorded(std::forward<F>(function)), domain, closed, {}}) {}
+    template <class F>
+    requires(!Takes<F, Expression> && !CurveKinds::has<F> && MeantAsFunctor<F, Curve>) explicit Curve(F, Domain = {},
+                                                                                                      bool = false) {
+        static_assert(recording::fits<F>,
+                      "the function of a Curve is called as f(u), with a number: take it as const auto&");
+    }
 
     /// What it was made from.
     const CurveKinds::Kind& kind() const { return *kind_; }

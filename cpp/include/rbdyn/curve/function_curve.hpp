@@ -28,6 +28,7 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/curve/stretch.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/rounded.hpp"
 
@@ -45,7 +46,7 @@ struct FunctionCurve {
     template <class F>
     static Function recorded(F&& f) {
         return Function::record(1, [&](const std::vector<Expression>& u) {
-            const Vector3Of<Expression> r = f(u[0]);
+            const Vector3Of<Expression> r = recording::vector(f, u[0]);
             return std::vector<Expression>{r[0], r[1], r[2]};
         });
     }

@@ -25,13 +25,6 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-/// What can be called with inputs of these types. (std::is_invocable would put lines of its own before what a compiler
-/// says of the user's.)
-template <class F, class... Inputs>
-concept Takes = requires(F& f, const Inputs&... inputs) {
-    f(inputs...);
-};
-
 /// A function of several variables with several results, recorded by calling it once with expressions.
 class Function {
 public:

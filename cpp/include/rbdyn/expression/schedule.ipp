@@ -9,24 +9,28 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/program.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE Schedule::Schedule(const Program& program) : program_(program) {
     const std::vector<std::size_t> when = stages_of_instructions();
-    for (std::size_t s = 0, seen = 0; seen < when.size(); ++s) {
+    std::vector<std::vector<const Instruction*>> of_stage;
+    for (std::size_t i = 0; i < when.size(); ++i) {
+        if (when[i] >= of_stage.size()) of_stage.resize(when[i] + 1);
+        of_stage[when[i]].push_back(&program.instructions()[i]);
+    }
+    for (const std::vector<const Instruction*>& instructions : of_stage) {
+        Interruption::point();
         Stage stage{{series.size(), 0}, {sums.size(), 0}, {combinations.size(), 0}, {others.size(), 0}};
         std::vector<const Instruction*> group;
-        for (std::size_t i = 0; i < when.size(); ++i) {
-            if (when[i] != s) continue;
-            ++seen;
-            const Instruction& instruction = program.instructions()[i];
-            if (instruction.products == 0) {
-                others.push_back(&instruction);
+        for (const Instruction* instruction : instructions) {
+            if (instruction->products == 0) {
+                others.push_back(instruction);
                 continue;
             }
-            group.push_back(&instruction);
+            group.push_back(instruction);
             if (group.size() == lanes) share_lanes(group);
         }
         if (!group.empty()) share_lanes(group);

@@ -7,6 +7,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -20,8 +21,9 @@ public:
     template <class F>
     requires(Takes<F, Expression> && !std::is_same_v<std::decay_t<F>, Function> &&
              !std::is_same_v<std::decay_t<F>, TimeFunction>) TimeFunction(F f)
-        : TimeFunction(Function::record(
-              1, [&](const std::vector<Expression>& x) { return std::vector<Expression>{f(x[0])}; })) {}
+        : TimeFunction(Function::record(1, [&](const std::vector<Expression>& x) {
+              return std::vector<Expression>{recording::number(f, x[0])};
+          })) {}
 
     bool is_constant() const { return is_constant_; }
     bool is_zero() const { return is_constant() && constant_ == 0.0; }

@@ -29,6 +29,7 @@
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
+#include "rbdyn/scene/recorded_action.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
 #include "rbdyn/scene/surfaces.hpp"
 #include "rbdyn/scene/watch.hpp"
@@ -121,6 +122,8 @@ Json put(const End& end, Writing& w);
 End take(const Place& p, Tag<End>);
 Json put(const WatchFunction& f, Writing& w);
 WatchFunction take(const Place& p, Tag<WatchFunction>);
+Json put(const RecordedAction& action, Writing& w);
+RecordedAction take(const Place& p, Tag<RecordedAction>);
 
 /// Throws InvalidInput: what is called back is no data.
 [[noreturn, gnu::cold]] void refuse_called_back(const std::string& who, const Callback& callback);

@@ -123,31 +123,27 @@ RBDYN_INLINE int components(Quantity q) {
     }
 }
 
-}  // namespace watches
-
-RBDYN_INLINE Json put(const WatchFunction& f, Writing& w) {
-    if (!f.is_recorded()) refuse_called_back("watched function", *f.counter());
+/// What a function of the motion asks for.
+RBDYN_INLINE Json asked_to(const std::vector<Observable>& asked, Writing& w) {
     Json asks = Json::array();
-    for (const Observable& o : f.arguments()) {
+    for (const Observable& o : asked) {
         Json one = {{"quantity", put(o.quantity, w)}};
         if (is_of_coupling(o.quantity))
             one["coupling"] = o.subject;
         else if (o.quantity != Quantity::time)
             one["body"] = put(o.subject, w);
-        if (watches::components(o.quantity) > 1) one["component"] = o.component;
+        if (components(o.quantity) > 1) one["component"] = o.component;
         asks.push_back(std::move(one));
     }
-    return {{"asks", std::move(asks)}, {"function", put(f.function(), w)}};
+    return asks;
 }
 
-RBDYN_INLINE WatchFunction take(const Place& p, Tag<WatchFunction>) {
-    p.require_known({"asks", "function"});
-    const Place asks = p.at("asks");
+RBDYN_INLINE std::vector<Observable> asked_from(const Place& asks) {
     std::vector<Observable> asked;
     for (std::size_t i = 0; i < asks.size(); ++i) {
         const Place one = asks.at(i);
         Observable o{take(one.at("quantity"), Tag<Quantity>())};
-        const int components = watches::components(o.quantity);
+        const int count = components(o.quantity);
         std::vector<std::string_view> known = {"quantity"};
         if (is_of_coupling(o.quantity)) {
             known.emplace_back("coupling");
@@ -156,17 +152,53 @@ RBDYN_INLINE WatchFunction take(const Place& p, Tag<WatchFunction>) {
             known.emplace_back("body");
             o.subject = take(one.at("body"), Tag<int>());
         }
-        if (components > 1) {
+        if (count > 1) {
             known.emplace_back("component");
-            o.component = static_cast<int>(one.at("component").integer(0, components - 1));
+            o.component = static_cast<int>(one.at("component").integer(0, count - 1));
         }
         one.require_known(known);
         asked.push_back(o);
     }
+    return asked;
+}
+
+}  // namespace watches
+
+RBDYN_INLINE Json put(const WatchFunction& f, Writing& w) {
+    if (!f.is_recorded()) refuse_called_back("watched function", *f.counter());
+    return {{"asks", watches::asked_to(f.arguments(), w)}, {"function", put(f.function(), w)}};
+}
+
+RBDYN_INLINE WatchFunction take(const Place& p, Tag<WatchFunction>) {
+    p.require_known({"asks", "function"});
+    std::vector<Observable> asked = watches::asked_from(p.at("asks"));
     Function f = function_from(p.at("function"));
     if (f.outputs() != 1 || f.inputs() != static_cast<int>(asked.size()))
         p.complain("its function has one result and as many inputs as it asks for");
     return {std::move(f), std::move(asked)};
+}
+
+RBDYN_INLINE Json put(const RecordedAction& action, Writing& w) {
+    Json words = Json::array();
+    for (const RecordedAction::Word& one : action.words())
+        words.push_back({{"body", put(one.body, w)}, {"word", one.word}});
+    return {{"changes", std::move(words)},
+            {"asks", watches::asked_to(action.asked(), w)},
+            {"function", put(action.function(), w)}};
+}
+
+RBDYN_INLINE RecordedAction take(const Place& p, Tag<RecordedAction>) {
+    p.require_known({"changes", "asks", "function"});
+    const Place changes = p.at("changes");
+    std::vector<RecordedAction::Word> words;
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        const Place one = changes.at(i);
+        one.require_known({"body", "word"});
+        words.push_back({take(one.at("body"), Tag<int>()), one.at("word").text()});
+    }
+    std::vector<Observable> asked = watches::asked_from(p.at("asks"));
+    Function f = function_from(p.at("function"));
+    return p.located([&] { return RecordedAction(std::move(f), std::move(asked), std::move(words)); });
 }
 
 RBDYN_INLINE void refuse_called_back(const std::string& who, const Callback& callback) {

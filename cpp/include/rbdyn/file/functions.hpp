@@ -26,6 +26,7 @@ namespace rbdyn::inline RBDYN_FORM::file {
 struct Writing {
     GivenNumbers parameters = {};
     std::vector<std::string> bodies = {};
+    bool has_actions = true;  // else of those that change the state only that they do
 
     /// The index of one that has a value; two values of one number are two.
     int index_of(const Parameter& parameter, double value);

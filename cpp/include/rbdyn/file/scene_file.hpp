@@ -20,6 +20,9 @@ namespace rbdyn::inline RBDYN_FORM {
 [[gnu::cold]] std::string text_of(const Scene& scene);
 /// The same with the numbers of the user's that it uses, in the order in which the text has them.
 [[gnu::cold]] std::pair<std::string, std::vector<Parameter>> text_and_parameters(const Scene& scene);
+/// The same where actions that change the state may be called back, without these: what scenes are known by, and
+/// nothing to be read.
+[[gnu::cold]] std::string text_without_actions(const Scene& scene);
 /// And back. `document`: what complaints call it. `parameters`: take the place of those of the text, if there are any.
 [[gnu::cold]] Scene scene_from(std::string_view text, const std::string& document = "scene",
                                const std::vector<Parameter>& parameters = {});

@@ -18,39 +18,11 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/file/described.hpp"
 #include "rbdyn/file/place.hpp"
+#include "rbdyn/file/start.hpp"
 #include "rbdyn/file/values.hpp"
 #include "rbdyn/scene/scene.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::file {
-
-inline constexpr std::string_view scene_format = "rbdyn scene";
-inline constexpr long scene_version = 1;
-
-/// Where a body starts, in the words of its joint.
-struct Start {
-    std::vector<double> position, velocity, angular_velocity_world;
-    DoubleDouble parameter;
-    double speed = 0.0, angle = 0.0, rate = 0.0, displacement = 0.0, displacement_rate = 0.0;
-    std::array<double, 2> angles{}, rates{};
-    Attitude attitude;
-    Vector3Of<DoubleDouble> angular_velocity = {};
-};
-template <>
-struct Described<Start> {
-    static constexpr tuple fields{usual("position", &Start::position),
-                                  usual("velocity", &Start::velocity),
-                                  usual("parameter", &Start::parameter),
-                                  usual("speed", &Start::speed),
-                                  usual("angle", &Start::angle),
-                                  usual("rate", &Start::rate),
-                                  usual("displacement", &Start::displacement),
-                                  usual("displacement_rate", &Start::displacement_rate),
-                                  usual("angles", &Start::angles),
-                                  usual("rates", &Start::rates),
-                                  usual("attitude", &Start::attitude),
-                                  usual("angular_velocity", &Start::angular_velocity),
-                                  usual("angular_velocity_world", &Start::angular_velocity_world)};
-};
 
 /// The words of a body's joint, and what a scene has of it as them and back.
 struct Starting {
@@ -140,8 +112,6 @@ struct Starting {
     }
     static FixedStart as(const Start&, const RigidBody&, const Fixed&) { return {}; }
 };
-
-using AnyBody = std::variant<Particle, RigidBody>;
 
 RBDYN_INLINE Json body_to(const Scene::Body& b, Writing& w) {
     Json start = Json::object();
@@ -233,14 +203,15 @@ RBDYN_INLINE Json scene_to(const Scene& scene, Writing& w) {
         add("contacts", std::move(one));
     }
     for (const Scene::Watch& watch : scene.watches()) {
-        if (watch.options.action.change)
+        const RecordedAction* action = w.has_actions ? recorded(watch.options.action) : nullptr;
+        if (w.has_actions && watch.options.action.change && action == nullptr)
             throw InvalidInput("the action of watch \"" + watch.name +
                                "\" is a function that is called back, and only what is recorded can be saved or "
                                "pickled; \"record\" and \"stop\" can");
         add("watches", {{"name", watch.name},
                         {"function", put(watch.function, w)},
                         {"direction", put(watch.options.direction, w)},
-                        {"action", put(watch.options.action.kind, w)}});
+                        {"action", action != nullptr ? put(*action, w) : put(watch.options.action.kind, w)}});
     }
     for (const Scene::Integral& i : scene.integrals())
         add("integrals", {{"name", i.name}, {"function", put(i.function, w)}});
@@ -271,8 +242,8 @@ RBDYN_INLINE Scene scene_from(const Json& json, const std::string& document, con
         whole.complain("it is no scene: its \"format\" would be \"" + std::string(scene_format) + "\"");
     if (const Place version = whole.at("version"); version.integer(1, 1'000'000) != scene_version)
         version.refuse("this version of the library reads " + std::to_string(scene_version));
-    whole.require_known({"format", "version", "gravity", "parameters", "bodies", "loads", "couplings", "constraints",
-                         "contacts", "watches", "integrals"});
+    whole.require_known({"$schema", "format", "version", "gravity", "parameters", "bodies", "loads", "couplings",
+                         "constraints", "contacts", "watches", "integrals"});
     const Place gravity = whole.at("gravity");
     Scene scene = gravity.located([&] { return Scene(take(gravity, Tag<Vector3>())); });
     for_each_in(whole, "parameters", [&](const Place& p) {
@@ -313,9 +284,15 @@ RBDYN_INLINE Scene scene_from(const Json& json, const std::string& document, con
     for_each_in(whole, "watches", [&](const Place& p) {
         p.require_known({"name", "function", "direction", "action"});
         WatchOptions options{take(p.at("direction"), Tag<Direction>())};
-        options.action.kind = take(p.at("action"), Tag<WatchAction::Kind>());
-        if (options.action.kind == WatchAction::Kind::change)
-            p.at("action").refuse("what changes the state is a function, which no file has");
+        if (const Place action = p.at("action"); action.value().is_object()) {
+            RecordedAction change = take(action, Tag<RecordedAction>());
+            for (const Observable& o : change.asked()) scene.require_observable(o, "action");
+            options.action = {WatchAction::Kind::change, std::move(change)};
+        } else {
+            options.action.kind = take(action, Tag<WatchAction::Kind>());
+            if (options.action.kind == WatchAction::Kind::change)
+                action.refuse("what changes the state is an object, with what it changes and a function");
+        }
         scene.watch(p.at("name").text(), take(p.at("function"), Tag<WatchFunction>()), options);
     });
     for_each_in(whole, "integrals", [&](const Place& p) {
@@ -342,6 +319,12 @@ RBDYN_INLINE std::pair<std::string, std::vector<Parameter>> text_and_parameters(
         parameters.push_back(p.value() == value ? p : Parameter(value, p.name()));
     }
     return {std::move(text), std::move(parameters)};
+}
+
+RBDYN_INLINE std::string text_without_actions(const Scene& scene) {
+    file::Writing writing;
+    writing.has_actions = false;
+    return file::printed(file::scene_to(scene, writing));
 }
 
 RBDYN_INLINE Scene scene_from(std::string_view text, const std::string& document,

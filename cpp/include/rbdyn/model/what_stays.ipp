@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/model/hybrid.hpp"
@@ -44,6 +45,7 @@ RBDYN_INLINE void follow(const Recorder& r, const std::vector<Expression>& rates
         return true;
     };
     for (bool has_changed = true; has_changed;) {
+        Interruption::point();
         has_changed = false;
         for (std::int32_t n = 0; n < r.size(); ++n) known[at(n)] = is_known(r.node(n));
         for (std::size_t i = 0; i < rates.size(); ++i) {

@@ -12,6 +12,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
@@ -28,9 +29,16 @@ public:
     explicit JointLoad(std::shared_ptr<const Callback> callback);
     /// [](const auto& t, const auto& q, const auto& rate) { return ...; }
     template <class F>
-    requires std::is_invocable_v<F, const Expression&, const Expression&, const Expression&> JointLoad(F f)
-        : JointLoad(Function::record(
-              inputs, [&](const std::vector<Expression>& x) { return std::vector<Expression>{f(x[0], x[1], x[2])}; })) {
+    requires Takes<F, Expression, Expression, Expression> JointLoad(F f)
+        : JointLoad(Function::record(inputs, [&](const std::vector<Expression>& x) {
+              return std::vector<Expression>{recording::number(f, x[0], x[1], x[2])};
+          })) {}
+    template <class F>
+    requires(!Takes<F, Expression, Expression, Expression> &&
+             MeantAsFunctor<F, JointLoad, Given, Function, std::shared_ptr<const Callback>>) explicit JointLoad(F) {
+        static_assert(recording::fits<F>,
+                      "the function of a JointTorque or JointForce is called as f(t, q, rate), three numbers: take "
+                      "each as const auto&");
     }
 
     bool is_constant() const { return !function_ && !callback_; }

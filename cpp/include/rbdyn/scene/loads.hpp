@@ -14,6 +14,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
@@ -39,11 +40,20 @@ public:
     requires Takes<F, Expression, Vector3Of<Expression>, Vector3Of<Expression>> Force(F f, Frame frame = Frame::world)
         : Force(Function::record(7,
                                  [&](const std::vector<Expression>& x) {
-                                     const Vector3Of<Expression> r = f(x[0], Vector3Of<Expression>{x[1], x[2], x[3]},
-                                                                       Vector3Of<Expression>{x[4], x[5], x[6]});
+                                     const Vector3Of<Expression> r =
+                                         recording::vector(f, x[0], Vector3Of<Expression>{x[1], x[2], x[3]},
+                                                           Vector3Of<Expression>{x[4], x[5], x[6]});
                                      return std::vector<Expression>{r[0], r[1], r[2]};
                                  }),
                 "function", frame) {}
+    template <class F>
+    requires(!Takes<F, Expression, Vector3Of<Expression>, Vector3Of<Expression>> &&
+             MeantAsFunctor<F, Force, Function, std::shared_ptr<const Callback>>) explicit Force(F,
+                                                                                                 Frame = Frame::world) {
+        static_assert(recording::fits<F>,
+                      "the function of a Force is called as f(t, position, velocity), a number and two vectors: take "
+                      "each as const auto&");
+    }
 
     bool is_constant() const { return is_constant_; }
     /// Whether numbers of the user's are all that it depends on.
@@ -108,8 +118,13 @@ public:
     template <class F>
     requires Takes<F, Vector3Of<Expression>> Potential(F f)
         : Potential(Function::record(3, [&](const std::vector<Expression>& x) {
-              return std::vector<Expression>{f(Vector3Of<Expression>{x[0], x[1], x[2]})};
+              return std::vector<Expression>{recording::number(f, Vector3Of<Expression>{x[0], x[1], x[2]})};
           })) {}
+    template <class F>
+    requires(!Takes<F, Vector3Of<Expression>> && MeantAsFunctor<F, Potential, Function>) explicit Potential(F) {
+        static_assert(recording::fits<F>,
+                      "the function of a Potential is called as f(position), with a vector: take it as const auto&");
+    }
 
     const Function& function() const { return function_; }
     const std::string& name() const { return name_; }

@@ -16,6 +16,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
@@ -55,10 +56,17 @@ public:
     explicit Central(std::shared_ptr<const Callback> callback);
     /// [](const auto& distance) { return ...; }
     template <class F>
-    requires(std::is_invocable_v<F, const Expression&> && !std::is_same_v<std::decay_t<F>, Function> &&
+    requires(Takes<F, Expression> && !std::is_same_v<std::decay_t<F>, Function> &&
              !std::is_same_v<std::decay_t<F>, Central>) explicit Central(F f)
-        : Central(Function::record(
-              1, [&](const std::vector<Expression>& x) { return std::vector<Expression>{f(x[0])}; })) {}
+        : Central(Function::record(1, [&](const std::vector<Expression>& x) {
+              return std::vector<Expression>{recording::number(f, x[0])};
+          })) {}
+    template <class F>
+    requires(!Takes<F, Expression> &&
+             MeantAsFunctor<F, Central, Function, std::shared_ptr<const Callback>>) explicit Central(F) {
+        static_assert(recording::fits<F>,
+                      "the function of a Central is called as f(distance), with a number: take it as const auto&");
+    }
 
     const OwnFunction& law() const { return law_; }
     bool present() const { return present_; }
@@ -97,13 +105,22 @@ public:
     explicit PairForce(std::shared_ptr<const Callback> callback);
     /// [](const auto& t, const auto& ra, const auto& rb, const auto& va, const auto& vb) { return vector; }
     template <class F>
-    requires(std::is_invocable_v<F, const Expression&, const Vector3Of<Expression>&, const Vector3Of<Expression>&,
-                                 const Vector3Of<Expression>&, const Vector3Of<Expression>&>) explicit PairForce(F f)
+    requires Takes<F, Expression, Vector3Of<Expression>, Vector3Of<Expression>, Vector3Of<Expression>,
+                   Vector3Of<Expression>>
+    explicit PairForce(F f)
         : PairForce(Function::record(inputs, [&](const std::vector<Expression>& x) {
               const auto vector = [&](std::size_t i) { return Vector3Of<Expression>{x[i], x[i + 1], x[i + 2]}; };
-              const Vector3Of<Expression> r = f(x[0], vector(1), vector(4), vector(7), vector(10));
+              const Vector3Of<Expression> r = recording::vector(f, x[0], vector(1), vector(4), vector(7), vector(10));
               return std::vector<Expression>{r[0], r[1], r[2]};
           })) {}
+    template <class F>
+    requires(!Takes<F, Expression, Vector3Of<Expression>, Vector3Of<Expression>, Vector3Of<Expression>,
+                    Vector3Of<Expression>> &&
+             MeantAsFunctor<F, PairForce, Function, std::shared_ptr<const Callback>>) explicit PairForce(F) {
+        static_assert(recording::fits<F>,
+                      "the function of a PairForce is called as f(t, r_a, r_b, v_a, v_b), a number and four vectors: "
+                      "take each as const auto&");
+    }
 
     const OwnFunction& law() const { return law_; }
     bool present() const { return present_; }

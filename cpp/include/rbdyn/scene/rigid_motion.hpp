@@ -13,6 +13,7 @@
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -46,9 +47,15 @@ public:
     requires Takes<F, Expression>
     static RigidMotion translation(F f) {
         return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
-            const Vector3Of<Expression> d = f(t[0]);
+            const Vector3Of<Expression> d = recording::vector(f, t[0]);
             return std::vector<Expression>{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, d[0], d[1], d[2]};
         }));
+    }
+    template <class F>
+    requires(!Takes<F, Expression>) static RigidMotion translation(F) {
+        static_assert(recording::fits<F>,
+                      "the function of a translation is called as f(t), with a number: take it as const auto&");
+        return {};
     }
     /// A turn by angle(t) [rad] about an axis through a point, by Rodrigues' formula.
     template <class F>
@@ -57,7 +64,7 @@ public:
         require(axis.norm() > 0.0, "motion", "length of the axis", axis.norm(), "an axis has a direction");
         const curves::WideVector e = curves::wide_unit(axis);
         return RigidMotion(Function::record(1, [&](const std::vector<Expression>& t) {
-            const Expression phi = angle(t[0]), s = sin(phi), c = cos(phi), rest = 1.0 - c;
+            const Expression phi = recording::number(angle, t[0]), s = sin(phi), c = cos(phi), rest = 1.0 - c;
             const DoubleDouble cross_matrix[3][3] = {{0.0, -e[2], e[1]}, {e[2], 0.0, -e[0]}, {-e[1], e[0], 0.0}};
             const auto constant = [](const DoubleDouble& x) { return x.lo == 0.0 ? Expression(x.hi) : Expression(x); };
             std::vector<Expression> out;
@@ -72,6 +79,12 @@ public:
             }
             return out;
         }));
+    }
+    template <class F>
+    requires(!Takes<F, Expression>) static RigidMotion rotation(F, const Vector3&, const Vector3& = Vector3::Zero()) {
+        static_assert(recording::fits<F>,
+                      "the function of a rotation is called as angle(t), with a number: take it as const auto&");
+        return {};
     }
 
     bool present() const { return static_cast<bool>(function_); }

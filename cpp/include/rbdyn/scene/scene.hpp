@@ -140,6 +140,8 @@ public:
 
     /// A function of the motion whose zeros are events: noted, or acted upon. Its name must be its own.
     WatchHandle watch(std::string name, WatchFunction function, WatchOptions options = {});
+    /// What is done where a watched function passes zero, anew.
+    void act(WatchHandle watch, WatchAction action);
     /// A function of the motion that should stay what it is: its drift is watched like that of the other integrals.
     void integral(std::string name, WatchFunction function);
 

@@ -29,15 +29,28 @@
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/plan_slot.hpp"
+#include "rbdyn/scene/recorded_action.hpp"
 #include "rbdyn/scene/starts.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
+namespace watches {
+
+/// Nobody knows what a function does that is not recorded.
+RBDYN_INLINE bool same_change(const WatchAction& a, const WatchAction& b) {
+    const RecordedAction *one = recorded(a), *other = recorded(b);
+    if (one != nullptr && other != nullptr) return *one == *other;
+    return !a.change && !b.change;
+}
+
+}  // namespace watches
+
 RBDYN_INLINE bool Scene::Watch::operator==(const Watch& other) const {
     return name == other.name && function == other.function && options.direction == other.options.direction &&
-           options.action.kind == other.options.action.kind && !options.action.change && !other.options.action.change;
+           options.action.kind == other.options.action.kind &&
+           watches::same_change(options.action, other.options.action);
 }
 
 RBDYN_INLINE void Scene::set_gravity(const Vector3& g) {
@@ -318,6 +331,13 @@ RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, 
     return {static_cast<int>(watches_.size()) - 1};
 }
 
+RBDYN_INLINE void Scene::act(WatchHandle watch, WatchAction action) {
+    require(watch.index >= 0 && watch.index < static_cast<int>(watches_.size()), "Scene.act", "watch", watch.index,
+            "it is one of this scene's");
+    watches_[static_cast<std::size_t>(watch.index)].options.action = std::move(action);
+    plan_.forget();
+}
+
 RBDYN_INLINE void Scene::integral(std::string name, WatchFunction function) {
     if (name.empty()) throw InvalidInput("integral: name is empty; its drift is found by its name");
     if (has(integrals_, name))
@@ -349,7 +369,11 @@ RBDYN_INLINE Scene Scene::frozen() const {
         c.coupling = std::visit([](const auto& coupling) -> Coupling { return coupling.frozen(); }, c.coupling);
     for (Touch& c : result.contacts_)
         if (c.options.friction) c.options.friction = c.options.friction->frozen();
-    for (Watch& w : result.watches_) w.function = w.function.frozen();
+    for (Watch& w : result.watches_) {
+        w.function = w.function.frozen();
+        if (const RecordedAction* action = recorded(w.options.action))
+            w.options.action.change = RecordedAction(action->frozen());
+    }
     for (Integral& i : result.integrals_) i.function = i.function.frozen();
     return result;
 }

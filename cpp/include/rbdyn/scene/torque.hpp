@@ -15,6 +15,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 
@@ -46,15 +47,23 @@ public:
     /// [](const auto& t, const auto& rotation_matrix, const auto& angular_velocity) { return Vector3Of<...>{...}; }
     template <class F>
     requires Takes<F, Expression, RotationOf<Expression>, Vector3Of<Expression>> Torque(F f, Frame frame = Frame::body)
-        : Torque(Function::record(
-                     inputs,
-                     [&](const std::vector<Expression>& x) {
-                         RotationOf<Expression> r;
-                         for (std::size_t i = 0; i < 9; ++i) r[i / 3][i % 3] = x[1 + i];
-                         const Vector3Of<Expression> m = f(x[0], r, Vector3Of<Expression>{x[10], x[11], x[12]});
-                         return std::vector<Expression>{m[0], m[1], m[2]};
-                     }),
+        : Torque(Function::record(inputs,
+                                  [&](const std::vector<Expression>& x) {
+                                      RotationOf<Expression> r;
+                                      for (std::size_t i = 0; i < 9; ++i) r[i / 3][i % 3] = x[1 + i];
+                                      const Vector3Of<Expression> m =
+                                          recording::vector(f, x[0], r, Vector3Of<Expression>{x[10], x[11], x[12]});
+                                      return std::vector<Expression>{m[0], m[1], m[2]};
+                                  }),
                  "function", frame) {}
+    template <class F>
+    requires(
+        !Takes<F, Expression, RotationOf<Expression>, Vector3Of<Expression>> &&
+        MeantAsFunctor<F, Torque, Function, std::shared_ptr<const Callback>>) explicit Torque(F, Frame = Frame::body) {
+        static_assert(recording::fits<F>,
+                      "the function of a Torque is called as f(t, rotation_matrix, angular_velocity), a number, three "
+                      "rows and a vector: take each as const auto&");
+    }
 
     bool is_constant() const { return is_constant_; }
     const Vector3& constant() const { return constant_; }

@@ -19,6 +19,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/rotation/attitude.hpp"
@@ -147,10 +148,10 @@ public:
     WatchFunction() = default;
     /// Any functor: [=](const Now& now) { return now[ball].position()[2] - 1.0; }
     template <class F>
-    requires(std::is_invocable_v<F, const Now&> && !std::is_same_v<std::decay_t<F>, WatchFunction>) WatchFunction(F f) {
+    requires(Takes<F, Now> && !std::is_same_v<std::decay_t<F>, WatchFunction>) WatchFunction(F f) {
         function_ = Function::record_growing([&](Recorder&) {
             const Now now(arguments_);
-            const Expression y = f(now);
+            const Expression y = recording::number(f, now);
             return std::pair(std::vector<Expression>{y}, static_cast<int>(arguments_.size()));
         });
     }

@@ -17,6 +17,7 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
@@ -37,7 +38,8 @@ namespace statics {
 RBDYN_INLINE WideMatrix cholesky(const WideMatrix& m) {
     const int n = m.size();
     WideMatrix l(n);
-    for (int j = 0; j < n; ++j)
+    for (int j = 0; j < n; ++j) {
+        Interruption::point();
         for (int i = j; i < n; ++i) {
             DoubleDouble sum = m(i, j);
             for (int k = 0; k < j; ++k) sum -= l(i, k) * l(j, k);
@@ -46,6 +48,7 @@ RBDYN_INLINE WideMatrix cholesky(const WideMatrix& m) {
                                    std::to_string(j) + "; a kinetic energy is positive for every motion");
             l(i, j) = i == j ? sqrt(sum) : sum / l(j, j);
         }
+    }
     return l;
 }
 
@@ -112,16 +115,20 @@ RBDYN_INLINE NormalModes normal_modes(const SmallMotion& motion) {
     const WideMatrix l = statics::cholesky(motion.mass);
     // L^-1 K L^-T: first all columns of K, then all rows of that
     WideMatrix a = motion.stiffness;
-    for (int column = 0; column < n; ++column)
+    for (int column = 0; column < n; ++column) {
+        Interruption::point();
         for (int i = 0; i < n; ++i) {
             for (int k = 0; k < i; ++k) a(i, column) -= l(i, k) * a(k, column);
             a(i, column) /= l(i, i);
         }
-    for (int row = 0; row < n; ++row)
+    }
+    for (int row = 0; row < n; ++row) {
+        Interruption::point();
         for (int i = 0; i < n; ++i) {
             for (int k = 0; k < i; ++k) a(row, i) -= l(i, k) * a(row, k);
             a(row, i) /= l(i, i);
         }
+    }
     // that of 32 digits, or of a place in doubles
     const double rounding = (motion.is_even ? 64.0 * 0x1p-104 : 64.0 * 0x1p-52) * n * a.largest();
     for (int i = 0; i < n; ++i)
@@ -142,6 +149,7 @@ RBDYN_INLINE NormalModes normal_modes(const SmallMotion& motion) {
     std::sort(order.begin(), order.end(), [&](int i, int j) { return value(i) - value(j) < 0.0; });
     NormalModes result{{}, {}, Matrix(n, n)};
     for (int k = 0; k < n; ++k) {
+        Interruption::point();
         const int mode = order[static_cast<std::size_t>(k)];
         const double square = std::abs(value(mode).hi) <= rounding ? 0.0 : value(mode).hi;
         result.squares.push_back(square);

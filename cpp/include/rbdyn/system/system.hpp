@@ -20,6 +20,7 @@
 #include "rbdyn/basics/direction.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/own_function.hpp"
@@ -54,8 +55,8 @@ public:
 
     /// Any functor over the number type, f(t, x, rate), as models of the user's own are (own_model.hpp).
     template <class F>
-    requires(std::is_invocable_v<const F&, const Expression&, std::span<const Expression>, std::span<Expression>>)
-        System(const F& f, std::vector<double> start, std::vector<std::string> names = {})
+    requires Takes<const F, Expression, std::span<const Expression>, std::span<Expression>> System(
+        const F& f, std::vector<double> start, std::vector<std::string> names = {})
         : System(OwnFunction(Function::record(1 + count(start),
                                               [&](const std::vector<Expression>& x) {
                                                   std::vector<Expression> rate(x.size() - 1, Expression(0.0));
@@ -65,6 +66,14 @@ public:
                                               }),
                              "f"),
                  start, std::move(names)) {}
+    template <class F>
+    requires(!Takes<const F, Expression, std::span<const Expression>, std::span<Expression>> &&
+             MeantAsFunctor<F, System, OwnFunction, Function>)
+        System(const F&, std::vector<double>, std::vector<std::string> = {}) {
+        static_assert(recording::fits<F>,
+                      "the function of a System is called as f(t, x, rate), a number and two spans: take each as const "
+                      "auto& or auto");
+    }
 
     int variables() const { return static_cast<int>(start_.size()); }
     const OwnFunction& function() const { return f_; }
@@ -84,13 +93,21 @@ public:
     void watch(std::string name, OwnFunction function, StateWatchOptions options = {});
     /// Any functor over the number type, f(t, x).
     template <class F>
-    requires(std::is_invocable_r_v<Expression, const F&, const Expression&, std::span<const Expression>>) void watch(
-        std::string name, const F& f, StateWatchOptions options = {}) {
+    requires Takes<const F, Expression, std::span<const Expression>>
+    void watch(std::string name, const F& f, StateWatchOptions options = {}) {
         const auto recorded = [&](const std::vector<Expression>& x) {
-            return std::vector<Expression>{f(x[0], std::span<const Expression>(x).subspan(1))};
+            return std::vector<Expression>{recording::number(f, x[0], std::span<const Expression>(x).subspan(1))};
         };
         OwnFunction own(Function::record(1 + variables(), recorded), name);
         watch(std::move(name), std::move(own), std::move(options));
+    }
+    template <class F>
+    requires(!Takes<const F, Expression, std::span<const Expression>> &&
+             MeantAsFunctor<F, System, OwnFunction, Function>) void watch(const std::string&, const F&,
+                                                                          const StateWatchOptions& = {}) {
+        static_assert(recording::fits<F>,
+                      "the function that a System watches is called as f(t, x), a number and a span: take each as "
+                      "const auto& or auto");
     }
     const std::vector<Watch>& watches() const { return watches_; }
 

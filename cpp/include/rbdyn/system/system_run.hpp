@@ -67,6 +67,11 @@ struct SystemAttempt {
     SystemRun run;
 };
 
+namespace simulating {
+/// The engine that one of a name is for a system. Throws InvalidInput for one that cannot do it.
+std::string engine_for(const System& system, const std::string& wanted);
+}  // namespace simulating
+
 /// Runs a system and returns what there is, failures with it. Throws InvalidInput for options that break a rule.
 SystemAttempt attempt(const System& system, const SimulateOptions& options);
 

@@ -77,6 +77,21 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const SystemRun& run) {
 RBDYN_INLINE SystemError::SystemError(const std::string& message, SystemRun partial)
     : Error(message), run(std::move(partial)) {}
 
+RBDYN_INLINE std::string simulating::engine_for(const System& system, const std::string& wanted) {
+    const std::string natural = system.calls_back() ? "dop853" : "taylor";
+    const std::string engine = wanted == "auto" ? natural : wanted;
+    if (engine == "closed form")
+        throw InvalidInput("simulate: engine is \"closed form\", and a System has none; use \"auto\" or \"" + natural +
+                           "\"");
+    simulating::require_engine("simulate", engine);
+    if (engine == "taylor" && system.calls_back())
+        throw InvalidInput(
+            "simulate: engine is \"taylor\", and f of this System is called back, which has no Taylor series; use "
+            "\"auto\" or \"dop853\", or write it so that it can be recorded (" +
+            system.function().callback()->reason + ")");
+    return engine;
+}
+
 RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& options) {
     if (options.until == std::numeric_limits<double>::infinity()) {
         const auto stops = [](const System::Watch& w) { return w.options.action.kind == WatchAction::Kind::stop; };
@@ -87,17 +102,8 @@ RBDYN_INLINE SystemAttempt attempt(const System& system, const SimulateOptions& 
     const auto began = Clock::now();
     simulating::validate(options);
     const auto model = std::make_shared<const SystemModel>(system.frozen());
-    const std::string natural = system.calls_back() ? "dop853" : "taylor";
-    const std::string engine = options.engine == "auto" ? natural : options.engine;
-    if (engine == "closed form")
-        throw InvalidInput("simulate: engine is \"closed form\", and a System has none; use \"auto\" or \"" + natural +
-                           "\"");
-    simulating::require_engine("simulate", engine);
-    if (engine == "taylor" && system.calls_back())
-        throw InvalidInput(
-            "simulate: engine is \"taylor\", and f of this System is called back, which has no Taylor series; use "
-            "\"auto\" or \"dop853\", or write it so that it can be recorded (" +
-            system.function().callback()->reason + ")");
+    const std::string natural = simulating::engine_for(system, "auto");
+    const std::string engine = simulating::engine_for(system, options.engine);
     const std::int64_t calls = system.python_calls();
     SimulateOptions own = options;
     own.warn = simulating::once(options.warn);

@@ -9,6 +9,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/function.hpp"
+#include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/model/system_report.hpp"
 #include "rbdyn/scene/handles.hpp"
@@ -30,10 +31,10 @@ public:
     Pole(Function path);
     /// [](const auto& t) { return vector; }
     template <class F>
-    requires(std::is_invocable_r_v<Vector3Of<Expression>, F, const Expression&> &&
-             !std::is_same_v<std::decay_t<F>, Function> && !std::is_same_v<std::decay_t<F>, Pole>) Pole(F f)
+    requires(Takes<F, Expression> && !std::is_same_v<std::decay_t<F>, Function> &&
+             !std::is_same_v<std::decay_t<F>, Pole>) Pole(F f)
         : Pole(Function::record(1, [&](const std::vector<Expression>& x) {
-              const Vector3Of<Expression> r = f(x[0]);
+              const Vector3Of<Expression> r = recording::vector(f, x[0]);
               return std::vector<Expression>{r[0], r[1], r[2]};
           })) {}
 

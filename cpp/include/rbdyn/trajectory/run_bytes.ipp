@@ -478,11 +478,11 @@ RBDYN_INLINE StateRun state_run_from(std::string_view bytes) {
 RBDYN_INLINE std::string bytes_of(const RunData& run) {
     run_bytes::Writer w;
     run_bytes::put(w, run);
-    return run_bytes::sealed(run_bytes::head, text_of(run.scene), std::move(w.bytes));
+    return run_bytes::sealed(run_bytes::head, text_without_actions(run.scene), std::move(w.bytes));
 }
 
 RBDYN_INLINE RunData run_from(const Scene& scene, std::string_view bytes) {
-    run_bytes::Reader r = run_bytes::opened(run_bytes::head, text_of(scene), bytes);
+    run_bytes::Reader r = run_bytes::opened(run_bytes::head, text_without_actions(scene), bytes);
     PlannedScene now = planned(scene);
     return run_bytes::take_run(r, std::move(now.scene), std::move(now.plan));
 }
