@@ -73,7 +73,7 @@ RBDYN_INLINE bool Progress::is_slowing_down(Instant end, Instant start, double u
     if (++steps_ < many_steps) return false;
     const double pace = (end - window_) / steps_;
     steps_ = 0;
-    slower_ = last_pace_ > 0.0 && pace < 0.5 * last_pace_ ? slower_ + 1 : 0;
+    slower_ = last_pace_ > 0.0 && pace < 0.9 * last_pace_ ? slower_ + 1 : 0;
     last_pace_ = pace;
     return slower_ >= 3 && (until - end) / pace > static_cast<double>(max_steps);
 }
