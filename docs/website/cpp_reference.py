@@ -7,7 +7,17 @@ import re
 from pathlib import Path
 
 SUBJECTS = {
-    "Verbs": ["simulate", "options", "simulate_many", "cost", "price", "effects", "own_motion", "file/scene_file"],
+    "Verbs": [
+        "simulate",
+        "options",
+        "simulate_many",
+        "cost",
+        "price",
+        "effects",
+        "own_motion",
+        "file/scene_file",
+        "file/schema",
+    ],
     "Scenes": [
         *("scene/scene", "scene/handles", "scene/starts", "scene/joints", "scene/loads", "scene/torque"),
         *("scene/joint_loads", "scene/couplings", "scene/spring", "scene/pair_laws", "scene/constraints"),
@@ -36,6 +46,7 @@ SUBJECTS = {
 # what these stand on, which a program that uses rbdyn has no need to know
 INNER = [
     *("basics/dense", "basics/double_double", "basics/double_double_vector", "basics/form", "basics/instant"),
+    *("basics/interruption", "expression/functor"),
     *("closed_form/symmetric_modes", "curve/axes", "curve/checks", "curve/own_axes", "curve/polynomial_piece"),
     *("curve/stretch", "engine/work", "expression/callback", "expression/derivative", "expression/given"),
     *("expression/node", "expression/numbers", "expression/own_function", "expression/program"),

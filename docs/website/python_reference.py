@@ -36,7 +36,7 @@ SUBJECTS = {
     ],
     "Verbs": [
         *("simulate", "simulate_many", "engines", "plan", "equilibria", "normal_modes", "rail_potential"),
-        *("save", "load"),
+        *("save", "load", "scene_schema"),
     ],
     "Plans and rests": [
         *("Plan", "Omission", "Size", "Equilibrium", "NormalModes", "RailPotential", "TurningPoints"),
