@@ -144,7 +144,7 @@ Values over_both(const ArrayLike& first, const ArrayLike& second, const std::str
     unlocked([&] {
         for (py::ssize_t i = 0; i < count; ++i) {
             out[i] = f(in[i * stride], other[i * other_stride]);
-            rbdyn::Interruption::point();
+            if (i % 64 == 0) rbdyn::Interruption::point();
         }
     });
     return py::reinterpret_borrow<Values>(result);

@@ -334,7 +334,7 @@ auto values_over(const ArrayLike& argument, const char* object, const char* what
     unlocked([&] {
         for (py::ssize_t i = 0; i < count; ++i) {
             write(out, f(in[i]));
-            rbdyn::Interruption::point();
+            if (i % 64 == 0) rbdyn::Interruption::point();
         }
     });
     return py::reinterpret_borrow<Returned>(result);

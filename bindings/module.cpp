@@ -163,8 +163,8 @@ PYBIND11_MODULE(_core, m) {
     binding::bind_statics(m);
     binding::bind_trajectory(m);
     binding::bind_euler_top(m);
-    binding::bind_cost(m);
     binding::bind_system(m);
+    binding::bind_cost(m);
     binding::bind_verbs(m);
     binding::bind_many(m);
     m.def("_describe", &describe, py::arg("function"), py::arg("signature"), py::arg("text"));

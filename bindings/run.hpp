@@ -45,7 +45,7 @@ Vectors states_over(const ArrayLike& times, int count, const char* user, F&& f) 
     unlocked([&] {
         for (py::ssize_t i = 0; i < size; ++i) {
             out = std::ranges::copy(f(in[i]), out).out;
-            rbdyn::Interruption::point();
+            if (i % 64 == 0) rbdyn::Interruption::point();
         }
     });
     return py::reinterpret_borrow<Vectors>(result);

@@ -5,4 +5,3 @@
 #include "rbdyn/file/functions.ipp"
 #include "rbdyn/file/place.ipp"
 #include "rbdyn/file/scene_file.ipp"
-#include "rbdyn/file/schema.ipp"

@@ -3666,221 +3666,6 @@ class StateRun:
         """
         reached end, stopped by event, stopped by user, step limit, not finite, accuracy not reached or inconsistent.
         """
-class CostRow:
-    """
-    One engine at one tolerance: a row of cost().
-    """
-    def __getstate__(self) -> tuple[typing.Any, ...]:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    @property
-    def engine(self) -> str:
-        """
-        What computed it.
-        """
-    @property
-    def error(self) -> float:
-        """
-        Global, relative: the larger of those of the motion and of the events.
-        """
-    @property
-    def event_error(self) -> float:
-        """
-        Of the times of events, over the time since the start, up to one that differs.
-        """
-    @property
-    def events(self) -> int:
-        """
-        How many were found.
-        """
-    @property
-    def events_expected(self) -> int:
-        """
-        How many the reference has.
-        """
-    @property
-    def has_all_events(self) -> bool:
-        """
-        Whether those found are those expected.
-        """
-    @property
-    def motion_error(self) -> float:
-        """
-        Of the motion, measured against the reference, in the scales of the motion; after an event that differs of places alone. Of a closed form the estimate of its rounding.
-        """
-    @property
-    def right_hand_sides(self) -> int:
-        """
-        For Taylor series: orders computed.
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        Of the integration alone, processor time, least of the repeats; of a closed form its set-up and one state [s].
-        """
-    @property
-    def spread(self) -> float:
-        """
-        Median of the repeats over the least, less 1; nan if there was time for one only.
-        """
-    @property
-    def steps(self) -> int:
-        """
-        Of the integration.
-        """
-    @property
-    def tolerance(self) -> float:
-        """
-        Local, the rtol= of simulate(); 0 of a closed form.
-        """
-    @property
-    def total(self) -> float:
-        """
-        Of the whole call, simulate() with error= what this row reaches and its engine, planned before, processor time; nan if that was not reached or not in time [s].
-        """
-class MissingEngine:
-    """
-    An engine that is missing from a list of prices, or from its end.
-    """
-    def __getstate__(self) -> tuple[str, float, str, float]:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    @property
-    def engine(self) -> str:
-        """
-        Its name.
-        """
-    @property
-    def reason(self) -> str:
-        """
-        Why: begins with "cannot", "floor reached", "no time left" or "stiff".
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        What it would have taken; nan if that is not known [s].
-        """
-    @property
-    def tolerance(self) -> float:
-        """
-        The first that there was no time for, or the last before its floor; 0 if it cannot do the scene.
-        """
-class Prediction:
-    """
-    What an accuracy will cost that no row has. print() shows it.
-    """
-    def __getstate__(self) -> tuple[str, float, float, float, str]:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    def __str__(self) -> str:
-        ...
-    @property
-    def basis(self) -> str:
-        """
-        The rows it is read from.
-        """
-    @property
-    def engine(self) -> str:
-        """
-        The quickest there.
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        Of the integration alone [s].
-        """
-    @property
-    def tolerance(self) -> float:
-        """
-        The rtol= that leads to the error; 0 of a closed form.
-        """
-    @property
-    def total(self) -> float:
-        """
-        Of simulate() with this error=; nan if that is not known [s].
-        """
-class Price:
-    """
-    What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.
-    """
-    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
-        ...
-    def __getstate__(self) -> tuple[list[CostRow], list[MissingEngine], str, str, float]:
-        ...
-    def __iter__(self) -> collections.abc.Iterator[CostRow]:
-        ...
-    def __len__(self) -> int:
-        ...
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
-        ...
-    def __str__(self) -> str:
-        ...
-    def _repr_html_(self) -> typing.Any:
-        ...
-    def cheapest(self, error: typing.SupportsFloat | typing.SupportsIndex) -> CostRow:
-        """
-        The quickest row that reaches an error and has all events. Raises InvalidInput if none does.
-        """
-    def front(self) -> list[CostRow]:
-        """
-        The rows than which none is as accurate and quicker, from loose to tight.
-        """
-    def plot(self, path: str | os.PathLike[str] | None = None) -> typing.Any:
-        """
-        The work-precision diagram: time over achieved error, written to `path` if given.
-
-        A line an engine, dashed for the whole call; the errors of the events' times apart; the front of what is cheapest, and
-        what simulate() takes by itself, are marked. Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
-        """
-    def predict(self, error: typing.SupportsFloat | typing.SupportsIndex) -> Prediction:
-        """
-        What an error will cost that no row has, with the engine that is quickest there.
-
-        Between two rows of an engine, errors, times and tolerances are interpolated in their logarithms; an error looser than an
-        engine's loosest row costs what that row does. Raises InvalidInput where no engine has a row as accurate.
-        """
-    def to_pandas(self) -> typing.Any:
-        """
-        A pandas.DataFrame: a row a row, with `on_front` and `is_automatic`; what is missing is in its attrs.
-
-        Raises ImportError if pandas is missing.
-        """
-    @property
-    def automatic(self) -> str:
-        """
-        What simulate() takes by itself; "auto" where it changes the engine on the way.
-        """
-    @property
-    def missing(self) -> list[MissingEngine]:
-        """
-        Engines without a row, or without one as tight as asked for.
-        """
-    @property
-    def reference(self) -> str:
-        """
-        What errors are measured against, and how sure that is.
-        """
-    @property
-    def rows(self) -> list[CostRow]:
-        """
-        All of them, in order.
-        """
-    @property
-    def seconds(self) -> float:
-        """
-        Spent on the list, by the clock [s].
-        """
 class SystemNow:
     """
     The present moment of a System: what its watched functions are called with.
@@ -4116,6 +3901,221 @@ class SystemRun:
         """
         The ends of the integrator's pieces (k,).
         """
+class CostRow:
+    """
+    One engine at one tolerance: a row of cost().
+    """
+    def __getstate__(self) -> tuple[typing.Any, ...]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def engine(self) -> str:
+        """
+        What computed it.
+        """
+    @property
+    def error(self) -> float:
+        """
+        Global, relative: the larger of those of the motion and of the events.
+        """
+    @property
+    def event_error(self) -> float:
+        """
+        Of the times of events, over the time since the start, up to one that differs.
+        """
+    @property
+    def events(self) -> int:
+        """
+        How many were found.
+        """
+    @property
+    def events_expected(self) -> int:
+        """
+        How many the reference has.
+        """
+    @property
+    def has_all_events(self) -> bool:
+        """
+        Whether those found are those expected.
+        """
+    @property
+    def motion_error(self) -> float:
+        """
+        Of the motion, measured against the reference, in the scales of the motion; after an event that differs of places alone. Of a closed form the estimate of its rounding.
+        """
+    @property
+    def right_hand_sides(self) -> int:
+        """
+        For Taylor series: orders computed.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Of the integration alone, processor time, least of the repeats; of a closed form its set-up and one state [s].
+        """
+    @property
+    def spread(self) -> float:
+        """
+        Median of the repeats over the least, less 1; nan if there was time for one only.
+        """
+    @property
+    def steps(self) -> int:
+        """
+        Of the integration.
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        Local, the rtol= of simulate(); 0 of a closed form.
+        """
+    @property
+    def total(self) -> float:
+        """
+        Of the whole call, simulate() with error= what this row reaches and its engine, planned before, processor time; nan if that was not reached or not in time [s].
+        """
+class MissingEngine:
+    """
+    An engine that is missing from a list of prices, or from its end.
+    """
+    def __getstate__(self) -> tuple[str, float, str, float]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    @property
+    def engine(self) -> str:
+        """
+        Its name.
+        """
+    @property
+    def reason(self) -> str:
+        """
+        Why: begins with "cannot", "floor reached", "no time left" or "stiff".
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        What it would have taken; nan if that is not known [s].
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        The first that there was no time for, or the last before its floor; 0 if it cannot do the scene.
+        """
+class Prediction:
+    """
+    What an accuracy will cost that no row has. print() shows it.
+    """
+    def __getstate__(self) -> tuple[str, float, float, float, str]:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    @property
+    def basis(self) -> str:
+        """
+        The rows it is read from.
+        """
+    @property
+    def engine(self) -> str:
+        """
+        The quickest there.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Of the integration alone [s].
+        """
+    @property
+    def tolerance(self) -> float:
+        """
+        The rtol= that leads to the error; 0 of a closed form.
+        """
+    @property
+    def total(self) -> float:
+        """
+        Of simulate() with this error=; nan if that is not known [s].
+        """
+class Price:
+    """
+    What accuracy costs: a sequence of CostRow, engines over tolerances. print() shows it.
+    """
+    def __getitem__(self, index: typing.SupportsInt | typing.SupportsIndex) -> CostRow:
+        ...
+    def __getstate__(self) -> tuple[list[CostRow], list[MissingEngine], str, str, float]:
+        ...
+    def __iter__(self) -> collections.abc.Iterator[CostRow]:
+        ...
+    def __len__(self) -> int:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, arg0: tuple[typing.Any, ...]) -> None:
+        ...
+    def __str__(self) -> str:
+        ...
+    def _repr_html_(self) -> typing.Any:
+        ...
+    def cheapest(self, error: typing.SupportsFloat | typing.SupportsIndex) -> CostRow:
+        """
+        The quickest row that reaches an error and has all events. Raises InvalidInput if none does.
+        """
+    def front(self) -> list[CostRow]:
+        """
+        The rows than which none is as accurate and quicker, from loose to tight.
+        """
+    def plot(self, path: str | os.PathLike[str] | None = None) -> typing.Any:
+        """
+        The work-precision diagram: time over achieved error, written to `path` if given.
+
+        A line an engine, dashed for the whole call; the errors of the events' times apart; the front of what is cheapest, and
+        what simulate() takes by itself, are marked. Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        """
+    def predict(self, error: typing.SupportsFloat | typing.SupportsIndex) -> Prediction:
+        """
+        What an error will cost that no row has, with the engine that is quickest there.
+
+        Between two rows of an engine, errors, times and tolerances are interpolated in their logarithms; an error looser than an
+        engine's loosest row costs what that row does. Raises InvalidInput where no engine has a row as accurate.
+        """
+    def to_pandas(self) -> typing.Any:
+        """
+        A pandas.DataFrame: a row a row, with `on_front` and `is_automatic`; what is missing is in its attrs.
+
+        Raises ImportError if pandas is missing.
+        """
+    @property
+    def automatic(self) -> str:
+        """
+        What simulate() takes by itself; "auto" where it changes the engine on the way.
+        """
+    @property
+    def missing(self) -> list[MissingEngine]:
+        """
+        Engines without a row, or without one as tight as asked for.
+        """
+    @property
+    def reference(self) -> str:
+        """
+        What errors are measured against, and how sure that is.
+        """
+    @property
+    def rows(self) -> list[CostRow]:
+        """
+        All of them, in order.
+        """
+    @property
+    def seconds(self) -> float:
+        """
+        Spent on the list, by the clock [s].
+        """
 class EffectRow:
     """
     What one effect does: a row of effects().
@@ -4256,6 +4256,7 @@ def cone(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Suppo
 
     Its centre of mass is at 3/4 of its height; about it 3/10 m r^2 about the axis, 3/80 m (4 r^2 + h^2) across.
     """
+@typing.overload
 def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[_Engine] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 5.0, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Price:
     """
     What accuracy costs in time, for a scene: every engine over its tolerances, from loose to tight.
@@ -4266,6 +4267,11 @@ def cost(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, st
     spent. What could not be had within it stands in `missing`, with the time it would have taken.
 
     Raises InvalidInput for what breaks a rule, and what simulate() raises of a scene that has no motion up to `until`.
+    """
+@typing.overload
+def cost(system: System, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, errors: numpy.typing.ArrayLike | None = None, engines: collections.abc.Sequence[_Engine] | None = None, budget: typing.SupportsFloat | typing.SupportsIndex = 5.0, progress: bool | collections.abc.Callable[[float], typing.Any] = False) -> Price:
+    """
+    The same for first-order equations of one's own: a System.
     """
 def cylinder(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.SupportsFloat | typing.SupportsIndex, height: typing.SupportsFloat | typing.SupportsIndex, axis: numpy.typing.ArrayLike) -> RigidBody:
     """
@@ -4363,7 +4369,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | collections.abc.Mapping[tuple[str, str], typing.Any] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 

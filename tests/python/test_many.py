@@ -300,7 +300,7 @@ def test_what_breaks_a_rule_is_refused_before_anything_runs():
         ({k: 1.0}, "has one value; it has one for each member"),
         ({}, "vary is {}; it is a mapping"),
         ([1, 2], "it is a mapping"),
-        ({"k": [1.0]}, "it is a handle and a word of add"),
+        ({"k": [1.0]}, "it is a handle or a name, and a word of add"),
     ):
         for pool in (None, Immediate()):
             with pytest.raises(rb.InvalidInput, match=message):

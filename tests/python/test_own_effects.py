@@ -339,7 +339,7 @@ def test_a_scene_that_calls_back_says_what_keeps_it_from_being_pickled():
         pickle.dumps(scene)
     scene = rb.Scene()
     ball = scene.add(rb.Particle(1.0))
-    scene.watch("high", lambda now: now[ball].position[2] - 1, action=lambda now: None)
+    scene.watch("high", lambda now: now[ball].position[2] - 1, action=lambda now: {ball: {"speed": float(now.time)}})
     with pytest.raises(TypeError, match='action of watch "high"'):
         pickle.dumps(scene)
     # a copy needs no pickle

@@ -1,7 +1,8 @@
 // How what takes long and has no monitor (options.hpp) is ended: states of rest, work, lengths, values at many times.
 //
-// It asks at its points whether to go on. Where nobody wants to know, that is a comparison; else the clock is read so
-// often that a question is put every 50 ms, as far as the points lie no further apart.
+// It asks at its points whether to go on. Where nobody wants to know, that is a comparison; else the clock is read, and
+// a question put every 50 ms, as far as the points lie no further apart. What does less than a clock takes to be read
+// (20 ns) has a point every so many times.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,8 @@ private:
 
     std::function<void()> ask_;
     Interruption* outer_;
-    std::int64_t asked_, looked_;  // when [ns]: what asks for a clock's header is read by all that has points
+    std::int64_t asked_;  // when [ns]: what asks for a clock's header is read by all that has points
     bool has_ended_ = false;
-    int points_ = 0, stride_ = 1;  // since the clock was read; until it is read again
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

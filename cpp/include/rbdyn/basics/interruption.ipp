@@ -3,7 +3,6 @@
 
 #include "rbdyn/basics/interruption.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -29,16 +28,13 @@ RBDYN_INLINE std::int64_t now() {
 }  // namespace interrupting
 
 RBDYN_INLINE Interruption::Interruption(std::function<void()> ask)
-    : ask_(std::move(ask)),
-      outer_(std::exchange(interrupting::present(), this)),
-      asked_(interrupting::now()),
-      looked_(asked_) {}
+    : ask_(std::move(ask)), outer_(std::exchange(interrupting::present(), this)), asked_(interrupting::now()) {}
 
 RBDYN_INLINE Interruption::~Interruption() { interrupting::present() = outer_; }
 
 RBDYN_INLINE void Interruption::point() {
     Interruption* const one = interrupting::present();
-    if (one != nullptr && ++one->points_ >= one->stride_) one->look();
+    if (one != nullptr) one->look();
 }
 
 RBDYN_INLINE bool Interruption::has_ended() {
@@ -47,18 +43,11 @@ RBDYN_INLINE bool Interruption::has_ended() {
 }
 
 RBDYN_INLINE void Interruption::look() {
-    using interrupting::interval;
-    constexpr int longest = 4096;
-    const std::int64_t now = interrupting::now();
-    // a tenth of the interval between two looks
-    stride_ = now - looked_ > interval / 10 ? std::max(stride_ / 4, 1) : std::min(2 * stride_, longest);
-    points_ = 0;
-    looked_ = now;
-    if (now - asked_ < interval) return;
+    if (interrupting::now() - asked_ < interrupting::interval) return;
     has_ended_ = true;
     ask_();
     has_ended_ = false;
-    asked_ = looked_ = interrupting::now();
+    asked_ = interrupting::now();
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

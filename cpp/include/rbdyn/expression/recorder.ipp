@@ -83,7 +83,7 @@ RBDYN_INLINE std::int32_t Recorder::intern(const Node& node) {
     std::int32_t& found = index_[free_place(node)];
     if (found < 0) {
         found = static_cast<std::int32_t>(nodes_.size());
-        Interruption::point();
+        if (found % 64 == 0) Interruption::point();
         nodes_.push_back(node);
         if (follows_) values_.push_back(value_of(node));
     }
