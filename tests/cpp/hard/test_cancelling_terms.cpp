@@ -88,5 +88,74 @@ TEST(CancellingTerms, hide_no_root_of_a_watched_function) {
                 }
 }
 
+/// A root of an odd power is one event, however near to each other rounding puts the roots of its polynomial.
+TEST(CancellingTerms, make_one_root_of_an_odd_power_no_more) {
+    std::mt19937_64 random(20261124);
+    const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    for (int i = 0; i < 6000; ++i) {
+        const double x0 = (in(-1.0, 1.0) < 0.0 ? -1.0 : 1.0) * std::pow(10.0, in(-3.0, 3.0));
+        const double v = -x0 * std::pow(10.0, in(-0.5, 2.0)), unit = std::pow(10.0, in(-3.0, 3.0));
+        const double g = i % 3 == 0 ? in(-0.2, 0.2) * std::abs(v / x0 * v) : 0.0;
+        const double start = i % 2 == 0 ? in(-10.0, 10.0) : 0.0, span = 3.0 * std::abs(x0 / v);
+        const int n = 3 + 2 * (i % 4);
+        // x0 + v s + g s^2 / 2
+        std::vector<double> roots;
+        if (g == 0.0) {
+            roots = {-x0 / v};
+        } else if (const double square = v * v - 2.0 * g * x0; square > 0.0) {
+            const double q = -(v + std::copysign(std::sqrt(square), v));
+            roots = {q / g, 2.0 * x0 / q};
+            std::sort(roots.begin(), roots.end());
+        }
+        if (std::ranges::any_of(roots, [&](double s) { return std::abs(s - span) < 1e-6 * span; })) continue;
+        std::erase_if(roots, [&](double s) { return s <= 0.0 || s > span; });
+        Scene scene(Vector3{g, 0.0, 0.0});
+        const BodyHandle body = scene.add(Particle{1.0}, FreeStart{{x0, 0, 0}, {v, 0, 0}});
+        scene.watch("w", [=](const Now& now) { return pow(now[body].position()[0] / unit, n); });
+        SCOPED_TRACE("scene " + text(i) + ", power " + text(n));
+        const Attempt run = attempt(scene, {.until = start + span, .start = start, .error = 1e-9});
+        ASSERT_EQ(run.outcome, simulating::Outcome::good) << run.message;
+        const auto& events = run.run.events();
+        ASSERT_EQ(events.size(), roots.size());
+        bool rises = v > 0.0;
+        for (std::size_t k = 0; k < roots.size(); ++k, rises = !rises) {
+            EXPECT_NEAR(events[k].time - start, roots[k], 1e-6 * span);
+            EXPECT_EQ(events[k].direction, rises ? Direction::rising : Direction::falling);
+        }
+    }
+}
+
+/// What another function of the scene switches by, just before, has no part in it: |x - c| with x = c at the end of the
+/// run, and |v - d| with v = d a ten-thousandth of a millionth of the run before.
+TEST(CancellingTerms, leave_a_corner_to_its_own_function) {
+    Scene scene;
+    const BodyHandle body =
+        scene.add(Particle{10.0}, FreeStart{{0.00010795866773708775, 0, 0}, {0.1293504803484055, 0, 0}});
+    scene.connect(Spring{.stiffness = 115351.41682821824}, body, Vector3{0, 0, 0});
+    scene.watch("speed", [=](const Now& now) { return abs(now[body].velocity()[0] - 0.12935023458763836); });
+    scene.watch("place", [=](const Now& now) { return abs(now[body].position()[0] - 0.0001079841917174526); });
+    const Attempt run =
+        attempt(scene, {.until = -3.9464877969440303e-07, .start = -5.919731695416045e-07, .error = 1e-9});
+    ASSERT_EQ(run.outcome, simulating::Outcome::good) << run.message;
+    EXPECT_TRUE(run.run.events().times("speed").empty());
+    EXPECT_TRUE(run.run.events().times("place").empty());
+}
+
+/// A square that touches zero sooner after the start than time can be told, beside a corner that the motion begins on.
+TEST(CancellingTerms, are_no_event_of_what_turns_back_where_the_motion_begins) {
+    Scene scene;
+    const BodyHandle bead = scene.add(
+        Particle{1.0}, Rail(Circle{.radius = 0.00046275614273367214, .start = {1, 0, 0}, .toward = {0, 1, 0}}),
+        {.speed = 1.924283619769486e-09});
+    scene.watch("corner", [=](const Now& now) { return abs(now[bead].parameter()); });
+    scene.watch("square", [=](const Now& now) {
+        const auto y = (now[bead].position()[1] - 3.0447063223693797e-22) * 2160.965371723926;
+        return y * y;
+    });
+    const Attempt run = attempt(scene, {.until = 6004.379692408521, .start = 5826.595291886181, .error = 1e-9});
+    ASSERT_EQ(run.outcome, simulating::Outcome::good) << run.message;
+    EXPECT_TRUE(run.run.events().times("square").empty());
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_cancelling_terms

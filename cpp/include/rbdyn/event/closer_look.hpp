@@ -40,6 +40,7 @@ public:
         Found found{side};
         parts_ = most_parts;
         if (!look(found, 0.0, 1.0, deeper, find, rounding)) return std::nullopt;
+        join(found.places);
         return found;
     }
 
@@ -50,6 +51,9 @@ public:
 
 private:
     static constexpr int most_parts = 4000;
+
+    /// Places that no time can tell apart are one, or none if there are two of each.
+    void join(std::vector<Passages::Place>& places) const;
 
     template <class Find, class Rounding>
     bool look(Found& found, double lo, double hi, int deeper, const Find& find, const Rounding& rounding) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <vector>
@@ -15,6 +16,21 @@
 #include "rbdyn/series/piece.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE void CloserLook::join(std::vector<Passages::Place>& places) const {
+    std::sort(places.begin(), places.end(),
+              [](const Passages::Place& a, const Passages::Place& b) { return a.x < b.x; });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < places.size();) {
+        std::size_t end = i + 1;
+        while (end < places.size() &&
+               places[end].x - places[end - 1].x <= std::max({finest_, places[end].doubt, places[end - 1].doubt}))
+            ++end;
+        if ((end - i) % 2 == 1) places[kept++] = places[i + (end - i) / 2];
+        i = end;
+    }
+    places.resize(kept);
+}
 
 RBDYN_INLINE SeriesOnPiece::SeriesOnPiece(const Program& program, int order)
     : series_(program, order), hidden_(program, order), order_(order) {}

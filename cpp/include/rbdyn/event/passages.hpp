@@ -27,6 +27,7 @@ public:
         int side = 0;                               // it has been on; 0: not known
         bool at_zero = false;                       // what the piece begins with is known to be zero
         std::optional<double> zero = std::nullopt;  // the value known to be zero, if that may be what it begins with
+        bool by_rounding = false;                   // it is zero only as far as can be told
         double gap = 0.0;                           // between the last piece and this one
         std::optional<double> late = std::nullopt;  // how far beyond 1 is met at 1: the run ends there
         double reach = 0x1p-4;                      // how far beyond 1 the polynomial holds
@@ -60,6 +61,7 @@ public:
             at_zero = std::abs(q[0] - *a.zero) <= 16.0 * noise_[0];
         }
         is_at_zero_ = at_zero;
+        off_ = at_zero && a.by_rounding ? 2.0 * q[0] : 0.0;
         if (at_zero) q_[0] = 0.0;
         int first = 0;
         while (first <= degree && q_[at(first)] == 0.0) ++first;
@@ -197,6 +199,7 @@ private:
     series::Coefficients q_{}, noise_{};
     int degree_ = 0, leaves_ = 0;
     double looseness_ = 1.0, at_start_ = 0.0, leaves_from_ = 0.0;
+    double off_ = 0.0;  // a lobe at the start of the other side is none up to this: what turns back there
     bool has_noise_ = false, is_at_zero_ = false;
 };
 

@@ -104,6 +104,7 @@ RBDYN_INLINE double Passages::noise(double x, bool at_start) const {
 
 RBDYN_INLINE int Passages::sign(double x, bool at_start, double times) const {
     const double g = value(x);
+    if (at_start && g * off_ < 0.0 && std::abs(g) <= std::abs(off_)) return 0;
     return std::abs(g) <= times * noise(x, at_start) ? 0 : g > 0.0 ? 1 : -1;
 }
 

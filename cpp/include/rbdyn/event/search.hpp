@@ -91,8 +91,9 @@ private:
 
     static void note(Record& record, const Guard& guard, Direction direction, Instant at);
 
-    /// Takes what happens together with the first event that changes the mode or stops the run.
-    void fire(const std::vector<Guard>& guards, const Found& first, double together);
+    /// Takes what happens together with the first event that changes the mode or stops the run: what may come no later
+    /// than `together`; of what is seen alone, than `at_once`.
+    void fire(const std::vector<Guard>& guards, const Found& first, double together, double at_once);
 
     /// Whether a motion begins where a distinction in its mode changes.
     bool begins_on_edge(const Mode& mode);

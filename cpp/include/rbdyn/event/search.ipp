@@ -115,7 +115,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         together = first->place + first->doubt + 4.0 * epsilon * std::abs(piece.start.hi) / piece.duration();
         // what is known to come later than the end of the mode is not noted, however little is known of that
         noted = together - first->doubt + std::min(first->doubt, 0x1p-40);
-        fire(guards, *first, together);
+        fire(guards, *first, together, noted);
     }
     const double cut = first != found_.end() ? polished(mode, first->place * piece.length) : -1.0;
     // the side to which a function would go beyond the end of the mode is not the one it was on
@@ -203,12 +203,17 @@ RBDYN_INLINE void EventSearch::note(Record& record, const Guard& guard, Directio
     record.note({at.hi, guard.kind, guard.subject, guard.name, direction, 0.0, guard.contact, Vector3::Zero(), at});
 }
 
-RBDYN_INLINE void EventSearch::fire(const std::vector<Guard>& guards, const Found& first, double together) {
+RBDYN_INLINE void EventSearch::fire(const std::vector<Guard>& guards, const Found& first, double together,
+                                    double at_once) {
     if (first.breaks) {
         broken_ = &guards[first.guard];
         return;
     }
-    const auto is_together = [&](const Found& f) { return f.place - f.doubt <= together && !f.is_pole && !f.breaks; };
+    const auto is_together = [&](const Found& f) {
+        // the side of a distinction that is known to change later is what it is until then
+        const bool is_seen = guards[f.guard].is_watched() || is_distinction(guards[f.guard]);
+        return f.place - f.doubt <= (is_seen ? at_once : together) && !f.is_pole && !f.breaks;
+    };
     // a watched function of what switches there (an absolute value) may have a corner and turn back
     const bool switches = std::any_of(found_.begin(), found_.end(), [&](const Found& f) {
         return is_together(f) && is_distinction(guards[f.guard]);
@@ -345,7 +350,10 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     arrival.side = side;
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
-        arrival.at_zero = begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon);
+        if (begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon)) {
+            arrival.by_rounding = !arrival.at_zero;
+            arrival.at_zero = true;
+        }
     // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped; on a
     // level it has passed nothing until it leaves that
     if (fresh && guard.watch >= 0 && watched(guard).reached != 0) {
