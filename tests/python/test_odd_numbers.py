@@ -272,3 +272,52 @@ def test_a_body_is_no_surface():
     a, b = scene.add(BODY), scene.add(BODY, position=[3.0, 0, 0])
     with pytest.raises(rb.InvalidInput, match="body 2 or a point of it, which has no surface"):
         scene.contact(a, b)
+
+
+@pytest.mark.parametrize("engine", ["taylor", "dop853", "cvode-adams", "cvode-bdf"])
+@pytest.mark.parametrize("start", [1.0, 1e6, 1e9])
+@pytest.mark.parametrize("spacings", [1, 2, 3, 5])
+def test_a_span_of_a_few_spacings_of_time_is_a_motion(engine, start, spacings):
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    ball = scene.add(rb.Particle(2.0), velocity=[0, 1, 0])
+    end = start
+    for _ in range(spacings):
+        end = math.nextafter(end, math.inf)
+    span = end - start
+    for accuracy in ({"error": 1e-9}, {"rtol": 1e-8}):
+        run = rb.simulate(scene, end, start=start, engine=engine, **accuracy)
+        expected = [0, span, -0.5 * 9.81 * span**2]
+        assert run[ball].position(end) == pytest.approx(expected, rel=1e-8, abs=1e-7 * span)
+
+
+def test_times_too_far_from_zero_to_be_told_apart_are_named():
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    ball = scene.add(rb.Particle(2.0), velocity=[0, 1, 0])
+    scene.apply(rb.Drag(quadratic=0.2), ball)
+    with pytest.raises(rb.IntegrationError, match=r"times there are 16 s apart.*nearer to t = 0"):
+        rb.simulate(scene, 1e17 + 320, start=1e17)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize("accuracy", [{"rtol": 1e-9}, {"error": 1e-9}])
+def test_a_linear_force_with_a_number_that_is_none_is_named(bad, accuracy):
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(2.0), position=[1, 0, 0])
+    scene.apply(rb.Force(lambda t, r, v: [bad * r[0], 0, 0]), ball)
+    with pytest.raises(rb.IntegrationError, match='not finite at t = 0 s: force "<lambda>"'):
+        rb.simulate(scene, 2.0, **accuracy)
+
+
+@pytest.mark.parametrize("accuracy", [{"rtol": 1e-9}, {"error": 1e-9}])
+def test_a_closed_form_that_outgrows_the_numbers_ends_there(accuracy):
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[1, 0, 0])
+    scene.apply(rb.Force(lambda t, r, v: [r[0], 0, 0]), ball)
+    with pytest.raises(rb.IntegrationError, match="the motion grows beyond the largest number") as caught:
+        rb.simulate(scene, 2000.0, **accuracy)
+    run = caught.value.run
+    assert run.status == "not finite"
+    # exp(t) is of that size
+    assert run.end == pytest.approx(1024 * math.log(2), abs=1.0)
+    assert run[ball].position(700.0)[0] == pytest.approx(0.5 * math.exp(700.0), rel=1e-9)
+    assert np.isfinite(run[ball].position(run.end)).all()

@@ -98,6 +98,9 @@ std::string culprit(const HybridModel& model, const Record& record);
 /// How a run broke off, in a sentence.
 std::string broken_off(const HybridModel& model, const Record& record);
 
+/// The record of a closed form that grows beyond the largest number of the machine ends before that, by name.
+void end_where_finite(Record& record);
+
 /// What of two runs that are compared is kept: all, or without all the times wanted and many in between, the same of
 /// both.
 Keep compared_pieces(const SimulateOptions& options);

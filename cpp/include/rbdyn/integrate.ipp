@@ -132,7 +132,32 @@ RBDYN_INLINE std::string broken_off(const HybridModel& model, const Record& reco
     std::string message = "simulate: " + std::string(name_of(record.status)) + " at t = " + text(record.end.hi) + " s";
     const std::string name = record.status == Status::not_finite ? culprit(model, record) : record.not_finite;
     if (!name.empty()) message += ": " + name;
+    const double apart = std::nextafter(std::abs(record.end.hi), INFINITY) - std::abs(record.end.hi);
+    if (name.empty() && record.status == Status::not_finite && record.end.hi == record.start && apart > 1e-3)
+        return message + ": times there are " + text(apart) + " s apart, which is more than a step of this motion. " +
+               "Let it start nearer to t = 0.";
     return message + ". " + std::string(advice(record.status));
+}
+
+RBDYN_INLINE void end_where_finite(Record& record) {
+    if (record.status != Status::reached_end || !record.halt) return;
+    std::vector<double> x(static_cast<std::size_t>(record.variables));
+    const auto is_finite_at = [&](double t) {
+        record.closed->state(exact_difference({t, 0.0}, {record.closed_from, 0.0}), x);
+        return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
+    };
+    if (is_finite_at(record.end.hi)) return;
+    double good = record.start, bad = record.end.hi;
+    for (double middle = 0.5 * (good + bad); good < middle && middle < bad; middle = 0.5 * (good + bad))
+        (is_finite_at(middle) ? good : bad) = middle;
+    is_finite_at(good);
+    Halt halt = *record.halt;
+    halt.at = record.end = {good, 0.0};
+    halt.x = x;
+    std::ranges::fill(halt.low, 0.0);
+    record.halt = std::make_shared<const Halt>(std::move(halt));
+    record.status = Status::not_finite;
+    record.not_finite = "the motion grows beyond the largest number of binary64";
 }
 
 RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
@@ -432,6 +457,7 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
     Record& record = result.record;
     record.closed = form;
     record.closed_from = beginning.origin;
+    end_where_finite(record);
     result.course = course_of(record, "closed form", least_tolerance("taylor"), {});
     result.integration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     result.certain_until = record.end.hi;

@@ -33,6 +33,9 @@ struct LinearSystem {
     /// Whether x is a polynomial in time: no variable depends on itself, by however many others.
     bool is_polynomial() const;
 
+    /// Whether all its numbers are.
+    bool is_finite() const;
+
     /// x' at the start.
     std::vector<DoubleDouble> rates() const;
 };

@@ -4,6 +4,7 @@
 #include "rbdyn/closed_form/linear_system.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <numeric>
@@ -34,6 +35,14 @@ RBDYN_INLINE bool LinearSystem::is_polynomial() const {
         }
     }
     return std::find(known.begin(), known.end(), false) == known.end();
+}
+
+RBDYN_INLINE bool LinearSystem::is_finite() const {
+    const auto finite = [](const DoubleDouble& value) { return std::isfinite(value.hi); };
+    return std::ranges::all_of(constants, finite) && std::ranges::all_of(start, finite) &&
+           std::ranges::all_of(rows, [&](const auto& row) {
+               return std::ranges::all_of(row, [&](const Entry& e) { return finite(e.value); });
+           });
 }
 
 RBDYN_INLINE std::vector<DoubleDouble> LinearSystem::rates() const {

@@ -6,6 +6,7 @@
 // bounded. What a function of the user's throws ends the run and is kept with it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -68,7 +69,9 @@ private:
     /// Whether it may begin; else it is over.
     bool is_possible(Record& record);
     /// Less than this from the end is the end [s].
-    static double least_before(double until) { return 2.0 * epsilon * std::abs(until); }
+    static double least_before(const Record& record, double until) {
+        return std::min(2.0 * epsilon * std::abs(until), 0x1p-20 * (until - record.start));
+    }
     /// To the next step. Returns whether there is one; else it is the end.
     bool comes_to_step(Record& record, double until);
     /// Takes the piece of a step. Returns whether the run goes on.

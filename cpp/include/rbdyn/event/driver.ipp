@@ -146,7 +146,7 @@ RBDYN_INLINE bool Driver::comes_to_step(Record& record, double until) {
         finish(record, t, status);
         return false;
     };
-    if (until - t > least_before(until)) {
+    if (until - t > least_before(record, until)) {
         let_go(record, false);
         if (!now_.mode.still) {
             if (engine_.work().steps + engine_.work().parts + passed_ >= max_steps_) return over(Status::step_limit);
@@ -193,7 +193,7 @@ RBDYN_INLINE bool Driver::is_going_on(Record& record, StepStatus step, double un
         now_.fresh = true;
         return true;
     }
-    const bool is_last = !(until - piece.at(piece.length) > least_before(until));
+    const bool is_last = !(until - piece.at(piece.length) > least_before(record, until));
     const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
     if (cut < 0.0) {
         store(record, piece, piece.length, now_.fresh);

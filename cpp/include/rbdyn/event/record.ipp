@@ -107,6 +107,8 @@ RBDYN_INLINE double Record::bytes() const {
 }
 
 RBDYN_INLINE std::size_t Record::find(double t, Side side) const {
+    // pieces shorter than the spacing of times may begin where the motion ends
+    if (t >= end.hi && !entries_.empty()) return entries_.size() - 1;
     const auto later = [&](double time, const Entry& e) {
         return side == Side::after ? time < e.start.hi : time <= e.start.hi;
     };
@@ -115,8 +117,8 @@ RBDYN_INLINE std::size_t Record::find(double t, Side side) const {
 }
 
 RBDYN_INLINE double Record::tau(const Piece& piece, double t) {
-    if (t == piece.start.hi) return 0.0;
     if (t == piece.at(piece.length).hi) return piece.length;
+    if (t == piece.start.hi) return 0.0;
     return std::clamp(piece.tau(t), 0.0, piece.length);
 }
 

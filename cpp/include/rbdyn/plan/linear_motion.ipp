@@ -242,6 +242,7 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
         return {nullptr, "the equations of " + varying->first + " " + why_not_linear(program, varying->second)};
     if (!system) return {nullptr, "the equations depend on time"};
     const LinearSystem whole = system->begun(0.0);
+    if (!whole.is_finite()) return {nullptr, "its equations have numbers that are not finite"};
     if (whole.is_polynomial()) return {nullptr, polynomial};
     LinearBlocks solution = solve(whole);
     if (solution.too_large > 0)
