@@ -106,6 +106,7 @@
 #include "rbdyn/expression/term_sizes.ipp"
 #include "rbdyn/expression/time_function.ipp"
 #include "rbdyn/file/described.ipp"
+#include "rbdyn/file/disk.ipp"
 #include "rbdyn/file/functions.ipp"
 #include "rbdyn/file/place.ipp"
 #include "rbdyn/file/scene_file.ipp"

@@ -82,8 +82,4 @@ private:
 /// Its text: what fits on a line stands on one. Every double reads back as itself.
 [[gnu::cold]] std::string printed(const Json& json);
 
-/// The text of a file, and what it is to be. Throw InvalidInput where the system refuses.
-[[gnu::cold]] std::string read_file(const std::string& path);
-[[gnu::cold]] void write_file(const std::string& path, std::string_view text);
-
 }  // namespace rbdyn::inline RBDYN_FORM::file

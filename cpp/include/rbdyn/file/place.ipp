@@ -6,15 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
@@ -162,36 +157,6 @@ RBDYN_INLINE std::string printed(const Json& json) {
     std::string out;
     printing::print(json, 0, 0, out);
     return out + '\n';
-}
-
-RBDYN_INLINE std::string read_file(const std::string& path) {
-    std::error_code problem;
-    const auto kind = std::filesystem::status(path, problem);
-    if (!std::filesystem::exists(kind)) throw InvalidInput("load: there is no file \"" + path + "\"");
-    if (std::filesystem::is_directory(kind)) throw InvalidInput("load: \"" + path + "\" is a folder; give a file");
-    std::ifstream in(path, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    if (!in) throw InvalidInput("load: \"" + path + "\" cannot be read");
-    return text;
-}
-
-RBDYN_INLINE void write_file(const std::string& path, std::string_view text) {
-    // whole or not at all: what was there stays until all of it is written
-    const std::string part = path + ".part";
-    bool good = false;
-    {
-        std::ofstream out(part, std::ios::binary);
-        out.write(text.data(), static_cast<std::streamsize>(text.size()));
-        out.close();
-        good = static_cast<bool>(out);
-    }
-    std::error_code problem;
-    if (good) std::filesystem::rename(part, path, problem);
-    if (good && !problem) return;
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw InvalidInput("save: \"" + path + "\" cannot be written" +
-                       (problem ? ": " + problem.message() : std::string()));
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::file
