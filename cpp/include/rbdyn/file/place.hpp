@@ -79,7 +79,8 @@ private:
 
 /// A JSON document from its text. Throws InvalidInput with the place of what is none.
 [[gnu::cold]] Json parsed(std::string_view text, const std::string& document);
-/// Its text: what fits on a line stands on one. Every double reads back as itself.
+/// Its text: what fits on a line stands on one. Every double reads back as itself. Throws InvalidInput, with its place,
+/// for a string that is no UTF-8.
 [[gnu::cold]] std::string printed(const Json& json);
 
 }  // namespace rbdyn::inline RBDYN_FORM::file

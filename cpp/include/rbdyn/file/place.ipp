@@ -153,7 +153,32 @@ RBDYN_INLINE void print(const Json& json, std::size_t indent, std::size_t column
 
 }  // namespace printing
 
+namespace printing {
+
+/// Refuses texts that are none, which JSON cannot have, by their place.
+RBDYN_INLINE void require_texts(const Json& json, const std::string& place) {
+    if (json.is_string()) {
+        std::string shown;
+        try {
+            json.dump();
+            return;
+        } catch (const Json::exception&) {
+            // as what of it can be written
+            shown = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+        }
+        throw InvalidInput("save: " + place + " is " + shown + ", which is no UTF-8, and files have no other text; " +
+                           "give another name");
+    }
+    if (json.is_object())
+        for (const auto& [key, value] : json.items()) require_texts(value, place.empty() ? key : place + "." + key);
+    if (json.is_array())
+        for (std::size_t i = 0; i < json.size(); ++i) require_texts(json[i], place + "[" + std::to_string(i) + "]");
+}
+
+}  // namespace printing
+
 RBDYN_INLINE std::string printed(const Json& json) {
+    printing::require_texts(json, "");
     std::string out;
     printing::print(json, 0, 0, out);
     return out + '\n';
