@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <random>
+#include <rbdyn/file/disk.hpp>
 #include <rbdyn/file/scene_file.hpp>
 #include <rbdyn/file/schema.hpp>
 #include <utility>
@@ -193,6 +194,16 @@ void bind_files(py::module_& m) {
         [](const std::string& text, const std::string& document) { return bound(rbdyn::scene_from(text, document)); },
         py::arg("text"), py::arg("document"));
     m.def("_scene_schema", &rbdyn::scene_schema);
+    // why it was not written; a pipe may keep it waiting for one who reads
+    m.def(
+        "_trouble_writing",
+        [](const py::bytes& path, const py::bytes& content) {
+            const std::string place = path;
+            const std::string_view text = content;
+            const py::gil_scoped_release others;
+            return rbdyn::file::trouble_writing(place, text);
+        },
+        py::arg("path"), py::arg("content"));
 }
 
 }  // namespace binding

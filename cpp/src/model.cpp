@@ -24,5 +24,6 @@
 #include "rbdyn/model/size.ipp"
 #include "rbdyn/model/sliding.ipp"
 #include "rbdyn/model/state_map.ipp"
+#include "rbdyn/model/variables_model.ipp"
 #include "rbdyn/model/what_stays.ipp"
 #include "rbdyn/model/within.ipp"

@@ -10,6 +10,7 @@
 #include "rbdyn/simulate_many.ipp"
 #include "rbdyn/solve.ipp"
 #include "rbdyn/trajectory/accuracy.ipp"
+#include "rbdyn/trajectory/any_run.ipp"
 #include "rbdyn/trajectory/body_motion.ipp"
 #include "rbdyn/trajectory/error_scales.ipp"
 #include "rbdyn/trajectory/events.ipp"

@@ -4242,6 +4242,8 @@ def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.Suppo
     """
     The runs of a sweep, what went wrong with each, and what interrupted it.
     """
+def _trouble_writing(path: bytes, content: bytes) -> str:
+    ...
 def _user_function(kind: str, f: typing.Any, trace: bool | None = None) -> UserFunction:
     ...
 def _where(condition: typing.Any, a: typing.Any, b: typing.Any, name: str = 'where') -> typing.Any:

@@ -28,8 +28,9 @@ RUN_FORMAT, RUN_VERSION = "rbdyn run", 1
 def save(thing: Scene | Trajectory, path: str | os.PathLike[str]) -> None:
     """Writes a scene to a .json file, or a run to .npz or .h5, which needs h5py.
 
-    What was there is replaced once all is written. Raises InvalidInput for a function that is called back, another
-    suffix, and where the system refuses.
+    A file that was there is replaced once all is written, and its mode stays; symbolic links are followed, and pipes
+    and devices written into. Raises InvalidInput for a function that is called back, another suffix, and where the
+    system refuses.
     """
     place = Path(path)
     if isinstance(thing, _core.Scene):
@@ -211,13 +212,9 @@ def _bytes(state: npt.NDArray[Any]) -> bytes:
 
 def _write(place: Path, content: bytes) -> None:
     """A file, whole or not at all: what was there stays until all of it is written."""
-    part = place.with_name(place.name + ".part")
-    try:
-        part.write_bytes(content)
-        part.replace(place)
-    except OSError as problem:
-        part.unlink(missing_ok=True)
-        raise InvalidInput(f"save: {str(place)!r} cannot be written: {problem.strerror}") from None
+    trouble = _core._trouble_writing(os.fsencode(place), content)
+    if trouble:
+        raise InvalidInput(f"save: {str(place)!r} cannot be written: {trouble}")
 
 
 def _require_suffix(place: Path, known: tuple[str, ...], what: str) -> None:

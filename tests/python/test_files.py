@@ -3,9 +3,11 @@
 import io
 import json
 import math
+import os
 import random
 import re
 import sys
+import threading
 import zipfile
 import zlib
 from pathlib import Path
@@ -326,6 +328,28 @@ def test_files_that_are_not_there(tmp_path):
         rb.save(rb.simulate(hoop(), 0.1), tmp_path / "x.json")
     with pytest.raises(rb.InvalidInput, match="neither a scene nor a run"):
         rb.save(3, tmp_path / "x.json")
+
+
+@pytest.mark.parametrize("suffix", ["json", "npz", "h5"])
+def test_links_and_modes_stay_what_they_are(suffix, tmp_path):
+    thing = hoop() if suffix == "json" else rb.simulate(hoop(), 0.1)
+    there, link = tmp_path / f"there.{suffix}", tmp_path / f"link.{suffix}"
+    there.write_bytes(b"old")
+    there.chmod(0o600)
+    link.symlink_to(there.name)
+    rb.save(thing, link)
+    assert link.is_symlink() and there.stat().st_mode & 0o777 == 0o600
+    assert rb.load(there) is not None and sorted(tmp_path.iterdir()) == [link, there]
+
+
+def test_a_pipe_is_written_into_while_others_run(tmp_path):
+    pipe, read = tmp_path / "pipe.json", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    rb.save(hoop(), pipe)
+    reader.join(10)
+    assert pipe.is_fifo() and '"format": "rbdyn scene"' in read[0]
 
 
 # --- runs ---

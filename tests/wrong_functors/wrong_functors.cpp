@@ -40,9 +40,12 @@ int main() {
     rbdyn::RigidMotion::translation([](double t) { return Vector3(t, 0, 0); });  // says: f(t),
     rbdyn::RigidMotion::rotation([](double t) { return t; }, {0, 0, 1});         // says: angle(t)
     rbdyn::System([](double, std::span<const double>, std::span<double>) {},
-                  {1.0})                              // says: f(t, x, rate), a number and two spans
-        .watch("w", [](double t) { return t; });      // says: f(t, x)
-    rbdyn::simulate(Model{}, {1.0}, {.until = 1.0});  // says: model(t, x, rate)
+                  {1.0})                                      // says: f(t, x, rate), a number and two spans
+        .watch("w", [](double t) { return t; });              // says: f(t, x)
+    rbdyn::simulate(Model{}, {1.0}, {.until = 1.0});          // says: model(t, x, rate)
+    rbdyn::RailOptions{.drive = [](double t) { return t; }};  // says: f(t), with
+    rbdyn::Scene().watch("late", [](const rbdyn::Now& now, int) { return now.time(); });  // says: f(now)
+    rbdyn::Force(static_cast<double (*)(double, Vector3, Vector3)>(nullptr));  // says: f(t, position, velocity)
 
     // what is done: errors in the user's own line
     rbdyn::Force([](const auto& t, const auto&, const auto&) {

@@ -26,6 +26,9 @@ struct Solution;  // integrate.hpp
 class StateRun : public AnyRun {
 public:
     StateRun(simulating::Solution solution, std::string engine);
+    // a move copies: what was moved from stays what it was
+    StateRun(const StateRun&) = default;
+    StateRun& operator=(const StateRun&) = default;
 
     const std::vector<Event>& events() const;
     const Work& work() const;

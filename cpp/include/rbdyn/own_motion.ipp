@@ -3,11 +3,13 @@
 
 #include "rbdyn/own_motion.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <exception>
-#include <iomanip>
+#include <limits>
 #include <memory>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +17,9 @@
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
+#include "rbdyn/until_stopped.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -41,10 +45,7 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const StateRun& run) {
     if (run.status() == Status::stopped_by_event && !run.events().empty()) out << ", " << run.events().back().name;
     out << ". " << advice(run.status()) << "\n  engine " << run.engine() << ", " << run.work().steps << " steps, "
         << run.events().size() << " events, ";
-    if (!run.error()) return out << "no estimate of the global error (rtol)\n";
-    std::ostringstream error;
-    error << std::setprecision(2) << *run.error();
-    return out << "estimated global error " << error.str() << '\n';
+    return out << error_in_words(run) << '\n';
 }
 
 RBDYN_INLINE ModelError::ModelError(const std::string& message, StateRun partial)
@@ -52,11 +53,17 @@ RBDYN_INLINE ModelError::ModelError(const std::string& message, StateRun partial
 
 namespace simulating {
 
-RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<double>& state,
-                                   const SimulateOptions& options) {
+/// A run of a model of the user's own, and what became of it.
+struct OwnAttempt {
+    Outcome outcome;
+    std::string message;
+    std::exception_ptr thrown;  // by a function of the user's
+    StateRun run;
+};
+
+RBDYN_INLINE OwnAttempt attempt_own(const HybridModel& model, const std::vector<double>& state,
+                                    const SimulateOptions& options) {
     validate(options);
-    require(static_cast<int>(state.size()) == model.variables(), "simulate", "number of variables of the state",
-            static_cast<double>(state.size()), "the model has " + std::to_string(model.variables()));
     const std::string engine = options.engine == "auto" ? "taylor" : options.engine;
     (void)make_engine(engine, 1e-6);
     Solution solution = solve(model, state, options, {.origin = options.start}, engine, "taylor");
@@ -66,12 +73,32 @@ RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<d
     solution.record.halt = nullptr;
     solution.course.reset();
     solution.judge.reset();
-    if (solution.outcome == Outcome::thrown) std::rethrow_exception(solution.thrown);
-    const bool good = solution.outcome == Outcome::good;
-    const std::string message = solution.message;
-    StateRun run(std::move(solution), engine);
-    if (!good) throw ModelError(message, std::move(run));
-    return run;
+    const Outcome outcome = solution.outcome;
+    const std::exception_ptr thrown = solution.thrown;
+    std::string message = solution.message;
+    return {outcome, std::move(message), thrown, StateRun(std::move(solution), engine)};
+}
+
+RBDYN_INLINE StateRun simulate_own(const HybridModel& model, const std::vector<double>& state,
+                                   const SimulateOptions& options) {
+    require(static_cast<int>(state.size()) == model.variables(), "simulate", "number of variables of the state",
+            static_cast<double>(state.size()), "the model has " + std::to_string(model.variables()));
+    for (std::size_t i = 0; i < state.size(); ++i)
+        require(std::isfinite(state[i]), "simulate", "x[" + std::to_string(i) + "] of the state", state[i],
+                "a state is finite");
+    const auto run = [&]() -> OwnAttempt {
+        if (options.until != std::numeric_limits<double>::infinity()) return attempt_own(model, state, options);
+        std::vector<double> x = state;
+        const Mode mode = model.begin(options.start, x);
+        const auto& guards = mode.equations->guards;
+        require_stop(
+            std::any_of(guards.begin(), guards.end(), [](const Guard& g) { return g.role == GuardRole::stop; }));
+        return until_stopped(options, [&](const SimulateOptions& o) { return attempt_own(model, state, o); });
+    };
+    OwnAttempt result = run();
+    if (result.outcome == Outcome::thrown) std::rethrow_exception(result.thrown);
+    if (result.outcome != Outcome::good) throw ModelError(result.message, std::move(result.run));
+    return std::move(result.run);
 }
 
 }  // namespace simulating

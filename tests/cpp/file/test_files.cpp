@@ -57,6 +57,29 @@ TEST(SceneFile, is_written_and_read_and_moves_alike) {
     EXPECT_NE(refusal([&] { save(scene, "/no/such/folder/x.json"); }).find("cannot be written"), std::string::npos);
 }
 
+TEST(SceneFile, refuses_names_that_are_no_text) {
+    // "Strasse" as Latin-1 has it, which was saved as another name
+    const std::string latin =
+        "Stra\xdf"
+        "e";
+    Scene body, watch, number;
+    body.add(Particle{.mass = 1.0}, FreeStart{}, "first");
+    body.add(Particle{.mass = 1.0}, FreeStart{}, latin);
+    const BodyHandle bob = watch.add(Particle{.mass = 1.0});
+    watch.watch(latin, [=](const Now& now) { return now[bob].position()[0]; });
+    number.add(Particle{.mass = Parameter(1.0, latin)});
+    EXPECT_NE(refusal([&] { text_of(body); }).find("bodies[1].name is \"Stra"), std::string::npos);
+    EXPECT_NE(refusal([&] { text_of(watch); }).find("watches[0].name"), std::string::npos);
+    EXPECT_NE(refusal([&] { save(number, "never.json"); }).find("no UTF-8"), std::string::npos);
+    Scene utf8;
+    utf8.add(Particle{.mass = 1.0}, FreeStart{},
+             "Stra\xc3\x9f"
+             "e");
+    EXPECT_EQ(scene_from(text_of(utf8)).bodies()[0].name,
+              "Stra\xc3\x9f"
+              "e");
+}
+
 TEST(SceneFile, has_the_actions_that_are_recorded) {
     Scene scene({0.0, 0.0, -10.0});
     const auto ball = scene.add(Particle{.mass = 1.0}, {.position = {0.0, 0.0, 1.25}}, "ball");

@@ -5,8 +5,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <type_traits>
 
 #if defined(__FAST_MATH__)
@@ -111,6 +113,11 @@ public:
     Triple() = default;
     Triple(const S& x, const S& y, const S& z) : c_{x, y, z} {}
     Triple(const Vector3& v) : c_{S(v[0]), S(v[1]), S(v[2])} {}  // implicit: constants mix freely with other numbers
+    /// Of what Eigen has not worked out yet: 2.0 * wind.
+    template <class Derived>
+    requires(std::floating_point<typename Derived::Scalar>&& Derived::RowsAtCompileTime == 3 &&
+             Derived::ColsAtCompileTime == 1) Triple(const Eigen::MatrixBase<Derived>& v)
+        : Triple(Vector3(v)) {}
 
     const S& operator[](Eigen::Index i) const { return c_[i]; }
     S& operator[](Eigen::Index i) { return c_[i]; }
@@ -134,6 +141,14 @@ public:
     friend Triple operator*(const Triple& v, const S& s) { return {v[0] * s, v[1] * s, v[2] * s}; }
     friend Triple operator*(const S& s, const Triple& v) { return {s * v[0], s * v[1], s * v[2]}; }
     friend Triple operator/(const Triple& v, const S& s) { return {v[0] / s, v[1] / s, v[2] / s}; }
+    friend Triple operator*(const std::array<std::array<S, 3>, 3>& rows, const Triple& v) {
+        const auto row = [&](std::size_t i) { return rows[i][0] * v[0] + rows[i][1] * v[1] + rows[i][2] * v[2]; };
+        return {row(0), row(1), row(2)};
+    }
+    friend Triple operator*(const Matrix3& m, const Triple& v) {
+        const auto row = [&](int i) { return S(m(i, 0)) * v[0] + S(m(i, 1)) * v[1] + S(m(i, 2)) * v[2]; };
+        return {row(0), row(1), row(2)};
+    }
 
     S dot(const Triple& b) const { return c_[0] * b[0] + c_[1] * b[1] + c_[2] * b[2]; }
     S squaredNorm() const { return dot(*this); }
@@ -141,6 +156,7 @@ public:
         using std::sqrt;
         return sqrt(squaredNorm());
     }
+    Triple normalized() const { return *this / norm(); }
     Triple cross(const Triple& b) const {
         const Triple& a = *this;
         return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};

@@ -92,6 +92,10 @@ class Curve {
     };
 
 public:
+    // a move copies: what was moved from stays what it was
+    Curve(const Curve&) = default;
+    Curve& operator=(const Curve&) = default;
+
     /// Throws InvalidInput if the numbers make no curve.
     template <class Kind>
     requires(CurveKinds::has<Kind>) Curve(const Kind& kind)

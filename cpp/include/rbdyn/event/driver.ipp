@@ -35,7 +35,9 @@ RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64
       monitor_(std::move(monitor)),
       search_(model, engine, slack, is_alone),
       progress_(tolerance),
-      stops_from_(-std::numeric_limits<double>::infinity()) {}
+      stops_from_(-std::numeric_limits<double>::infinity()) {
+    std::sort(keep_.times.begin(), keep_.times.end());
+}
 
 template <class Part>
 bool Driver::guarded(Record& record, const Part& part) {

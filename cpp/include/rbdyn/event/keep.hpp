@@ -15,7 +15,7 @@ enum class Side { before, after };
 /// What of a run is kept.
 struct Keep {
     enum class What { all, end, times } what = What::all;
-    std::vector<double> times = {};  // increasing
+    std::vector<double> times = {};  // in any order
     bool winds = true;               // and, of times, what no state says (HybridModel::winding)
 };
 

@@ -65,7 +65,7 @@ public:
     /// The state at the end of the last piece.
     void last_state(std::span<double> x) const { piece(entries_.size() - 1).state(entries_.back().length, x); }
     /// Forgets all pieces but the last one, and those that hold one of some times, in ascending order.
-    void keep_only(std::span<const double> times = {});
+    void keep_only(std::vector<double> times = {});
     /// Forgets all pieces.
     void clear();
     void drop_last();

@@ -46,7 +46,8 @@ RBDYN_INLINE void Record::note(Event event) {
     events.insert(place, std::move(event));
 }
 
-RBDYN_INLINE void Record::keep_only(std::span<const double> times) {
+RBDYN_INLINE void Record::keep_only(std::vector<double> times) {
+    std::sort(times.begin(), times.end());
     const std::vector<Entry> entries = std::exchange(entries_, {});
     const std::vector<std::vector<double>> blocks = std::exchange(blocks_, {}), all = std::exchange(windings, {});
     for (std::size_t i = 0; i < entries.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "rbdyn/basics/form.hpp"
@@ -24,5 +25,8 @@ struct Callback {
 
     void operator()(const double* x, double* y) const;
 };
+
+/// A callback that is one. Throws InvalidInput if there is none, or no function in it. `object`: what it is given to.
+std::shared_ptr<const Callback> callable(std::shared_ptr<const Callback> callback, const std::string& object);
 
 }  // namespace rbdyn::inline RBDYN_FORM

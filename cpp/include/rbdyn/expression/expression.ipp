@@ -337,6 +337,7 @@ RBDYN_INLINE long Recorder::whole(const Expression& x, long lowest, long highest
 
 RBDYN_INLINE std::vector<Expression> Recorder::call(const std::shared_ptr<const Callback>& function,
                                                     std::span<const Expression> arguments) {
+    (void)callable(function, "a force, coupling or equation");
     Call call{function, {}};
     for (const Expression& x : arguments) call.arguments.push_back(node_of(x));
     const auto same = [&](const Call& c) { return c.function == function && c.arguments == call.arguments; };

@@ -29,6 +29,9 @@ namespace rbdyn::inline RBDYN_FORM {
 class Function {
 public:
     Function() = default;
+    // a move copies: what was moved from stays what it was
+    Function(const Function&) = default;
+    Function& operator=(const Function&) = default;
 
     /// Records `f(std::vector<Expression> inputs) -> std::vector<Expression>`.
     template <class F>
@@ -81,6 +84,7 @@ public:
     /// The results for given inputs, in numbers of type S; expressions are recorded where the inputs were.
     template <class S>
     std::vector<S> operator()(std::span<const S> x) const {
+        if (!recorder_) refuse_empty();
         std::vector<S> y(static_cast<std::size_t>(recorder_->size()));
         if (!distinguishes_ || into_function(x)) {
             for (std::int32_t n = 0; n < recorder_->size(); ++n) y[at(n)] = applied<S>(n, x, y);
@@ -122,6 +126,7 @@ public:
 private:
     static std::size_t at(std::int32_t n) { return static_cast<std::size_t>(n); }
 
+    [[noreturn, gnu::cold]] static void refuse_empty();
     void prepare();
     /// Whether all operations are the same, in the same order.
     bool is_same(const Function& other) const;

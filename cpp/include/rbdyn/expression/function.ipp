@@ -142,6 +142,10 @@ RBDYN_INLINE bool Function::is_same(const Function& other) const {
     return true;
 }
 
+RBDYN_INLINE void Function::refuse_empty() {
+    throw InvalidInput("Function: it is empty, and is called; record() makes one");
+}
+
 RBDYN_INLINE void Function::prepare() {
     for (std::int32_t n = 0; n < recorder_->size(); ++n) {
         const Operation o = recorder_->node(n).operation;

@@ -19,10 +19,11 @@ concept Takes = requires(F& f, const Inputs&... inputs) {
 };
 
 /// What was meant as a functor that makes an Owner, and cannot be called so: an object that is nothing else of what
-/// could stand there, and no list.
+/// could stand there, and no list; or a function.
 template <class F, class Owner, class... Others>
-concept MeantAsFunctor =
-    std::is_class_v<F> && !std::is_base_of_v<Owner, F> && !(std::convertible_to<F, Others> || ...) && !requires(F & f) {
+concept MeantAsFunctor = (std::is_class_v<F> ||
+                          std::is_function_v<std::remove_pointer_t<F>>)&&!std::is_base_of_v<Owner, F> &&
+                         !(std::convertible_to<F, Others> || ...) && !requires(F & f) {
     f.begin();
 };
 

@@ -20,7 +20,7 @@ RBDYN_INLINE OwnFunction::OwnFunction(Function function, std::string name)
     : function_(std::move(function)), name_(std::move(name)) {}
 
 RBDYN_INLINE OwnFunction::OwnFunction(std::shared_ptr<const Callback> callback)
-    : callback_(std::move(callback)), name_(callback_->name) {}
+    : callback_(callable(std::move(callback), "a function that is called back")), name_(callback_->name) {}
 
 RBDYN_INLINE bool OwnFunction::is_zero() const {
     if (callback_) return false;

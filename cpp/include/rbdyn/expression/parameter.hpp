@@ -16,6 +16,9 @@ namespace rbdyn::inline RBDYN_FORM {
 class Parameter {
 public:
     explicit Parameter(double value, std::string name = {});
+    // a move copies: what was moved from stays what it was
+    Parameter(const Parameter&) = default;
+    Parameter& operator=(const Parameter&) = default;
     double value() const;
     const std::string& name() const { return cell_->name; }
     void set(double value);

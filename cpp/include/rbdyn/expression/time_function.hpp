@@ -24,6 +24,11 @@ public:
         : TimeFunction(Function::record(1, [&](const std::vector<Expression>& x) {
               return std::vector<Expression>{recording::number(f, x[0])};
           })) {}
+    template <class F>
+    requires(!Takes<F, Expression> && MeantAsFunctor<F, TimeFunction, Function, double>) TimeFunction(F) {
+        static_assert(recording::fits<F>,
+                      "a function of time is called as f(t), with a number: take it as const auto&");
+    }
 
     bool is_constant() const { return is_constant_; }
     bool is_zero() const { return is_constant() && constant_ == 0.0; }

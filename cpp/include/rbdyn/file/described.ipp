@@ -102,27 +102,6 @@ RBDYN_INLINE End take(const Place& p, Tag<End>) {
 
 namespace watches {
 
-/// How many numbers a quantity is.
-RBDYN_INLINE int components(Quantity q) {
-    switch (q) {
-        case Quantity::time:
-        case Quantity::parameter:
-        case Quantity::speed:
-        case Quantity::tangential_force:
-        case Quantity::kinetic_energy:
-        case Quantity::angle:
-        case Quantity::displacement:
-        case Quantity::rate:
-        case Quantity::displacement_rate:
-        case Quantity::length: return 1;
-        case Quantity::angles:
-        case Quantity::rates: return 2;
-        case Quantity::quaternion: return 4;
-        case Quantity::rotation_matrix: return 9;
-        default: return 3;
-    }
-}
-
 /// What a function of the motion asks for.
 RBDYN_INLINE Json asked_to(const std::vector<Observable>& asked, Writing& w) {
     Json asks = Json::array();
@@ -132,7 +111,7 @@ RBDYN_INLINE Json asked_to(const std::vector<Observable>& asked, Writing& w) {
             one["coupling"] = o.subject;
         else if (o.quantity != Quantity::time)
             one["body"] = put(o.subject, w);
-        if (components(o.quantity) > 1) one["component"] = o.component;
+        if (components_of(o.quantity) > 1) one["component"] = o.component;
         asks.push_back(std::move(one));
     }
     return asks;
@@ -143,7 +122,7 @@ RBDYN_INLINE std::vector<Observable> asked_from(const Place& asks) {
     for (std::size_t i = 0; i < asks.size(); ++i) {
         const Place one = asks.at(i);
         Observable o{take(one.at("quantity"), Tag<Quantity>())};
-        const int count = components(o.quantity);
+        const int count = components_of(o.quantity);
         std::vector<std::string_view> known = {"quantity"};
         if (is_of_coupling(o.quantity)) {
             known.emplace_back("coupling");

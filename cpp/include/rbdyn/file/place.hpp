@@ -79,11 +79,8 @@ private:
 
 /// A JSON document from its text. Throws InvalidInput with the place of what is none.
 [[gnu::cold]] Json parsed(std::string_view text, const std::string& document);
-/// Its text: what fits on a line stands on one. Every double reads back as itself.
+/// Its text: what fits on a line stands on one. Every double reads back as itself. Throws InvalidInput, with its place,
+/// for a string that is no UTF-8.
 [[gnu::cold]] std::string printed(const Json& json);
-
-/// The text of a file, and what it is to be. Throw InvalidInput where the system refuses.
-[[gnu::cold]] std::string read_file(const std::string& path);
-[[gnu::cold]] void write_file(const std::string& path, std::string_view text);
 
 }  // namespace rbdyn::inline RBDYN_FORM::file

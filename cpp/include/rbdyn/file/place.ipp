@@ -6,15 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
@@ -158,40 +153,35 @@ RBDYN_INLINE void print(const Json& json, std::size_t indent, std::size_t column
 
 }  // namespace printing
 
+namespace printing {
+
+/// Refuses texts that are none, which JSON cannot have, by their place.
+RBDYN_INLINE void require_texts(const Json& json, const std::string& place) {
+    if (json.is_string()) {
+        std::string shown;
+        try {
+            json.dump();
+            return;
+        } catch (const Json::exception&) {
+            // as what of it can be written
+            shown = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+        }
+        throw InvalidInput("save: " + place + " is " + shown + ", which is no UTF-8, and files have no other text; " +
+                           "give another name");
+    }
+    if (json.is_object())
+        for (const auto& [key, value] : json.items()) require_texts(value, place.empty() ? key : place + "." + key);
+    if (json.is_array())
+        for (std::size_t i = 0; i < json.size(); ++i) require_texts(json[i], place + "[" + std::to_string(i) + "]");
+}
+
+}  // namespace printing
+
 RBDYN_INLINE std::string printed(const Json& json) {
+    printing::require_texts(json, "");
     std::string out;
     printing::print(json, 0, 0, out);
     return out + '\n';
-}
-
-RBDYN_INLINE std::string read_file(const std::string& path) {
-    std::error_code problem;
-    const auto kind = std::filesystem::status(path, problem);
-    if (!std::filesystem::exists(kind)) throw InvalidInput("load: there is no file \"" + path + "\"");
-    if (std::filesystem::is_directory(kind)) throw InvalidInput("load: \"" + path + "\" is a folder; give a file");
-    std::ifstream in(path, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    if (!in) throw InvalidInput("load: \"" + path + "\" cannot be read");
-    return text;
-}
-
-RBDYN_INLINE void write_file(const std::string& path, std::string_view text) {
-    // whole or not at all: what was there stays until all of it is written
-    const std::string part = path + ".part";
-    bool good = false;
-    {
-        std::ofstream out(part, std::ios::binary);
-        out.write(text.data(), static_cast<std::streamsize>(text.size()));
-        out.close();
-        good = static_cast<bool>(out);
-    }
-    std::error_code problem;
-    if (good) std::filesystem::rename(part, path, problem);
-    if (good && !problem) return;
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw InvalidInput("save: \"" + path + "\" cannot be written" +
-                       (problem ? ": " + problem.message() : std::string()));
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::file

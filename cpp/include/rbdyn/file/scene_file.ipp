@@ -17,6 +17,7 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/file/described.hpp"
+#include "rbdyn/file/disk.hpp"
 #include "rbdyn/file/place.hpp"
 #include "rbdyn/file/start.hpp"
 #include "rbdyn/file/values.hpp"

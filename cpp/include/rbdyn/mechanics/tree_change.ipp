@@ -112,9 +112,10 @@ struct Put {
 }  // namespace tree_changes
 
 RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const {
-    const std::vector<StateChange> changes = watch.options.action.change(observing(mode, t, x));
-    if (changes.empty()) return false;
     const std::string user = "watch " + watch.name;
+    const std::vector<StateChange> changes =
+        watch.options.action.change(scene_.checked(observing(mode, t, x), user + ", its action"));
+    if (changes.empty()) return false;
     const std::vector<DoubleDouble> now(x.begin(), x.end());
     const auto all = mechanics::closing::moving<DoubleDouble>(*tree_, t, now);
     std::vector<Scene::Body> starts = scene_.bodies();

@@ -323,6 +323,8 @@ private:
         std::vector<int> along, held;
     };
     Kept kept_closed(const Mode& mode, double t, std::span<const double> was, std::span<const double> x) const;
+    /// The value of a watched function, which may be called back.
+    double called(const Scene::Watch& watch, const Mode& mode, double t, std::span<const double> x) const;
     /// Changes the state as the action of a watched function says. Returns whether it does. Throws InvalidInput for
     /// words that are not a joint's own, for driven joints, and for what leaves constraints open or contacts inside
     /// each other.

@@ -259,7 +259,12 @@ RBDYN_INLINE double TreeModel::watched(const Mode& mode, int watch, double t, st
             values(t, x);
             return values.output(guard.output);
         }
-    return scene_.watches()[at(watch)].function(observing(mode, t, x));
+    return called(scene_.watches()[at(watch)], mode, t, x);
+}
+
+RBDYN_INLINE double TreeModel::called(const Scene::Watch& watch, const Mode& mode, double t,
+                                      std::span<const double> x) const {
+    return watch.function(scene_.checked(observing(mode, t, x), "watch " + watch.name));
 }
 
 RBDYN_INLINE Observe TreeModel::observing(const Mode& mode, double t, std::span<const double> x) const {
@@ -502,7 +507,7 @@ RBDYN_INLINE bool TreeModel::holds_what_touches(int subject) const {
 
 RBDYN_INLINE double TreeModel::guard_value(const Guard& guard, const Mode& mode, double t,
                                            std::span<const double> x) const {
-    return scene_.watches()[at(guard.watch)].function(observing(mode, t, x));
+    return called(scene_.watches()[at(guard.watch)], mode, t, x);
 }
 
 RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, const RecordedFor& state) const {

@@ -33,8 +33,8 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/sliding.hpp"
+#include "rbdyn/model/variables_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -48,7 +48,7 @@ concept OwnModel = requires(const M& m, const Expression& t, std::span<const Exp
 
 /// A functor as a hybrid model.
 template <OwnModel M>
-class FunctorModel : public RecordedModel {
+class FunctorModel : public VariablesModel {
 public:
     explicit FunctorModel(M model) : model_(std::move(model)) {}
 

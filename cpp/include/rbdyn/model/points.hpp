@@ -197,6 +197,8 @@ private:
     /// if not: such a run would end where it starts.
     void leave_end(Mode& mode, int i, double t, std::span<double> x) const;
 
+    /// The value of a watched function, which may be called back.
+    double called(const Scene::Watch& watch, const Mode& mode, double t, std::span<const double> x) const;
     /// What the user's own action makes of the state, of which nothing is left out.
     void change(Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const;
 
@@ -210,6 +212,7 @@ private:
 
     std::shared_ptr<const PointLaws> laws_;
     std::vector<Scene::Watch> watches_;
+    std::shared_ptr<const Scene> asked_;  // where something is called back: what it asks for has to be there
     std::string why_all_;
 };
 

@@ -60,6 +60,9 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE PointsModel::PointsModel(const Scene& scene, const Placement& view, bool leaves_out,
                                       const GivenNumbers& numbers)
     : SceneModel(numbers), watches_(scene.watches()) {
+    if (std::any_of(watches_.begin(), watches_.end(),
+                    [](const Scene::Watch& w) { return !w.function.is_recorded() || w.options.action.change; }))
+        asked_ = std::make_shared<const Scene>(scene);
     const auto laws = std::make_shared<PointLaws>(scene, view);
     laws_ = laws;
     if (!leaves_out) return;
@@ -83,7 +86,10 @@ RBDYN_INLINE Staying PointsModel::left_out(const PointLaws& laws) const {
 
 RBDYN_INLINE PointsModel::PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers,
                                       std::shared_ptr<PointLaws> elsewhere)
-    : SceneModel(planned, numbers, elsewhere != nullptr), watches_(scene.watches()), why_all_(planned.why_all_) {
+    : SceneModel(planned, numbers, elsewhere != nullptr),
+      watches_(scene.watches()),
+      asked_(planned.asked_),
+      why_all_(planned.why_all_) {
     if (elsewhere != nullptr) {
         laws_ = std::move(elsewhere);
         return;
@@ -203,7 +209,13 @@ RBDYN_INLINE double PointsModel::watched(const Mode& mode, int watch, double t, 
             values(t, x);
             return values.output(guard.output);
         }
-    return watches_[at(watch)].function(observing(mode, t, x));
+    return called(watches_[at(watch)], mode, t, x);
+}
+
+RBDYN_INLINE double PointsModel::called(const Scene::Watch& watch, const Mode& mode, double t,
+                                        std::span<const double> x) const {
+    Observe observe = observing(mode, t, x);
+    return watch.function(asked_ ? asked_->checked(std::move(observe), "watch " + watch.name) : std::move(observe));
 }
 
 RBDYN_INLINE Turning PointsModel::turning(int body, double, std::span<const double> x) const {
@@ -473,7 +485,7 @@ RBDYN_INLINE void PointsModel::observe(const Mode& mode, double t, std::span<con
 
 RBDYN_INLINE double PointsModel::guard_value(const Guard& guard, const Mode& mode, double t,
                                              std::span<const double> x) const {
-    return watches_[at(guard.watch)].function(observing(mode, t, x));
+    return called(watches_[at(guard.watch)], mode, t, x);
 }
 
 RBDYN_INLINE std::string PointsModel::grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode,
@@ -743,9 +755,10 @@ RBDYN_INLINE void PointsModel::leave_end(Mode& mode, int i, double t, std::span<
 }
 
 RBDYN_INLINE void PointsModel::change(Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const {
-    for (const StateChange& c : watch.options.action.change(observing(mode, t, x))) {
+    const std::string user = "watch " + watch.name;
+    for (const StateChange& c :
+         watch.options.action.change(asked_->checked(observing(mode, t, x), user + ", its action"))) {
         const int i = c.body.index;
-        const std::string user = "watch " + watch.name;
         require(i >= 0 && i < bodies(), user, "body", i, "its action changes bodies of this scene");
         const PointLaws::Body& b = laws_->body(i);
         if (b.rigid) {

@@ -76,6 +76,8 @@ protected:
     JointLoad frozen_load() const;
 
 private:
+    static void require_shape(int given, int results);
+
     Given constant_ = 0.0;
     Function function_;
     std::shared_ptr<const Callback> callback_;

@@ -14,14 +14,19 @@ namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE JointLoad::JointLoad(Function function, std::string name)
     : function_(std::move(function)), name_(std::move(name)) {
-    if (function_.inputs() != inputs || function_.outputs() != 1)
-        throw InvalidInput("JointTorque, JointForce: the function has " + std::to_string(function_.inputs()) +
-                           " arguments and " + std::to_string(function_.outputs()) +
-                           " results; it is f(t, q, rate) with one");
+    require_shape(function_.inputs(), function_.outputs());
+}
+
+RBDYN_INLINE void JointLoad::require_shape(int given, int results) {
+    if (given != inputs || results != 1)
+        throw InvalidInput("JointTorque, JointForce: the function has " + std::to_string(given) + " arguments and " +
+                           std::to_string(results) + " results; it is f(t, q, rate) with one");
 }
 
 RBDYN_INLINE JointLoad::JointLoad(std::shared_ptr<const Callback> callback)
-    : callback_(std::move(callback)), name_(callback_->name) {}
+    : callback_(callable(std::move(callback), "JointTorque, JointForce")), name_(callback_->name) {
+    require_shape(callback_->inputs, callback_->outputs);
+}
 
 RBDYN_INLINE void JointLoad::give(GivenNumbers& numbers) const {
     constant_.give(numbers);

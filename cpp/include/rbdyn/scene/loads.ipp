@@ -35,7 +35,7 @@ RBDYN_INLINE Force::Force(Function function, std::string name, Frame frame)
 }
 
 RBDYN_INLINE Force::Force(std::shared_ptr<const Callback> callback, Frame frame)
-    : is_constant_(false), callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
+    : is_constant_(false), callback_(callable(std::move(callback), "Force")), name_(callback_->name), frame_(frame) {
     require_shape(callback_->inputs, callback_->outputs);
 }
 

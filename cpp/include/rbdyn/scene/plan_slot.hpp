@@ -23,6 +23,11 @@ public:
         bool is_of_another_start;
     };
 
+    PlanSlot() = default;
+    // a move copies: what was moved from can be given bodies anew
+    PlanSlot(const PlanSlot&) = default;
+    PlanSlot& operator=(const PlanSlot&) = default;
+
     /// The last that was made for this start, if any.
     std::shared_ptr<const KeptPlan> get() const;
     /// All but that one, the last first.

@@ -171,6 +171,8 @@ public:
 
     /// Throws InvalidInput unless the scene has what is asked for.
     void require_observable(const Observable& o, const std::string& user) const;
+    /// The same each time something is asked for. The scene outlives it.
+    Observe checked(Observe observe, const std::string& user) const;
 
 private:
     friend struct SceneParts;
@@ -189,6 +191,7 @@ private:
     static void require_turnable(const RigidBody& body, const Vector3& point, const std::string& name);
     static void require_fitting(const Load& load, const Body& body, const std::optional<Vector3>& at);
     void require_observables(const WatchFunction& function, const std::string& user) const;
+    void require_action(const WatchAction& action, const std::string& user) const;
     void require_body(BodyHandle body, const std::string& verb) const;
     template <class Things>
     static bool has(const Things& things, const std::string& name) {

@@ -326,6 +326,7 @@ RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, 
     if (name.empty()) throw InvalidInput("watch: name is empty; events are found by the name of their watch");
     require_new_name(name, "watch");
     require_observables(function, "watch " + name);
+    require_action(options.action, "watch " + name);
     watches_.push_back({std::move(name), std::move(function), std::move(options)});
     plan_.forget();
     return {static_cast<int>(watches_.size()) - 1};
@@ -334,7 +335,9 @@ RBDYN_INLINE WatchHandle Scene::watch(std::string name, WatchFunction function, 
 RBDYN_INLINE void Scene::act(WatchHandle watch, WatchAction action) {
     require(watch.index >= 0 && watch.index < static_cast<int>(watches_.size()), "Scene.act", "watch", watch.index,
             "it is one of this scene's");
-    watches_[static_cast<std::size_t>(watch.index)].options.action = std::move(action);
+    Watch& watched = watches_[static_cast<std::size_t>(watch.index)];
+    require_action(action, "watch " + watched.name);
+    watched.options.action = std::move(action);
     plan_.forget();
 }
 
@@ -380,10 +383,19 @@ RBDYN_INLINE Scene Scene::frozen() const {
 
 RBDYN_INLINE void Scene::require_observable(const Observable& o, const std::string& user) const {
     if (o.quantity == Quantity::time) return;
+    const auto quantity = static_cast<int>(o.quantity), last = static_cast<int>(Quantity::coupling_force);
+    require(quantity > 0 && quantity <= last, user, "quantity", quantity, "it is one of those that have a name");
     const bool of_coupling = is_of_coupling(o.quantity);
     const auto count = static_cast<int>(of_coupling ? connections_.size() : bodies_.size());
     require(o.subject >= 0 && o.subject < count, user, "handle", o.subject,
             "it asks for what this scene has, by handles that add() or connect() returned");
+    if (const int count_of = components_of(o.quantity); o.component < 0 || o.component >= count_of)
+        refuse(user, "component", o.component,
+               "what it asks for of " +
+                   (of_coupling ? "coupling " + std::to_string(o.subject + 1)
+                                : bodies_[static_cast<std::size_t>(o.subject)].name) +
+                   (count_of == 1 ? " is one number, component 0"
+                                  : " has components 0 to " + std::to_string(count_of - 1)));
     if (of_coupling) return;
     const Body& b = bodies_[static_cast<std::size_t>(o.subject)];
     const auto refuse = [&](const std::string& why) { throw InvalidInput(user + ": " + b.name + why); };
@@ -503,7 +515,21 @@ RBDYN_INLINE void Scene::require_fitting(const Load& load, const Body& body, con
                            std::string(at ? "at no point" : "which " + body.name + " is not on"));
 }
 
+RBDYN_INLINE Observe Scene::checked(Observe observe, const std::string& user) const {
+    return [this, observe = std::move(observe), user](const Observable& o) {
+        require_observable(o, user);
+        return observe(o);
+    };
+}
+
+RBDYN_INLINE void Scene::require_action(const WatchAction& action, const std::string& user) const {
+    action.require_change(user);
+    if (const RecordedAction* change = recorded(action))
+        for (const Observable& o : change->asked()) require_observable(o, user + ", its action");
+}
+
 RBDYN_INLINE void Scene::require_observables(const WatchFunction& function, const std::string& user) const {
+    if (!function) throw InvalidInput(user + ": its function is empty; give one");
     for (const Observable& o : function.arguments()) require_observable(o, user);
 }
 

@@ -37,7 +37,7 @@ RBDYN_INLINE Torque::Torque(Function function, std::string name, Frame frame)
 }
 
 RBDYN_INLINE Torque::Torque(std::shared_ptr<const Callback> callback, Frame frame)
-    : is_constant_(false), callback_(std::move(callback)), name_(callback_->name), frame_(frame) {
+    : is_constant_(false), callback_(callable(std::move(callback), "Torque")), name_(callback_->name), frame_(frame) {
     require_shape(callback_->inputs, callback_->outputs);
 }
 

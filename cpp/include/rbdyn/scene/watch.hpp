@@ -67,6 +67,9 @@ enum class Quantity {
 
 inline bool is_of_coupling(Quantity q) { return q == Quantity::length || q == Quantity::coupling_force; }
 
+/// How many numbers a quantity is.
+int components_of(Quantity q);
+
 /// One number of a motion: a quantity of a body or coupling, and its component if it is a vector.
 struct Observable {
     Quantity quantity = Quantity::time;
@@ -155,11 +158,17 @@ public:
             return std::pair(std::vector<Expression>{y}, static_cast<int>(arguments_.size()));
         });
     }
+    template <class F>
+    requires(!Takes<F, Now> && MeantAsFunctor<F, WatchFunction>) WatchFunction(F) {
+        static_assert(recording::fits<F>, "a watched function is called as f(now): take it as const rbdyn::Now&");
+    }
     WatchFunction(Function function, std::vector<Observable> arguments);
     /// Called back with numbers. `reason`: why it is not recorded.
     static WatchFunction called_back(std::function<double(const Observe&)> callback, std::string reason,
                                      bool is_python = false);
 
+    /// Whether there is one.
+    explicit operator bool() const { return function_ || callback_; }
     bool is_recorded() const { return static_cast<bool>(function_); }
     const Function& function() const { return function_; }
     const std::vector<Observable>& arguments() const { return arguments_; }
@@ -207,6 +216,9 @@ struct StateChange {
 struct WatchAction {
     enum class Kind { record, stop, change } kind = Kind::record;
     std::function<std::vector<StateChange>(const Observe&)> change = {};
+
+    /// Throws InvalidInput if it changes states and has no function that does. `user`: the watch.
+    void require_change(const std::string& user) const;
 };
 
 /// Options of a watched function.

@@ -26,6 +26,26 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+RBDYN_INLINE int components_of(Quantity q) {
+    switch (q) {
+        case Quantity::time:
+        case Quantity::parameter:
+        case Quantity::speed:
+        case Quantity::tangential_force:
+        case Quantity::kinetic_energy:
+        case Quantity::angle:
+        case Quantity::displacement:
+        case Quantity::rate:
+        case Quantity::displacement_rate:
+        case Quantity::length: return 1;
+        case Quantity::angles:
+        case Quantity::rates: return 2;
+        case Quantity::quaternion: return 4;
+        case Quantity::rotation_matrix: return 9;
+        default: return 3;
+    }
+}
+
 RBDYN_INLINE Expression Now::value(const Observable& what) const {
     auto found = std::find(asked_.begin(), asked_.end(), what);
     const auto index = static_cast<int>(found - asked_.begin());
@@ -78,10 +98,16 @@ RBDYN_INLINE Vector3Of<Expression> Now::Body::angular_velocity_world() const {
 }
 
 RBDYN_INLINE WatchFunction::WatchFunction(Function function, std::vector<Observable> arguments)
-    : function_(std::move(function)), arguments_(std::move(arguments)) {}
+    : function_(std::move(function)), arguments_(std::move(arguments)) {
+    require(function_.outputs() == 1, "WatchFunction", "count of results", function_.outputs(),
+            "its function gives one");
+    require(function_.inputs() == static_cast<int>(arguments_.size()), "WatchFunction", "count of inputs",
+            function_.inputs(), "its function takes one for each of what it asks for");
+}
 
 RBDYN_INLINE WatchFunction WatchFunction::called_back(std::function<double(const Observe&)> callback,
                                                       std::string reason, bool is_python) {
+    if (!callback) throw InvalidInput("WatchFunction: what is called back is empty; give a function");
     WatchFunction result;
     result.callback_ = std::move(callback);
     auto counter = std::make_shared<Callback>();
@@ -144,6 +170,11 @@ RBDYN_INLINE void StateChange::require_words(const std::vector<std::string>& own
         throw InvalidInput(user + ": its action changes " + word + " of " + name + ", whose joint has none" +
                            (own.empty() ? ", nor anything else to change" : "; give " + list));
     }
+}
+
+RBDYN_INLINE void WatchAction::require_change(const std::string& user) const {
+    if (kind == Kind::change && !change)
+        throw InvalidInput(user + ": its action changes states and has no function; give one as its change");
 }
 
 RBDYN_INLINE bool WatchFunction::operator==(const WatchFunction& other) const {

@@ -1,6 +1,6 @@
 // First-order equations of one's own, x' = f(t, x), with what is watched for: data, simulated like a scene.
 //
-//     System pendulum([](const auto& t, auto x, auto rate) { rate[0] = x[1]; rate[1] = -9.81 * sin(x[0]); }, {1.0,
+//     System pendulum([](const auto&, auto x, auto rate) { rate[0] = x[1]; rate[1] = -9.81 * sin(x[0]); }, {1.0,
 //     0.0});
 //
 // The equations are recorded once, with their case distinctions, or called back where they cannot be; units are the
@@ -48,6 +48,10 @@ public:
         OwnFunction function;  // of (t, x)
         StateWatchOptions options;
     };
+
+    // a move copies: what was moved from stays what it was
+    System(const System&) = default;
+    System& operator=(const System&) = default;
 
     /// f: 1 + n inputs, the time and the variables, and n results, their rates. names: of the variables, or none.
     /// Throws InvalidInput for sizes that do not fit, for a start that is not finite, for names that are not unique.

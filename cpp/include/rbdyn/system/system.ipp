@@ -78,6 +78,8 @@ RBDYN_INLINE void System::watch(std::string name, OwnFunction function, StateWat
     require(function.inputs() == 1 + variables(), user, "count of inputs of its function", function.inputs(),
             "it takes the time and " + std::to_string(variables()) + " variables");
     require(function.outputs() == 1, user, "count of results of its function", function.outputs(), "it gives one");
+    if (options.action.kind == WatchAction::Kind::change && !options.action.change)
+        throw InvalidInput(user + ": its action changes the state and has no function; give one as its change");
     watches_.push_back({std::move(name), std::move(function), std::move(options)});
 }
 

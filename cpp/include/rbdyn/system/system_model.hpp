@@ -12,7 +12,7 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/recorded_model.hpp"
+#include "rbdyn/model/variables_model.hpp"
 #include "rbdyn/system/system.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -20,7 +20,7 @@ namespace rbdyn::inline RBDYN_FORM {
 /// What a function of a System gives at a moment.
 std::vector<double> value_of(const OwnFunction& f, double t, std::span<const double> x);
 
-class SystemModel : public RecordedModel {
+class SystemModel : public VariablesModel {
 public:
     /// Of a system that is frozen.
     explicit SystemModel(System system);
@@ -33,14 +33,7 @@ public:
               std::vector<Happening>& happenings) const override;
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
-    std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
-    std::string rate_name(int variable) const override;
-    /// The rate that changes fastest with a variable there, where that is without bounds or has grown beyond measure.
-    std::string grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode, double t,
-                      std::span<const double> x) const override;
-
-    /// x' in a mode.
-    std::vector<double> rate(const Mode& mode, double t, std::span<const double> x) const;
+    std::vector<double> rate(const Mode& mode, double t, std::span<const double> x) const override;
 
 private:
     // none of the variables is followed to digits of its own far below the largest of them: what only reaches it
@@ -50,14 +43,7 @@ private:
     std::vector<signed char> kind_of(const Mode&) const override { return {}; }
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
 
-    /// A variable with its value, "x[0] = 0.5".
-    std::string valued(int variable, double value) const;
-    /// The largest derivative of a rate by a variable at a state: of which, by which; an infinite one is.
-    struct Steepest {
-        int rate = -1, variable = -1;
-        double slope = 0.0;
-    };
-    Steepest steepest(const Mode& mode, double t, std::span<const double> x) const;
+    std::string variable_name(int variable) const override;
 
     void change(const System::Watch& watch, double t, std::span<double> x) const;
 

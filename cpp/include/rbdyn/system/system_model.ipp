@@ -3,7 +3,6 @@
 
 #include "rbdyn/system/system_model.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -13,9 +12,7 @@
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
-#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/expression.hpp"
-#include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/recording.hpp"
 #include "rbdyn/model/sliding.hpp"
@@ -30,7 +27,7 @@ RBDYN_INLINE std::vector<double> value_of(const OwnFunction& f, double t, std::s
     return f(std::span<const double>(moment));
 }
 
-RBDYN_INLINE SystemModel::SystemModel(System system) : RecordedModel(system.numbers()), system_(std::move(system)) {}
+RBDYN_INLINE SystemModel::SystemModel(System system) : VariablesModel(system.numbers()), system_(std::move(system)) {}
 
 RBDYN_INLINE Mode SystemModel::begin(double t, std::span<double> x) const {
     Mode mode;
@@ -85,75 +82,11 @@ RBDYN_INLINE double SystemModel::guard_value(const Guard& guard, const Mode& /*m
     return value_of(system_.watches()[static_cast<std::size_t>(guard.watch)].function, t, x)[0];
 }
 
-RBDYN_INLINE std::string SystemModel::not_finite(const Mode& mode, double t, std::span<const double> x) const {
-    for (int i = 0; i < variables(); ++i)
-        if (const double value = x[static_cast<std::size_t>(i)]; !std::isfinite(value))
-            return system_.name(i) + " itself, which is " + text(value);
-    const std::vector<double> rates = rate(mode, t, x);
-    for (int i = 0; i < variables(); ++i)
-        if (const double value = rates[static_cast<std::size_t>(i)]; !std::isfinite(value))
-            return rate_name(i) + ", which is " + text(value) + " at t = " + text(t) + ", " +
-                   valued(i, x[static_cast<std::size_t>(i)]);
-    const Steepest s = steepest(mode, t, x);
-    if (s.rate < 0 || std::isfinite(s.slope)) return {};
-    return rate_name(s.rate) + ", whose slope by " + system_.name(s.variable) + " is " + text(s.slope) +
-           " at t = " + text(t) + ", " + valued(s.variable, x[static_cast<std::size_t>(s.variable)]);
-}
-
-RBDYN_INLINE std::string SystemModel::rate_name(int variable) const { return "the rate of " + system_.name(variable); }
-
-RBDYN_INLINE std::string SystemModel::valued(int variable, double value) const {
-    return system_.name(variable) + " = " + text(value);
-}
-
-RBDYN_INLINE SystemModel::Steepest SystemModel::steepest(const Mode& mode, double t, std::span<const double> x) const {
-    Steepest result;
-    // nobody knows the derivatives of what is called back
-    if (mode.equations == nullptr || mode.equations->program.has_calls()) return result;
-    GradientEvaluator f(mode.equations->program);
-    f.set_parameters(mode.parameters);
-    f(t, x);
-    for (int i = 0; i < variables(); ++i)
-        for (const auto& [variable, slope] : f.gradient(i))
-            if (variable < variables() && !(std::abs(slope) <= std::abs(result.slope))) {
-                result = {i, variable, slope};
-                if (std::isnan(slope)) return result;
-            }
-    return result;
-}
-
-RBDYN_INLINE std::string SystemModel::grown(const Mode& before, double t0, std::span<const double> x0, const Mode& mode,
-                                            double t, std::span<const double> x) const {
-    // no motion that goes on comes to this
-    constexpr double beyond = 1e5;
-    const Steepest was = steepest(before, t0, x0), is = steepest(mode, t, x);
-    if (is.rate >= 0 && std::abs(is.slope) > beyond * std::abs(was.slope))
-        return rate_name(is.rate) + ", whose slope by " + system_.name(is.variable) + " has grown to " +
-               text(is.slope) + " at " + valued(is.variable, x[static_cast<std::size_t>(is.variable)]);
-    const std::vector<double> first = rate(before, t0, x0), last = rate(mode, t, x);
-    for (int i = 0; i < variables(); ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        if (std::abs(last[k]) > beyond * std::abs(first[k]) && first[k] != 0.0)
-            return rate_name(i) + ", which has grown from " + text(first[k]) + " to " + text(last[k]) + " at " +
-                   valued(i, x[k]);
-    }
-    // steps came to nothing here, which has a reason in what moves fastest
-    const auto fastest =
-        std::max_element(last.begin(), last.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-    const int i = static_cast<int>(fastest - last.begin());
-    return "steps come to nothing there: " + rate_name(i) + " is " + text(*fastest) + " at " +
-           valued(i, x[static_cast<std::size_t>(i)]);
-}
-
 RBDYN_INLINE std::vector<double> SystemModel::rate(const Mode& mode, double t, std::span<const double> x) const {
-    if (mode.equations == nullptr) return value_of(system_.function(), t, x);
-    Evaluator<double> values(mode.equations->program);
-    values.set_parameters(mode.parameters);
-    values(t, x);
-    std::vector<double> result;
-    for (int i = 0; i < variables(); ++i) result.push_back(values.output(i));
-    return result;
+    return mode.equations == nullptr ? value_of(system_.function(), t, x) : VariablesModel::rate(mode, t, x);
 }
+
+RBDYN_INLINE std::string SystemModel::variable_name(int variable) const { return system_.name(variable); }
 
 RBDYN_INLINE std::unique_ptr<Structure> SystemModel::record(const Mode&, const RecordedFor& state) const {
     const recording::WideFolding all_digits;

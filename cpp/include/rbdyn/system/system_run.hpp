@@ -29,6 +29,9 @@ class SystemRun : public AnyRun {
 public:
     SystemRun(std::shared_ptr<const SystemModel> model, simulating::Solution solution, std::string engine,
               Statistics statistics);
+    // a move copies: what was moved from stays what it was
+    SystemRun(const SystemRun&) = default;
+    SystemRun& operator=(const SystemRun&) = default;
 
     const System& system() const;
     const Events& events() const { return *events_; }

@@ -32,8 +32,11 @@ RBDYN_INLINE SystemRun::SystemRun(std::shared_ptr<const SystemModel> model, simu
              std::move(engine), solution.error),
       model_(std::move(model)),
       solution_(std::make_shared<const simulating::Solution>(std::move(solution))),
-      events_(std::make_shared<const Events>(solution_->record.events)),
-      statistics_(std::move(statistics)) {}
+      statistics_(std::move(statistics)) {
+    std::vector<std::string> names;
+    for (const System::Watch& w : system().watches()) names.push_back(w.name);
+    events_ = std::make_shared<const Events>(Events(solution_->record.events).among(std::move(names)));
+}
 
 RBDYN_INLINE const System& SystemRun::system() const { return model_->system(); }
 
@@ -68,10 +71,7 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const SystemRun& run) {
     if (run.status() == Status::stopped_by_event && !run.events().empty()) out << ", " << run.events().back().name;
     out << ". " << advice(run.status()) << "\n  engine " << run.engine() << ", " << run.statistics().steps << " steps, "
         << run.events().size() << " events, ";
-    if (!run.error()) return out << "no estimate of the global error (rtol)\n";
-    std::ostringstream error;
-    error << std::setprecision(2) << *run.error();
-    return out << "estimated global error " << error.str() << '\n';
+    return out << error_in_words(run) << '\n';
 }
 
 RBDYN_INLINE SystemError::SystemError(const std::string& message, SystemRun partial)

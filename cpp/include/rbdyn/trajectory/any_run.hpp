@@ -38,4 +38,7 @@ private:
     std::optional<double> error_;
 };
 
+/// What a run says of its error.
+std::string error_in_words(const AnyRun& run);
+
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -36,6 +36,9 @@ struct RunData;  // trajectory/run_data.hpp
 class Trajectory : public AnyRun {
 public:
     explicit Trajectory(RunData data);
+    // a move copies: what was moved from stays what it was
+    Trajectory(const Trajectory&) = default;
+    Trajectory& operator=(const Trajectory&) = default;
 
     const Statistics& statistics() const;
     const Events& events() const&;
@@ -128,6 +131,7 @@ private:
     double now(double t, Side side, F&& f) const;
     /// What can be observed of a run in parts at a time.
     Observe observing_parts(double t, Side side) const;
+    double observed(const WatchFunction& function, const Observe& observe, const std::string& user) const;
     /// U of a load on a body; none of one that has none by itself, damping included.
     static std::optional<double> potential_of(const Scene::AppliedLoad& load, const BodyReport& body);
     double potential_of(const CouplingReport& coupling, int index) const;

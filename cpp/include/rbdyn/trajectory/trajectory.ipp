@@ -75,9 +75,26 @@ double Trajectory::work_between(double t0, double t1, F&& forwards) const {
     return t1 > t0 ? forwards(t0, t1) : t1 < t0 ? -forwards(t1, t0) : 0.0;
 }
 
+namespace events {
+
+/// A run whose events know the names in its scene.
+RBDYN_INLINE RunData named(RunData data) {
+    std::vector<std::string> names;
+    const auto add = [&](const auto& things) {
+        for (const auto& thing : things) names.push_back(thing.name);
+    };
+    add(data.scene.bodies());
+    add(data.scene.watches());
+    add(data.scene.contacts());
+    data.events = std::move(data.events).among(std::move(names));
+    return data;
+}
+
+}  // namespace events
+
 RBDYN_INLINE Trajectory::Trajectory(RunData data)
     : AnyRun(data.record.status, data.record.start, data.record.end.hi, data.certain_until, data.engine, data.error),
-      data_(std::make_shared<const RunData>(std::move(data))) {
+      data_(std::make_shared<const RunData>(events::named(std::move(data)))) {
     std::vector<BodyWork> works;
     std::vector<bool> has_work(data_->scene.bodies().size());
     for (const Scene::AppliedLoad& load : data_->scene.loads())
@@ -281,7 +298,8 @@ RBDYN_INLINE double Trajectory::watched(WatchHandle watch, double t, Side side) 
             const Moment m(part, t, side);
             return part.model->watched(m.mode, static_cast<int>(i), t, m.x);
         }
-    return now(t, side, [&](const Observe& observe) { return given.function(observe); });
+    return now(t, side,
+               [&](const Observe& observe) { return observed(given.function, observe, "watch " + given.name); });
 }
 
 RBDYN_INLINE const Scene::AppliedLoad& Trajectory::applied(LoadHandle load) const {
@@ -401,6 +419,12 @@ RBDYN_INLINE double Trajectory::work(double t0, double t1, CouplingHandle coupli
     });
 }
 
+RBDYN_INLINE double Trajectory::observed(const WatchFunction& function, const Observe& observe,
+                                         const std::string& user) const {
+    // what is recorded was looked at when it was given
+    return function(function.is_recorded() ? observe : data_->scene.checked(observe, user));
+}
+
 RBDYN_INLINE Observe Trajectory::observing_parts(double t, Side side) const {
     struct Present {
         Moment moment;
@@ -467,7 +491,9 @@ RBDYN_INLINE std::pair<double, double> Trajectory::integral_of(const std::string
         return alone(planning::kovalevskaya(law, data_->scene.gravity().norm(), s.omega, s.to_frame(p.up)));
     }
     for (const auto& i : data_->scene.integrals())
-        if (i.name == name) return alone(now(t, side, [&](const Observe& observe) { return i.function(observe); }));
+        if (i.name == name)
+            return alone(now(
+                t, side, [&](const Observe& observe) { return observed(i.function, observe, "integral " + i.name); }));
     throw InvalidInput("Trajectory: no first integral is named \"" + name + "\" in this scene");
 }
 
@@ -505,13 +531,7 @@ RBDYN_INLINE std::ostream& operator<<(std::ostream& out, const Trajectory& run) 
     out << "Run: " << name_of(run.status()) << " at t = " << text(run.end()) << " s. " << advice(run.status()) << '\n';
     const auto& s = run.statistics();
     out << "  engine " << run.engine() << ", " << s.steps << " steps, " << run.events().size() << " events, ";
-    if (run.error()) {
-        std::ostringstream error;
-        error << std::setprecision(2) << *run.error();
-        out << "estimated global error " << error.str();
-    } else {
-        out << "no estimate of the global error (rtol)";
-    }
+    out << error_in_words(run);
     std::ostringstream seconds;
     seconds << std::setprecision(3) << s.seconds * 1e3;
     return out << ", " << seconds.str() << " ms\n";
