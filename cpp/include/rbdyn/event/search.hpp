@@ -70,14 +70,15 @@ public:
 
     /// The run ends where a mode begins: watched functions that reached zero there have passed it if they go on to the
     /// other side, or stay. Returns whether one of them stops the run.
-    bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x);
+    bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x, bool fresh);
 
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
     /// The side a watched function that was at zero where a mode begins goes to in it; 0: it stays, or no one can tell.
-    static int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x);
+    /// `few`: to how much of themselves the numbers it is made of are known.
+    static int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x, double few);
 
     struct Found {
         double place, doubt, near;  // on [0, 1] of the piece
