@@ -148,8 +148,8 @@ private:
     /// Looks for where it passes zero from lo to hi of a stretch, by its series from lo on, or by its values.
     CloserLook::Told find_by_series(const Stretch& s, double lo, double hi, int side, Passages& passages);
     CloserLook::Told find_by_values(const Stretch& s, double lo, double hi, int side, Passages& passages);
-    /// Whether what is on a side up to the end of the run, and zero there but for rounding, goes on to the other one.
-    bool passes_at_end(const Stretch& s, const Passages::Arrival& arrival, int side);
+    /// The side beyond the end of the run of what is zero there but for rounding; 0: it is not, or cannot be told.
+    int side_beyond(const Stretch& s, const Passages::Arrival& arrival);
 
     /// Places from the first on, known no better than rounding of the guard's polynomial lets them, as well as its
     /// values tell.
