@@ -92,6 +92,8 @@ public:
     const SimulateOptions& options() const { return base_; }
     /// Where runs are compared.
     const Keep& compared() const { return compared_; }
+    /// Has a look at the motion, so that its short and quick phases are compared, too.
+    void look(double allowed);
     /// The end of the motion is an event of one of the parts.
     void end_at(double until);
 

@@ -41,6 +41,11 @@ RBDYN_INLINE Runner::Runner(const std::vector<Part>& parts, const SimulateOption
 
 RBDYN_INLINE void Runner::end_at(double until) {
     base_.until = until;
+    if (!compared_.times.empty()) {
+        std::erase_if(compared_.times, [=](double t) { return t >= until; });
+        compared_.times.push_back(until);
+        return;
+    }
     // enough to meet every phase of the motion; fewer where there is much to compare at each
     std::size_t variables = 1;
     for (const Part& part : parts_) variables = std::max(variables, part.start.size());
@@ -51,6 +56,22 @@ RBDYN_INLINE void Runner::end_at(double until) {
     std::vector<double> times;
     for (std::size_t i = 1; i <= enough; ++i) times.push_back(compared_.times[i * compared_.times.size() / enough - 1]);
     compared_.times = std::move(times);
+}
+
+RBDYN_INLINE void Runner::look(double allowed) {
+    constexpr double rough = 1e-6;
+    std::vector<std::string> engines;
+    for (const Part& part : parts_)
+        engines.push_back(part.closed ? "closed form" : part.engine_for(part.calls_back ? "dop853" : "taylor"));
+    const Measured seen = run(engines, rough, allowed, Keep::What::all, true);
+    for (std::size_t i = 0; i < seen.records.size(); ++i) {
+        if (parts_[i].closed) continue;
+        const std::vector<double> times = AccuracyCheck::places(seen.records[i]);
+        compared_.times.insert(compared_.times.end(), times.begin(), times.end());
+    }
+    std::ranges::sort(compared_.times);
+    const auto rest = std::ranges::unique(compared_.times);
+    compared_.times.erase(rest.begin(), rest.end());
 }
 
 template <class Integrated>
@@ -147,6 +168,7 @@ RBDYN_INLINE Reference::Reference(Runner& runner, const Whole& whole, Purse& pur
         has_series = has_series && (is_closed_.back() || !part.calls_back);
     }
     if (!is_wanted) return;
+    runner_.look(0.05 * purse.budget());
     const bool all_closed = std::find(is_closed_.begin(), is_closed_.end(), false) == is_closed_.end();
     const double allowed = 0.35 * purse.budget();
     std::string broken;

@@ -199,9 +199,11 @@ RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions
                            ahead);
     };
     Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : from_start();
-    // what is a square loses its digits from here on
+    // what is a square loses its digits from here on; a run that broke off may not have come to more
     constexpr double least = 1e-150;
-    require_size(solution.record, "Scene", least);
+    const Status status = solution.record.status;
+    if (status == Status::reached_end || status == Status::stopped_by_event || status == Status::accuracy_not_reached)
+        require_size(solution.record, "Scene", least);
     Solved result = solved(std::move(scene), std::move(plan), std::move(engine), std::move(solution));
     set_origin(result, options, before);
     return result;

@@ -157,5 +157,41 @@ TEST(CancellingTerms, are_no_event_of_what_turns_back_where_the_motion_begins) {
     EXPECT_TRUE(run.run.events().times("square").empty());
 }
 
+/// What happens exactly where a run ends is an event there if it is one of a longer run, and none if it is none.
+TEST(CancellingTerms, say_the_same_of_a_run_that_ends_at_a_root) {
+    struct Ended {
+        std::string name;
+        std::function<Expression(Expression)> function;  // of x = t
+        std::vector<double> roots;
+    };
+    const std::vector<Ended> all = {
+        {"sign", [](const Expression& x) { return sign(x - 1.0); }, {1.0}},
+        {"jump", [](const Expression& x) { return where(x > 1.0, 1.0, -1.0); }, {1.0}},
+        {"jump down", [](const Expression& x) { return where(x > 1.0, 1.0, -1.0) * (x - 3.0); }, {1.0}},
+        {"odd", [](const Expression& x) { return (x - 1.0) * abs(x - 1.0); }, {1.0}},
+        {"corner", [](const Expression& x) { return abs(x - 1.0); }, {}},
+        {"cube", [](const Expression& x) { return pow(x - 1.0, 3); }, {1.0}},
+        {"square", [](const Expression& x) { return pow(x - 1.0, 2); }, {}},
+        {"a corner of another", [](const Expression& x) { return x - 1.0000001 + 0.0 * abs(x - 1.0); }, {1.0000001}},
+        {"a touch, and a root soon after", [](const Expression& x) { return pow(x - 1.0, 4) * (x - 1.001); }, {1.001}},
+        {"a touch, and a root at once", [](const Expression& x) { return pow(x - 1.0, 4) * (x - 1.00001); }, {1.00001}},
+    };
+    for (const Ended& w : all)
+        for (const double until : {1.0, 2.0})
+            for (const std::string engine : {"auto", "dop853", "cvode-adams"}) {
+                Scene scene;
+                const BodyHandle body = scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {1.0, 0, 0}});
+                scene.watch("w", [=](const Now& now) { return w.function(now[body].position()[0]); });
+                SCOPED_TRACE(w.name + ", until " + text(until) + ", " + engine);
+                const Attempt run = attempt(scene, {.until = until, .error = 1e-9, .engine = engine});
+                ASSERT_EQ(run.outcome, simulating::Outcome::good) << run.message;
+                std::vector<double> roots = w.roots;
+                std::erase_if(roots, [=](double x) { return x > until; });
+                const auto found = run.run.events().times("w");
+                ASSERT_EQ(found.size(), roots.size());
+                for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], roots[k], 1e-9);
+            }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_cancelling_terms

@@ -52,8 +52,8 @@ public:
 private:
     static constexpr int most_parts = 4000;
 
-    /// Places that no time can tell apart are one, of a power that rounding has split, if their number is odd; else none,
-    /// unless each of them is known better than that.
+    /// Places that no time can tell apart are one, of a power that rounding has split, if their number is odd; else
+    /// none, unless each of them is known better than that.
     void join(std::vector<Passages::Place>& places) const;
 
     template <class Find, class Rounding>

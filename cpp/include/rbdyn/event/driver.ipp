@@ -164,7 +164,7 @@ RBDYN_INLINE bool Driver::comes_to_step(Record& record, double until) {
         rest(record, t, x, until);
         t = {until, 0.0};
     }
-    const bool stops = search_.settle(record, now_.mode, t, x);
+    const bool stops = search_.settle(record, now_.mode, t, x, now_.fresh);
     finish(record, {until, 0.0}, stops ? Status::stopped_by_event : Status::reached_end);
     return false;
 }

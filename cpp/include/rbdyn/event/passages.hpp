@@ -91,6 +91,9 @@ public:
     double rounding(double x) const { return noise(x, false); }
     /// Its side at x by the places before it.
     int side(double x) const;
+    /// Whether the last place is the end, and to take that for none.
+    bool passes_at_end() const { return !places_.empty() && places_.back().x >= 1.0; }
+    void drop_last() { places_.pop_back(); }
     /// Places on a stretch.
     std::size_t count(const Stretch& s) const;
     /// Puts what a closer look found on a stretch, places on [0, 1] of it, in place of what is there.

@@ -70,14 +70,15 @@ public:
 
     /// The run ends where a mode begins: watched functions that reached zero there have passed it if they go on to the
     /// other side, or stay. Returns whether one of them stops the run.
-    bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x);
+    bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x, bool fresh);
 
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
     /// The side a watched function that was at zero where a mode begins goes to in it; 0: it stays, or no one can tell.
-    static int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x);
+    /// `few`: to how much of themselves the numbers it is made of are known.
+    static int side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x, double few);
 
     struct Found {
         double place, doubt, near;  // on [0, 1] of the piece
@@ -147,8 +148,8 @@ private:
     /// Looks for where it passes zero from lo to hi of a stretch, by its series from lo on, or by its values.
     CloserLook::Told find_by_series(const Stretch& s, double lo, double hi, int side, Passages& passages);
     CloserLook::Told find_by_values(const Stretch& s, double lo, double hi, int side, Passages& passages);
-    /// Whether what is on a side up to the end of the run, and zero there but for rounding, goes on to the other one.
-    bool passes_at_end(const Stretch& s, const Passages::Arrival& arrival, int side);
+    /// The side beyond the end of the run of what is zero there but for rounding; 0: it is not, or cannot be told.
+    int side_beyond(const Stretch& s, const Passages::Arrival& arrival);
 
     /// Places from the first on, known no better than rounding of the guard's polynomial lets them, as well as its
     /// values tell.

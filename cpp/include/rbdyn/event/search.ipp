@@ -173,29 +173,41 @@ RBDYN_INLINE bool EventSearch::examine_still(Record& record, const Mode& mode, I
     return stops;
 }
 
-RBDYN_INLINE bool EventSearch::settle(Record& record, const Mode& mode, Instant t, std::span<const double> x) {
+RBDYN_INLINE bool EventSearch::settle(Record& record, const Mode& mode, Instant t, std::span<const double> x,
+                                      bool fresh) {
     bool stops = false;
-    for (const Guard& guard : mode.equations->guards) {
-        if (guard.watch < 0 || watched(guard).reached == 0) continue;
-        const int reached = watched(guard).reached;
-        const Found f{0.0, 0.0, 0.0, 0, reached > 0};
-        if (!matches(guard, f)) continue;
-        if (const int after = side_after(mode, guard, t, x); after != 0 && after != reached) continue;
-        if (guard.output >= 0 && is_level_at(mode, t.hi, x, guard.output)) continue;
+    const auto pass = [&](const Guard& guard, const Found& f) {
         note(record, guard, f.direction(), t);
         watched(guard).reached = 0;
-        watched(guard).side = reached;
+        watched(guard).side = f.rising ? 1 : -1;
         passed_at_end_.resize(mode.equations->guards.size());
         passed_at_end_[static_cast<std::size_t>(&guard - mode.equations->guards.data())] = true;
         stops = stops || guard.role == GuardRole::stop;
+    };
+    for (const Guard& guard : mode.equations->guards) {
+        if (guard.watch < 0) continue;
+        const int reached = watched(guard).reached, side = watched(guard).side;
+        if (reached == 0) {
+            // one that has jumped with the mode, or turns in it from zero to the other side
+            const int after = fresh && side != 0 ? side_after(mode, guard, t, x, 16.0 * epsilon) : 0;
+            const Found f{0.0, 0.0, 0.0, 0, after > 0};
+            if (after == -side && side != 0 && matches(guard, f)) pass(guard, f);
+            continue;
+        }
+        const Found f{0.0, 0.0, 0.0, 0, reached > 0};
+        if (!matches(guard, f)) continue;
+        if (const int after = side_after(mode, guard, t, x, 1e-6); after != 0 && after != reached) continue;
+        if (guard.output >= 0 && is_level_at(mode, t.hi, x, guard.output)) continue;
+        pass(guard, f);
     }
     return stops;
 }
 
-RBDYN_INLINE int EventSearch::side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x) {
+RBDYN_INLINE int EventSearch::side_after(const Mode& mode, const Guard& guard, Instant t, std::span<const double> x,
+                                         double few) {
     if (guard.output < 0 || mode.still) return 0;
     // its value there is the error of the state, unless it has jumped
-    const bool is_zero = is_zero_at(mode, t.hi, x, guard.output, 1e-6);
+    const bool is_zero = is_zero_at(mode, t.hi, x, guard.output, few);
     return leading_sign(mode, t.hi, x, guard.output, is_zero ? 1 : 0);
 }
 

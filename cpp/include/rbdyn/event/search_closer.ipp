@@ -24,6 +24,10 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE void EventSearch::look_closer(const Mode& mode, const Guard& guard, double sign, double lo, double hi,
                                            const Passages::Arrival& arrival, bool fits) {
     if (passages_.leaves() == 0) return;
+    // what touches zero at the end of the run and passes it a little later has not passed it
+    if (arrival.late && passages_.passes_at_end() &&
+        side_beyond({mode, guard, sign, lo, hi - lo}, arrival) == -passages_.side(1.0))
+        passages_.drop_last();
     const std::vector<Passages::Stretch> hidden = passages_.hidden();
     for (const Passages::Stretch& s : hidden) {
         const Stretch stretch{mode, guard, sign, lo + s.lo * (hi - lo), (s.hi - s.lo) * (hi - lo)};
@@ -34,7 +38,7 @@ RBDYN_INLINE void EventSearch::look_closer(const Mode& mode, const Guard& guard,
         };
         auto found =
             closer_(passages_.side(s.lo), fits ? 0 : CloserLook::deepest, finest() / stretch.width, find, rounding);
-        if (found && s.hi >= 1.0 && arrival.late && passes_at_end(stretch, arrival, found->side))
+        if (found && s.hi >= 1.0 && arrival.late && side_beyond(stretch, arrival) == -found->side)
             found->places.push_back({1.0, 0.0, 0.0});
         // beyond the stretch it is on the side it was known to be on, unless the piece ends first; a root of higher
         // multiplicity that is still one is known better by the terms of the piece
@@ -107,16 +111,16 @@ RBDYN_INLINE CloserLook::Told EventSearch::find_by_values(const Stretch& s, doub
     return CloserLook::Told::all;
 }
 
-RBDYN_INLINE bool EventSearch::passes_at_end(const Stretch& s, const Passages::Arrival& arrival, int side) {
+RBDYN_INLINE int EventSearch::side_beyond(const Stretch& s, const Passages::Arrival& arrival) {
     constexpr double many = 16.0, finest = 0x1p-40;
     const double length = engine_.piece().length;
     const auto value = [&](double x) { return s.sign * value_at(s.mode, s.guard, x * length, true); };
     const auto rounding = [&](double x) { return many * value_rounding(s.mode, s.guard, x); };
     const double late = *arrival.late, end = value(1.0), ahead = std::abs(value(1.0 + late) - end);
-    if (std::abs(end) > rounding(1.0) + ahead) return false;
+    if (end != 0.0 && !(std::abs(end) <= rounding(1.0) + ahead)) return 0;
     for (double more = late; more <= arrival.reach; more = std::max(2.0 * more, finest))
-        if (const double after = value(1.0 + more); std::abs(after) > rounding(1.0 + more)) return after * side < 0.0;
-    return false;
+        if (const double after = value(1.0 + more); std::abs(after) > rounding(1.0 + more)) return after > 0.0 ? 1 : -1;
+    return 0;
 }
 
 RBDYN_INLINE void EventSearch::sharpen(const Mode& mode, const Guard& guard, double sign, std::size_t first) {

@@ -55,7 +55,7 @@ public:
     Comparison operator()(const Record& run, const Record& better, std::span<const double> times = {});
 
     /// Where a run of which all is kept is compared with another: at the end of every piece, of long motions of some
-    /// spread over them and of the last in each mode, and at more places of few.
+    /// spread over them, of the quickest and of the last in each mode, and at more places of few.
     static std::vector<double> places(const Record& run);
 
 private:
@@ -64,6 +64,9 @@ private:
         int what;                // index of what is observed; -1: the time of an event, relative already
         bool is_shared = false;  // no difference of the two, but what rounding of their states does
     };
+    /// The pieces in which variables change most quickly.
+    static std::vector<std::size_t> quickest(const Record& run);
+
     void compare_motion(const Record& run, const Record& better, std::span<const double> times, double until);
 
     /// Both runs at a time; just before an event one of them may be past it already, and then its time tells.
@@ -92,7 +95,9 @@ private:
 
     // a motion of one or two pieces has its extent and its errors within them; errors of many pieces grow from one to
     // the next, so that some of them tell of all
-    static constexpr std::size_t least_places = 16, most_places = 64;
+    static constexpr std::size_t least_places = 16, most_places = 64, quick_parts = 16;
+    // up to this order pieces are interpolations between steps, not series
+    static constexpr int interpolated = 7;
 
     const HybridModel& model_;
     double wanted_, widening_;

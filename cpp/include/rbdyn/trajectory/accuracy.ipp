@@ -135,20 +135,72 @@ RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record&
     }
 }
 
+RBDYN_INLINE std::vector<std::size_t> AccuracyCheck::quickest(const Record& run) {
+    const std::size_t pieces = run.entries().size(), n = static_cast<std::size_t>(std::max(run.variables, 0));
+    const auto rate = [&](const Piece& piece, std::size_t k) {
+        return piece.order > 0 ? std::abs(piece.variable(static_cast<int>(k))[1]) / piece.unit : 0.0;
+    };
+    std::vector<double> largest(n, 0.0);
+    for (std::size_t i = 0; i < pieces; ++i) {
+        const Piece piece = run.piece(i);
+        for (std::size_t k = 0; k < n; ++k) largest[k] = std::max(largest[k], rate(piece, k));
+    }
+    // in parts of the motion, for what is late in one phase is later in the next: of each variable, if they are few,
+    // and of that which is nearest to its quickest
+    const std::size_t parts = std::clamp<std::size_t>(most_places / std::max<std::size_t>(n, 1), 1, quick_parts);
+    const bool are_few = n <= most_places;
+    std::vector<std::size_t> found;
+    std::vector<double> most(n);
+    std::vector<std::size_t> where(n);
+    for (std::size_t part = 0; part < parts; ++part) {
+        std::ranges::fill(most, 0.0);
+        double nearest = 0.0;
+        std::size_t best = pieces;
+        for (std::size_t i = part * pieces / parts; i < (part + 1) * pieces / parts; ++i) {
+            const Piece piece = run.piece(i);
+            for (std::size_t k = 0; k < n; ++k) {
+                const double r = rate(piece, k);
+                if (r > most[k]) {
+                    most[k] = r;
+                    where[k] = i;
+                }
+                if (r > nearest * largest[k]) {
+                    nearest = r / largest[k];
+                    best = i;
+                }
+            }
+        }
+        if (best < pieces) found.push_back(best);
+        for (std::size_t k = 0; k < n && are_few; ++k)
+            if (most[k] > 0.0) found.push_back(where[k]);
+    }
+    return found;
+}
+
 RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
     std::vector<double> times;
     const std::size_t pieces = run.entries().size(), every = std::max<std::size_t>(pieces / most_places, 1);
     const int few = static_cast<int>(least_places / std::max<std::size_t>(pieces, 1));
-    for (std::size_t i = 0; i < pieces; ++i) {
-        // where a mode ends the other run may be in the next one already
-        const bool is_last = i + 1 == pieces || run.entries()[i + 1].mode != run.entries()[i].mode;
-        if (!is_last && (i + 1) % every != 0) continue;
-        const int parts = std::max(few, is_last ? 2 : 1);
+    const auto add = [&](std::size_t i, int parts) {
         for (int part = 1; part <= parts; ++part) {
             const double fraction = static_cast<double>(part) / parts;
             times.push_back(run.piece(i).at(fraction * run.entries()[i].length).hi);
         }
+    };
+    for (std::size_t i = 0; i < pieces; ++i) {
+        // where a mode ends the other run may be in the next one already
+        const bool is_last = i + 1 == pieces || run.entries()[i + 1].mode != run.entries()[i].mode;
+        if (!is_last && (i + 1) % every != 0) continue;
+        // what is interpolated is known less well within a step than at its end
+        const bool is_interpolated = run.piece(i).order <= interpolated;
+        add(i, std::max(few, is_last || is_interpolated ? 2 : 1));
     }
+    if (every == 1) return times;
+    // short and quick phases of a long motion, where being late shows most
+    for (const std::size_t i : quickest(run)) add(i, 2);
+    std::ranges::sort(times);
+    const auto rest = std::ranges::unique(times);
+    times.erase(rest.begin(), rest.end());
     return times;
 }
 
