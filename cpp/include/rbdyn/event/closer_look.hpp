@@ -7,6 +7,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -34,13 +36,15 @@ public:
     /// `side`: the guard begins on. `find(lo, hi, side, passages)`: looks for where it passes zero on a part, and
     /// returns whether that can be told, or on a shorter part only. `rounding(x)`: of the guard's values. None: it
     /// cannot be told.
-    template <class Find, class Rounding>
-    std::optional<Found> operator()(int side, int deeper, double finest, const Find& find, const Rounding& rounding) {
+    template <class Find, class Rounding, class Value>
+    std::optional<Found> operator()(int side, int deeper, double finest, const Find& find, const Rounding& rounding,
+                                    const Value& value) {
         finest_ = finest;
         Found found{side};
         parts_ = most_parts;
         if (!look(found, 0.0, 1.0, deeper, find, rounding)) return std::nullopt;
-        join(found.places);
+        const auto is_lobe = [&](double x) { return std::abs(value(x)) > 16.0 * rounding(x); };
+        join(found.places, is_lobe);
         return found;
     }
 
@@ -53,8 +57,28 @@ private:
     static constexpr int most_parts = 4000;
 
     /// Places that no time can tell apart are one, of a power that rounding has split, if their number is odd; else
-    /// none, unless each of them is known better than that.
-    void join(std::vector<Passages::Place>& places) const;
+    /// none, unless each of them is known better than that, or something is seen between them.
+    template <class IsLobe>
+    void join(std::vector<Passages::Place>& places, const IsLobe& is_lobe) const {
+        std::ranges::sort(places, {}, &Passages::Place::x);
+        std::size_t kept = 0;
+        for (std::size_t i = 0, end = 0; i < places.size(); i = end) {
+            bool are_apart = true;
+            for (end = i + 1; end < places.size(); ++end) {
+                const Passages::Place &a = places[end - 1], &b = places[end];
+                const double doubt = std::max(a.doubt, b.doubt), gap = b.x - a.x;
+                if (gap > std::max(finest_, doubt)) break;
+                are_apart = are_apart && (gap > doubt || (gap > finest_ && is_lobe(0.5 * (a.x + b.x))));
+            }
+            const std::size_t count = end - i;
+            if (count % 2 == 1 && !(count > 1 && are_apart)) {
+                places[kept++] = places[i + count / 2];
+            } else if (are_apart) {
+                for (std::size_t k = i; k < end; ++k) places[kept++] = places[k];
+            }
+        }
+        places.resize(kept);
+    }
 
     template <class Find, class Rounding>
     bool look(Found& found, double lo, double hi, int deeper, const Find& find, const Rounding& rounding) {

@@ -17,28 +17,6 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE void CloserLook::join(std::vector<Passages::Place>& places) const {
-    std::sort(places.begin(), places.end(),
-              [](const Passages::Place& a, const Passages::Place& b) { return a.x < b.x; });
-    std::size_t kept = 0;
-    for (std::size_t i = 0, end = 0; i < places.size(); i = end) {
-        bool are_apart = true;
-        for (end = i + 1; end < places.size(); ++end) {
-            const Passages::Place &a = places[end - 1], &b = places[end];
-            const double doubt = std::max(a.doubt, b.doubt), gap = b.x - a.x;
-            if (gap > std::max(finest_, doubt)) break;
-            are_apart = are_apart && gap > doubt;
-        }
-        const std::size_t count = end - i;
-        if (count % 2 == 1) {
-            places[kept++] = places[i + count / 2];
-        } else if (are_apart) {
-            for (std::size_t k = i; k < end; ++k) places[kept++] = places[k];
-        }
-    }
-    places.resize(kept);
-}
-
 RBDYN_INLINE SeriesOnPiece::SeriesOnPiece(const Program& program, int order)
     : series_(program, order), hidden_(program, order), order_(order) {}
 

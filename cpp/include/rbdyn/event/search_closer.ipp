@@ -36,8 +36,9 @@ RBDYN_INLINE void EventSearch::look_closer(const Mode& mode, const Guard& guard,
         const auto find = [&](double a, double b, int side, Passages& passages) {
             return fits ? find_by_values(stretch, a, b, side, passages) : find_by_series(stretch, a, b, side, passages);
         };
-        auto found =
-            closer_(passages_.side(s.lo), fits ? 0 : CloserLook::deepest, finest() / stretch.width, find, rounding);
+        const auto value = [&](double x) { return value_on(stretch, x); };
+        auto found = closer_(passages_.side(s.lo), fits ? 0 : CloserLook::deepest, finest() / stretch.width, find,
+                             rounding, value);
         if (found && s.hi >= 1.0 && arrival.late && side_beyond(stretch, arrival) == -found->side)
             found->places.push_back({1.0, 0.0, 0.0});
         // beyond the stretch it is on the side it was known to be on, unless the piece ends first; a root of higher
