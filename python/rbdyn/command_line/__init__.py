@@ -34,7 +34,7 @@ EXIT_CODES = """exit codes:
   1    the motion did not come to its end as asked; what there is of it is shown and saved;
        of verify: a case is not held
   2    the command line, the file or the scene is refused
-  3    the Python file raised an exception of its own
+  3    the Python file raised an exception of its own, also while its functions are called back
   130  interrupted
 """
 
