@@ -135,6 +135,8 @@ py::object failure_of(const std::exception_ptr& thrown, const py::object& run) {
         std::rethrow_exception(thrown);
     } catch (py::error_already_set& e) {
         if (PyObject_SetAttrString(e.value().ptr(), "run", run.ptr()) != 0) PyErr_Clear();
+        // the frames of the user's function: whoever raises the value again would lose them
+        if (e.trace()) PyException_SetTraceback(e.value().ptr(), e.trace().ptr());
         return e.value();
     } catch (const InvalidInput& e) {
         return with_run("InvalidInput", e.what());

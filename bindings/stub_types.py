@@ -16,6 +16,10 @@ ALIASES = """
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
+# a mapping whose keys are all handles, all names, or some of both: Mapping takes keys of its very type alone
+class _Starts(typing.Protocol):
+    def keys(self) -> collections.abc.Iterable[tuple[BodyHandle | str, str]]: ...
+    def __getitem__(self, key: typing.Any, /) -> typing.Any: ...
 _Number: typing.TypeAlias = float | numpy.floating[typing.Any] | numpy.integer[typing.Any]
 _Numbers: typing.TypeAlias = (
     numpy.typing.NDArray[typing.Any]
@@ -150,8 +154,7 @@ def typed(text: str) -> str:
     )
     for name in ("SystemNow", "SystemRun"):
         text = _of_class(text, name, (r"variable: typing\.Any", "variable: str | int"))
-    initial = " | ".join(f"collections.abc.Mapping[tuple[{key}, str], typing.Any]" for key in ("BodyHandle", "str"))
-    text = re.sub(r"initial: typing\.Any", f"initial: {initial} | None", text)
+    text = re.sub(r"initial: typing\.Any", "initial: _Starts | None", text)
     handed_on = f"{_literal(('all', 'last'))} | collections.abc.Callable[[Event], typing.Any]"
     text = re.sub(r"events: typing\.Any", f"events: {handed_on}", text)
     text = re.sub(r"progress: typing\.Any", "progress: bool | collections.abc.Callable[[float], typing.Any]", text)

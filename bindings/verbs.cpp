@@ -39,7 +39,8 @@ BoundTrajectory simulate(const BoundScene& scene, double until, double start, st
     // copies, since other threads may change the scene while this one runs without the lock
     rbdyn::Scene copy = scene.scene;
     if (!initial.is_none()) {
-        if (PyMapping_Check(initial.ptr()) == 0)
+        // lists, too, are mappings to PyMapping_Check
+        if (!py::hasattr(initial, "keys"))
             throw InvalidInput("simulate: initial is " + shown(initial) +
                                "; it is a mapping of (handle, word), as in {(wheel, \"rate\"): 3.0}");
         restart(copy, scene.handles, py::dict(initial), "simulate");

@@ -13,6 +13,10 @@ __all__: list[str] = ['Ball', 'BodyHandle', 'BodyMotion', 'BodyNow', 'BodyPoint'
 class _HasAddress(typing.Protocol):
     @property
     def address(self) -> int: ...
+# a mapping whose keys are all handles, all names, or some of both: Mapping takes keys of its very type alone
+class _Starts(typing.Protocol):
+    def keys(self) -> collections.abc.Iterable[tuple[BodyHandle | str, str]]: ...
+    def __getitem__(self, key: typing.Any, /) -> typing.Any: ...
 _Number: typing.TypeAlias = float | numpy.floating[typing.Any] | numpy.integer[typing.Any]
 _Numbers: typing.TypeAlias = (
     numpy.typing.NDArray[typing.Any]
@@ -3502,7 +3506,7 @@ class Trajectory:
         than 4 s or longer than 24 s: it is played in that time. There are at most 600 frames, uniform in time.
 
         Returns the plotly figure, which notebooks show. Raises ImportError if plotly is missing, InvalidInput for a run
-        without length, and where the system refuses.
+        without length, another suffix than .html or .htm, and where the system refuses.
         """
     def work(self, t0: typing.SupportsFloat | typing.SupportsIndex, t1: typing.SupportsFloat | typing.SupportsIndex, of: Handle | collections.abc.Sequence[Handle] | None = None) -> float:
         """
@@ -4371,7 +4375,7 @@ def shell(mass: typing.SupportsFloat | typing.SupportsIndex, radius: typing.Supp
     A thin spherical shell centred on the origin: 2/3 m r^2.
     """
 @typing.overload
-def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: collections.abc.Mapping[tuple[BodyHandle, str], typing.Any] | collections.abc.Mapping[tuple[str, str], typing.Any] | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
+def simulate(scene: Scene, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex = 0.0, error: typing.SupportsFloat | typing.SupportsIndex | None = None, rtol: typing.SupportsFloat | typing.SupportsIndex | None = None, engine: _Engine = 'auto', keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike = 'all', max_steps: typing.SupportsInt | typing.SupportsIndex = 100000000, progress: bool | collections.abc.Callable[[float], typing.Any] = False, initial: _Starts | None = None, events: typing.Literal['all', 'last'] | collections.abc.Callable[[Event], typing.Any] = 'all') -> Trajectory:
     """
     Runs a scene, as accurately as asked for.
 

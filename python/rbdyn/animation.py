@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn.destinations import place_of
 from rbdyn.drawing import FRAMES_A_SECOND, Drawing, drawing_of
 from rbdyn.errors import InvalidInput
 from rbdyn.plots import COLORS
@@ -37,7 +37,7 @@ def animate(
     except ImportError as error:
         raise ImportError('animations need matplotlib: pip install "rbdyn[plot]"') from error
     writers: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
-    writer_class = writers.get(Path(path).suffix.lower())
+    writer_class = writers.get(place_of(path, "animate").suffix.lower())
     if writer_class is None:
         raise InvalidInput(f"animate: {os.fspath(path)!r} is neither .gif nor .mp4; name one that ends so")
     if not writer_class.isAvailable():

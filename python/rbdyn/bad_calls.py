@@ -31,6 +31,8 @@ _WORDS = {
     "typing.Any": "anything",
     "object": "anything",
 }
+# what functions are called by whoever calls them
+_CALLED = {"_sweep": "simulate_many", "_check_sweep": "simulate_many"}
 _repr = reprlib.Repr()
 _repr.maxstring = _repr.maxother = 60
 
@@ -206,7 +208,7 @@ def sentence(message: str, given: list[Any], named: dict[str, Any]) -> str:
     lines = _LINE.findall(shown)
     if head is None or not lines:
         return message
-    name = head[1]
+    name = _CALLED.get(head[1], head[1])
     methods = [line.startswith("self: ") or line == "self" for line in lines]
     own = given[1:] if given and (methods[0] or name == "__init__") else given
     if given and (methods[0] or name == "__init__"):

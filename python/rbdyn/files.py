@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rbdyn import _core
+from rbdyn.destinations import place_of
 from rbdyn.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -32,7 +33,8 @@ def save(thing: Scene | Trajectory, path: str | os.PathLike[str]) -> None:
     and devices written into. Raises InvalidInput for a function that is called back, another suffix, and where the
     system refuses.
     """
-    place = Path(path)
+    swapped = isinstance(path, (_core.Scene, _core.Trajectory))
+    place = place_of(path, "save", "what is saved is given before it, as in save(scene, path)" if swapped else "")
     if isinstance(thing, _core.Scene):
         _require_suffix(place, SCENES, "a scene")
         _write(place, _core._scene_text(thing).encode())
@@ -61,7 +63,7 @@ def load(path: str | os.PathLike[str]) -> Any:
     The handles of a run's scene are good for the run that is read; a scene that is read has new ones, by name in its
     `handles`. Raises InvalidInput for what is none, with the place in the file.
     """
-    place = Path(path)
+    place = place_of(path, "load")
     _require_suffix(place, SCENES + RUNS, "a scene or a run")
     try:
         content = place.read_bytes()

@@ -57,7 +57,7 @@ class Many:
 
     @property
     def vary(self) -> dict[tuple[Handle, str] | Parameter, Any]:
-        """What was varied: the mapping that simulate_many() was given, its values as arrays."""
+        """What was varied: the mapping that simulate_many() was given, with handles for names, its values as arrays."""
         return dict(self._vary)
 
     @property

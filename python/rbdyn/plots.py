@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rbdyn._core import BodyHandle
+from rbdyn.destinations import write_figure
 from rbdyn.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -66,8 +67,7 @@ def plot_price(price: Price, path: str | os.PathLike[str] | None = None) -> Any:
         handles, labels = all_axes[0].get_legend_handles_labels()
         # outside the axes, so that it covers nothing
         figure.legend(handles, labels, frameon=False, ncols=3, loc="outside lower center")
-    if path is not None:
-        figure.savefig(path, dpi=150)
+    write_figure(figure, path, "Price.plot", dpi=150)
     return figure
 
 
@@ -129,8 +129,7 @@ def plot_motion(run: Trajectory, path: str | os.PathLike[str] | None = None, han
     rows[0].set_title(title, loc="left", fontsize="medium")
     rows[-1].set_xlabel("time [s]")
     figure.align_ylabels()
-    if path is not None:
-        figure.savefig(path, dpi=150)
+    write_figure(figure, path, "Trajectory.plot", "a body comes after it, as in plot(None, handle)", dpi=150)
     return figure
 
 

@@ -9,12 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from rbdyn._core import BodyHandle
+from rbdyn.destinations import write_figure
 from rbdyn.errors import InvalidInput
 from rbdyn.plots import COLORS, POINTS, _figure_class, _tidy
 
 if TYPE_CHECKING:
     from rbdyn._core import Trajectory
 
+BODY_AFTER = "a body comes after it, as in phase_portrait(None, handle)"
 # a coordinate, its rate, and how they are labelled, in the order in which they are looked for
 PORTRAITS = (
     ("parameter", "speed", "parameter u", "speed [m/s]"),
@@ -52,8 +54,7 @@ def plot_path(self: Trajectory, path: str | os.PathLike[str] | None = None, *, p
     else:
         axes.set_aspect("equal")
     axes.legend(frameon=False, fontsize="small")
-    if path is not None:
-        figure.savefig(path, dpi=150)
+    write_figure(figure, path, "plot_path", dpi=150)
     return figure
 
 
@@ -84,11 +85,10 @@ def phase_portrait(
                 axes.set(xlabel=labels[0], ylabel=labels[1])
                 axes.set_title(one.name, loc="left", fontsize="medium")
                 _tidy(axes)
-                if path is not None:
-                    figure.savefig(path, dpi=150)
+                write_figure(figure, path, "phase_portrait", BODY_AFTER, dpi=150)
                 return figure
-    whose = "no body of this run" if handle is None else f'"{handle.name}", which'
-    raise InvalidInput(f"phase_portrait: {whose} is on a rail, a hinge or a slide; plot_path() shows where it goes")
+    whose = "no body of this run is" if handle is None else f'"{handle.name}" is not'
+    raise InvalidInput(f"phase_portrait: {whose} on a rail, a hinge or a slide; plot_path() shows where it goes")
 
 
 def _broken(run: Trajectory, *quantities: Any) -> list[npt.NDArray[np.float64]]:

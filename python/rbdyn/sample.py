@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn.destinations import place_of
 from rbdyn.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -71,10 +71,7 @@ class Sample:
     """
 
     def __init__(self, run: Trajectory, times: npt.ArrayLike | None = None) -> None:
-        given = run.t if times is None else np.array(times)
-        if given.dtype == object:
-            raise InvalidInput(f"Sample: times is {times!r}; give numbers, of a parameter its .value")
-        self.t: npt.NDArray[np.float64] = np.atleast_1d(given.astype(float))
+        self.t: npt.NDArray[np.float64] = np.array(run.t) if times is None else times_of(times, "Sample")
         self.attributes: dict[str, Any] = {
             "engine": run.engine,
             "error": np.nan if run.error is None else run.error,
@@ -167,7 +164,7 @@ class Sample:
         quoted = ['"' + name.replace('"', '""') + '"' if set(name) & set(',"\n') else name for name in names]
         lines = [",".join(quoted), *(",".join(map(repr, row)) for row in np.column_stack(arrays).tolist())]
         try:
-            Path(path).write_text("\n".join(lines) + "\n")
+            place_of(path, "to_csv").write_text("\n".join(lines) + "\n")
         except OSError as problem:
             raise InvalidInput(f"to_csv: {str(path)!r} cannot be written: {problem.strerror}") from None
 
@@ -181,6 +178,17 @@ class Sample:
                     component = " ".join(label[i] for label, i in zip(labels, index, strict=True))
                     columns.append((handle.name, quantity, component, array[(slice(None), *index)]))
         return columns
+
+
+def times_of(times: npt.ArrayLike, user: str) -> npt.NDArray[np.float64]:
+    """Times that were given, (n,). Raises InvalidInput for what are no numbers."""
+    try:
+        given = np.array(times)
+    except ValueError:  # lists of several lengths
+        given = np.array(None)
+    if given.dtype.kind not in "biuf":
+        raise InvalidInput(f"{user}: times is {times!r}; give numbers, of a parameter its .value")
+    return np.atleast_1d(given.astype(float))
 
 
 def axes_of(quantity: str, array: npt.NDArray[np.float64]) -> tuple[str, ...]:

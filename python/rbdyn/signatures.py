@@ -94,12 +94,22 @@ def text_of(name: str, doc: str) -> str | None:
     return f"{name}({', '.join(words)})"
 
 
+def _not_called(self: Any, *_: Any, **__: Any) -> None:
+    """What is made by functions alone, and says so."""
+    name = type(self).__name__
+    maker = "rbdyn.parameter(value) makes one" if name == "Parameter" else "functions of rbdyn return them"
+    raise TypeError(f"{name}: it is not made by a call of its class; {maker}")
+
+
 def give() -> None:
     """Gives each function and method of _core its signature, but for whoever reads the types in docstrings."""
     if "RBDYN_TYPES_IN_DOCSTRINGS" in os.environ:
         return
     for thing in list(vars(_core).values()):
         is_class = inspect.isclass(thing) and thing.__module__ == _core.__name__
+        # a class without a constructor has the one of all, which says that there is none
+        if is_class and type(vars(thing).get("__init__")) is type(object.__init__):
+            thing.__init__ = _not_called
         functions: dict[str, Any] = vars(thing) if is_class else {getattr(thing, "__name__", ""): thing}
         for name, function in functions.items():
             if type(function).__name__ == "staticmethod":

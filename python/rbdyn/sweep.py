@@ -43,19 +43,21 @@ def simulate_many(
 ) -> Many:
     """Runs a scene many times, each with starts and numbers of its own; each member is what simulate() makes of it.
 
-    vary: a mapping of (handle, word), the words of Scene.add() for its joint, and of parameters, to arrays of n values
-    each: (n,), (n, 3), ... What is not varied is as in the scene. threads: how many of this process, one for each
-    processor by default; functions in Python that are called back run on one. executor: of concurrent.futures or with
-    its interface, instead of them; the members are handed to it in chunks. The other arguments are those of simulate();
-    progress: of all members together. lanes: whether members go side by side through a processor that computes several
-    numbers at once; that changes how long they take, and no bit of them.
+    vary: a mapping of (handle, word) or (name, word), the words of Scene.add() for its joint, and of parameters, to
+    arrays of n values each: (n,), (n, 3), ... What is not varied is as in the scene. threads: how many of this process,
+    one for each processor by default; functions in Python that are called back run on one. executor: of
+    concurrent.futures or with its interface, instead of them; the members are handed to it in chunks. The other
+    arguments are those of simulate(); progress: of all members together. lanes: whether members go side by side
+    through a processor that computes several numbers at once; that changes how long they take, and no bit of them.
 
     A member that fails does not stop the others: Many.errors has its exception. The results are the same, bit for bit,
     for any number of threads and any executor; scene and parameters stay as they are. Raises InvalidInput, before
     anything runs, for a start or a number that breaks a rule, and for a scene that cannot be sent to other processes.
     KeyboardInterrupt, and what `progress` raises, arrive with what is done as their `.many`.
     """
-    arrays, count = _members(vary)
+    if not isinstance(scene, _core.Scene):
+        raise TypeError(f"simulate_many: scene is {scene!r}; it is a Scene")
+    arrays, count = _members(scene, vary)
     if threads is not None and (not isinstance(threads, int) or threads < 1):
         raise InvalidInput(f"simulate_many: threads is {threads!r}; it is positive, or None for one a processor")
     if threads is not None and executor is not None:
@@ -89,8 +91,8 @@ def simulate_many(
     return many
 
 
-def _members(vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int]:
-    """What is varied, as sequences of one length, and that length."""
+def _members(scene: Scene, vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int]:
+    """What is varied, as sequences of one length, by parameter or handle and word; and that length."""
     if not isinstance(vary, Mapping) or not vary:
         raise InvalidInput(
             f"simulate_many: vary is {vary!r}; it is a mapping of (handle, word) or a parameter to arrays, "
@@ -98,12 +100,19 @@ def _members(vary: Mapping[Any, Any]) -> tuple[dict[Any, Any], int]:
         )
     arrays: dict[Any, Any] = {}
     lengths: dict[int, str] = {}
-    for key, given in vary.items():
+    known: dict[str, Any] = scene.handles
+    for said, given in vary.items():
+        key = said
+        if isinstance(said, tuple) and len(said) == 2 and isinstance(said[0], str):
+            # a name that there is not is left to what reads the starts: it lists those that there are
+            key = (known.get(said[0], said[0]), said[1])
         name = f'"{key[0].name}" {key[1]}' if isinstance(key, tuple) and hasattr(key[0], "name") else repr(key)
         is_rotation = hasattr(given, "as_quat")  # SciPy's, one or several
         values: Any = given if is_rotation or _are_attitudes(given) else np.asarray(given)
         if given.single if is_rotation else isinstance(values, np.ndarray) and not values.ndim:
             raise InvalidInput(f"simulate_many: {name} has one value; it has one for each member, n in all")
+        if key in arrays:
+            raise InvalidInput(f"simulate_many: {name} is given twice, by its handle and by its name; give it once")
         arrays[key] = values
         lengths.setdefault(len(values), name)
     if len(lengths) > 1:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn.destinations import place_of
 from rbdyn.errors import InvalidInput
+from rbdyn.sample import times_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -20,10 +21,7 @@ class SystemSample:
     """All variables of a run of a System at times `t` (k,): `x` (k, n), and sample["theta"] or sample[0] (k,)."""
 
     def __init__(self, run: SystemRun, times: npt.ArrayLike | None = None) -> None:
-        given = run.t if times is None else np.array(times)
-        if given.dtype == object:
-            raise InvalidInput(f"SystemSample: times is {times!r}; give numbers, of a parameter its .value")
-        self.t: npt.NDArray[np.float64] = np.atleast_1d(given.astype(float))
+        self.t: npt.NDArray[np.float64] = np.array(run.t) if times is None else times_of(times, "SystemSample")
         if self.t.ndim != 1:
             raise InvalidInput(f"SystemSample: times has shape {self.t.shape}; give a list of times")
         self.x: npt.NDArray[np.float64] = run.x(self.t)
@@ -58,6 +56,6 @@ class SystemSample:
         quoted = [f'"{n.replace(chr(34), chr(34) * 2)}"' if set(n) & set(',"\n') else n for n in ["t", *self.names]]
         lines = [",".join(quoted), *(",".join(map(repr, row)) for row in np.column_stack([self.t, self.x]).tolist())]
         try:
-            Path(path).write_text("\n".join(lines) + "\n")
+            place_of(path, "to_csv").write_text("\n".join(lines) + "\n")
         except OSError as problem:
             raise InvalidInput(f"to_csv: {str(path)!r} cannot be written: {problem.strerror}") from None

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rbdyn.destinations import PAGES, place_of
 from rbdyn.drawing import FRAMES_A_SECOND, Array, Drawing, drawing_of
 from rbdyn.errors import InvalidInput
 from rbdyn.plots import COLORS
@@ -41,12 +42,16 @@ def view(
     than 4 s or longer than 24 s: it is played in that time. There are at most 600 frames, uniform in time.
 
     Returns the plotly figure, which notebooks show. Raises ImportError if plotly is missing, InvalidInput for a run
-    without length, and where the system refuses.
+    without length, another suffix than .html or .htm, and where the system refuses.
     """
     try:
         import plotly.graph_objects as graph  # type: ignore[import-not-found,import-untyped,unused-ignore]
     except ImportError as error:
         raise ImportError('views need plotly: pip install "rbdyn[view]"') from error
+    if path is not None and place_of(path, "view").suffix.lower() not in PAGES:
+        raise InvalidInput(
+            f"view: {os.fspath(path)!r} is neither .html nor .htm; name one that ends so; .gif and .mp4 are animate()'s"
+        )
     drawing = drawing_of(self, "view", fps, speed)
     data, moving = _traces(drawing)
     frames = [

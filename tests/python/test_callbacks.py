@@ -75,6 +75,22 @@ def test_an_exception_arrives_as_it_was_raised():
     assert caught.value is error
 
 
+@pytest.mark.parametrize("options", [{"rtol": 1e-6}, {}], ids=str)
+def test_an_exception_during_a_run_has_the_frames_of_the_function(options):
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[1, 0, 0])
+
+    def pull(t, r, v):
+        if t > 0.5:
+            raise RuntimeError("mine")
+        return [-math.sin(r[0]), 0, 0]
+
+    scene.apply(rb.Force(pull), ball)
+    with pytest.raises(RuntimeError) as caught:
+        rb.simulate(scene, 3.0, **options)
+    assert caught.traceback[-1].name == "pull" and caught.value.run.status == "stopped by user"
+
+
 def test_what_a_function_keeps_of_its_arguments_does_not_change():
     kept, parts = [], []
 

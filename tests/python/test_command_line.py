@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 
 import pytest
 import rbdyn as rb
@@ -197,13 +198,26 @@ def test_a_python_file_that_is_none_is_named_with_its_line(content, code, messag
         (["run", "nowhere.py", "--until", "1"], "nowhere.py: there is no such file"),
         (["run", "nowhere.json", "--until", "1"], "cannot be read"),
         (["run", "nowhere", "--until", "1"], "it has no suffix"),
-        (["plan", "nowhere.txt"], "nowhere.txt"),
+        (["plan", "nowhere.txt"], "nowhere.txt: it ends in '.txt'; give a file that ends in .py, .json, .npz"),
         (["run", "HOOP"], "give --until T"),
         (["run", "HOOP", "--until", "-1"], "until is -1"),
         (["run", "HOOP", "--until", "soon"], "invalid float value: 'soon'"),
         (["run", "HOOP", "--until", "1", "--error", "1e-3", "--rtol", "1e-3"], "both error 0.001 and rtol 0.001"),
         (["run", "HOOP", "--until", "1", "--engine", "euler"], 'engine is "euler"'),
         (["run", "HOOP", "--until", "1", "--save", "run.txt"], "--save run.txt"),
+        (
+            ["run", "HOOP", "--until", "1", "--save", "nowhere/a.npz"],
+            "--save nowhere/a.npz: there is no folder",
+        ),
+        (
+            ["run", "HOOP", "--until", "1", "--plot", "nowhere/a.png"],
+            "--plot nowhere/a.png: there is no folder",
+        ),
+        (["run", "HOOP", "--until", "1", "--plot", "a.foo"], "--plot a.foo: a picture is written to"),
+        (["cost", "HOOP", "--until", "1", "--plot", "nowhere/a.png"], "there is no folder 'nowhere'"),
+        (["view", "HOOP", "--until", "1", "--output", "nowhere/a.html"], "--output nowhere/a.html: there is no folder"),
+        (["verify", "--figure", "a.foo"], "--figure a.foo: a picture is written to"),
+        (["verify", "--figure", "nowhere/a.png"], "--figure nowhere/a.png: there is no folder"),
         (["cost", "HOOP", "--until", "1", "--budget", "0"], "budget is 0"),
         (["fly", "HOOP"], "invalid choice: 'fly'"),
         ([], "required: COMMAND"),
@@ -213,6 +227,62 @@ def test_a_command_line_that_breaks_a_rule_is_refused(arguments, message, hoop, 
     code, out, err = said(*[hoop if a == "HOOP" else a for a in arguments])
     assert (code, out) == (2, "")
     assert message in err.splitlines()[-1] and len(err.replace("a word of the file's own\n", "").splitlines()) == 1
+
+
+MINE = """
+import math
+import rbdyn as rb
+
+scene = rb.Scene()
+ball = scene.add(rb.Particle(1.0), position=[1, 0, 0], name="ball")
+
+
+def pull(t, r, v):
+    if t > 0.5:
+        raise RuntimeError("mine")
+    return [-math.sin(r[0]), 0, 0]
+
+
+scene.apply(rb.Force(pull), ball)
+"""
+
+
+@pytest.mark.parametrize("command", ["run", "cost", "effects", "view"])
+def test_what_a_function_raises_while_it_is_called_back_is_the_files_own_exception(command, said, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(MINE)
+    output = ("--output", tmp_path / "a.html") if command == "view" else ()
+    code, _, err = said(command, path, "--until", 3, *output)
+    assert (code, line_of(err)) == (3, f"rbdyn: {path}, line 11: RuntimeError: mine")
+
+
+def test_what_there_was_when_a_function_raised_is_shown_and_saved(said, tmp_path):
+    path, table = tmp_path / "mine.py", tmp_path / "a.csv"
+    path.write_text(MINE)
+    code, out, err = said("run", path, "--until", 3, "--rtol", 1e-6, "--save", table, "--json")
+    shown = json.loads(out)
+    assert code == 3 and shown["status"] == "stopped by user" and "mine" in line_of(err)
+    last = table.read_text().splitlines()[-1].split(",")
+    assert [float(x) for x in last[:4]] == [shown["end"], *shown["at_end"]["ball"]["position"]]
+
+
+def test_what_no_file_takes_is_refused_before_it_is_run(said, tmp_path):
+    path, kept = tmp_path / "mine.py", tmp_path / "a.npz"
+    path.write_text(MINE)
+    # it would raise of itself where it is run
+    code, out, err = said("run", path, "--until", 3, "--save", kept)
+    assert (code, out) == (2, "") and 'function "pull" is called back' in line_of(err) and not kept.exists()
+
+
+@pytest.mark.filterwarnings("always")
+def test_a_warning_is_one_line_without_a_source(hoop, said, monkeypatch):
+    def warned(*arguments, **options):
+        warnings.warn("a run that would need 9 GB", RuntimeWarning, stacklevel=2)
+        return rb.simulate(*arguments, **options)
+
+    monkeypatch.setattr("rbdyn.command_line.run.simulate", warned)
+    code, _, err = said("run", hoop, "--until", 1)
+    assert code == 0 and err.splitlines()[1:] == ["rbdyn: warning: a run that would need 9 GB"]
 
 
 def test_a_run_is_no_scene_for_plan(hoop, said, tmp_path):

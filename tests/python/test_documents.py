@@ -1,5 +1,7 @@
 """What the documents show runs, the Python blocks of each one after the other in one process, and prints what they say.
 
+Their first block imports what they use. What the command line shows behind `$` is run, too.
+
 An output stands in a block of its own: the next fence after the code, if it has no language, or indented right after
 the code; a value may stand in a comment behind an expression or a print(). `...` stands for whatever comes.
 """
@@ -133,7 +135,7 @@ def test_the_python_in_a_document_runs_and_prints_what_it_shows(document, root, 
         values.append(comments)
     program = tmp_path / "program.py"
     end = f"\nprint({MARK + MARK!r})\n"
-    program.write_text("import numpy as np\nimport rbdyn as rb\n" + end.join(parts) + end)
+    program.write_text(end.join(parts) + end)
     (tmp_path / "figures").mkdir()
     environment = {**os.environ, "MPLBACKEND": "Agg"}
     done = subprocess.run(
@@ -151,6 +153,25 @@ def test_the_python_in_a_document_runs_and_prints_what_it_shows(document, root, 
         if output is not None:
             line = differs(output, "".join(pieces[::2]))
             assert line is None, f"{document}: {line!r} is shown, and it prints\n{told}"
+
+
+def test_what_is_shown_of_the_command_line_is_what_it_prints(root, tmp_path):
+    text = (root / "docs" / "command_line.md").read_text()
+    (hoop,) = re.findall(r"^```python\n(# hoop\.py\n.*?)^```\n", text, re.MULTILINE | re.DOTALL)
+    (tmp_path / "hoop.py").write_text(hoop)
+    (line,) = re.findall(r"where line 3 of `wrong.py` is `(.*?)`", text)
+    (tmp_path / "wrong.py").write_text(f"import rbdyn as rb\n\n{line}\n")
+    blocks = re.findall(r"^```console\n(.*?)^```\n", text, re.MULTILINE | re.DOTALL)
+    shown = [one.partition("\n") for block in blocks for one in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]]
+    assert len(shown) == 3
+    for command, _, output in shown:
+        program, *arguments = command.split()
+        assert program == "rbdyn"
+        done = subprocess.run(
+            [sys.executable, "-m", "rbdyn", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=60
+        )
+        line = differs(output, done.stdout + done.stderr)
+        assert line is None, f"{command}: {line!r} is shown, and it prints\n{done.stdout}{done.stderr}"
 
 
 def test_outputs_that_are_not_what_is_shown_are_found():

@@ -1,5 +1,6 @@
 """Scenes and runs as files: equal to the bit when they come back, and errors that say where a file is wrong."""
 
+import copy
 import io
 import json
 import math
@@ -188,6 +189,8 @@ def test_an_action_that_can_be_recorded_is_in_the_file(tmp_path):
     loaded = rb.load(tmp_path / "scene.json")
     assert rb._core._scene_text(loaded) == (tmp_path / "scene.json").read_text()
     assert loaded == rb.load(tmp_path / "scene.json")
+    # nobody knows what a function does that is called back: it equals none, as files.md says
+    assert loaded != scene and copy.deepcopy(scene) != scene
     here, there = rb.simulate(scene, 3.0), rb.simulate(loaded, 3.0)
     assert len(here.events) > 3 and [e.time for e in here.events] == [e.time for e in there.events]
     assert np.array_equal(state(here, 3.0), state(there, 3.0))

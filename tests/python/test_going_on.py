@@ -100,6 +100,22 @@ def test_a_run_goes_on_as_if_it_had_not_ended(scene_of, how):
             assert_goes_on(whole, first, second, how["error"])
 
 
+@pytest.mark.parametrize("steps", [1, 3, 7, 20])
+def test_parts_that_were_interrupted_go_on_within_the_tolerance(steps):
+    """One of them is cut within a step, and goes on with other steps: not with the same bits."""
+    scene = rb.Scene(gravity=DOWN)
+    hoop = rb.Rail(rb.Circle(0.5, start=[0, 0, -1], toward=[1, 0, 0]))
+    one, other = (scene.add(rb.Particle(0.5), hoop, speed=speed) for speed in (4.3, 3.1))
+    options = {"rtol": 1e-9, "engine": "taylor"}
+    whole = rb.simulate(scene, 6.0, **options)
+    first = rb.simulate(scene, 6.0, max_steps=steps, **options)
+    assert first.status == "step limit" and len(whole.plan.parts) == 2
+    on = rb.simulate(first, 6.0, max_steps=10**6)
+    t = np.linspace(first.end, 6.0, 101)
+    for body in (one, other):
+        np.testing.assert_allclose(on[body].parameter(t), whole[body].parameter(t), rtol=0, atol=1e-7)
+
+
 @names
 def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(scene_of):
     scene = scene_of()

@@ -289,6 +289,31 @@ def test_a_member_that_is_refused_as_it_starts_stops_no_other():
         assert np.isnan(many.end[1])
 
 
+def test_names_are_keys_as_handles_are():
+    scene, ball, k = oscillator()
+    starts = [[1.0, 0, 0], [2.0, 0, 0]]
+    by_handle = rb.simulate_many(scene, {(ball, "position"): starts}, 1.0)
+    with ThreadPoolExecutor(2) as executor:
+        for options in ({}, {"executor": executor}):
+            named = rb.simulate_many(scene, {("ball", "position"): starts}, 1.0, **options)
+            assert np.array_equal(named[ball].position(1.0), by_handle[ball].position(1.0))
+            assert str(named) == str(by_handle) and list(named.vary) == [(ball, "position")]
+    with pytest.raises(rb.InvalidInput, match="is given twice, by its handle and by its name"):
+        rb.simulate_many(scene, {("ball", "position"): starts, (ball, "position"): starts}, 1.0)
+    with pytest.raises(rb.InvalidInput, match="bowl"):
+        rb.simulate_many(scene, {("bowl", "position"): starts}, 1.0)
+
+
+def test_what_is_wrong_with_a_call_names_the_function_that_was_called():
+    scene, ball, k = oscillator()
+    system = rb.System(lambda t, x: -x, [1.0])
+    for vary in ({k: [1.0, 2.0]}, {}):
+        with pytest.raises(TypeError, match="^simulate_many: scene is <System: .*>; it is a Scene$"):
+            rb.simulate_many(system, vary, 1.0)
+    with pytest.raises(TypeError, match="^simulate_many: until is 'x'; it is a number$"):
+        rb.simulate_many(scene, {k: [1.0, 2.0]}, "x")
+
+
 def test_what_breaks_a_rule_is_refused_before_anything_runs():
     scene, ball, k = oscillator()
     for vary, message in (

@@ -128,6 +128,12 @@ def test_types_tell_one_time_from_several_and_words_from_others(tmp_path):
         'rb.simulate(scene, 1.0, engine="tailor")\n'
         'scene.watch("w", lambda now: now[ball].position[2], direction="up")\n'
         "scene.apply(rb.Drag(0.1), spring)\n"
+        'rb.simulate(scene, 1.0, initial={(ball, "position"): [1, 0, 0], ("ball", "velocity"): np.ones(3)})\n'
+        'handles, names = {(ball, "position"): np.ones(3)}, {("ball", "position"): np.ones(3)}\n'
+        "rb.simulate(scene, 1.0, initial=handles)\n"
+        "rb.simulate(scene, 1.0, initial=names)\n"
+        'wrong = {"ball": np.ones(3)}\n'
+        "rb.simulate(scene, 1.0, initial=wrong)\n"
     )
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", program],
@@ -137,6 +143,6 @@ def test_types_tell_one_time_from_several_and_words_from_others(tmp_path):
     )
     lines = [line for line in done.stdout.splitlines() if ": error:" in line or ": note: Revealed" in line]
     numbers = [int(line.split(":")[1]) for line in lines]
-    assert numbers == [10, 11, 12, 13, 14, 15], done.stdout
+    assert numbers == [10, 11, 12, 13, 14, 15, 21], done.stdout
     assert lines[0].endswith('"float"') or lines[0].endswith('"builtins.float"')
     assert all("ndarray" in line for line in lines[1:3])

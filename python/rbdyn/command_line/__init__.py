@@ -8,8 +8,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 from rbdyn import __version__
 from rbdyn.command_line import cost, effects, plan, run, verify, view
@@ -33,7 +34,7 @@ EXIT_CODES = """exit codes:
   1    the motion did not come to its end as asked; what there is of it is shown and saved;
        of verify: a case is not held
   2    the command line, the file or the scene is refused
-  3    the Python file raised an exception of its own
+  3    the Python file raised an exception of its own, also while its functions are called back
   130  interrupted
 """
 
@@ -65,7 +66,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as left:
         return int(left.code or 0)
     try:
-        code = int(chosen.execute(chosen))
+        with warnings.catch_warnings():
+            warnings.showwarning = _warned
+            code = int(chosen.execute(chosen))
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -82,6 +85,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _failed(str(problem), MOTION_FAILED)
     except ImportError as problem:
         return _failed(str(problem), REFUSED)
+
+
+def _warned(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """A warning of this library as a line without its source, which is not the user's; others as they are."""
+    own = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    if os.path.abspath(filename).startswith(own + os.sep):
+        print(f"rbdyn: warning: {' '.join(str(message).split())}", file=sys.stderr)
+    else:
+        print(warnings.formatwarning(message, category, filename, lineno), end="", file=sys.stderr)
 
 
 def _failed(message: str, code: int) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 from rbdyn._core import Prediction, Price
 from rbdyn._core import cost as cost_of
 from rbdyn.command_line import output
-from rbdyn.command_line.scene_file import add_file, add_json, add_times, end_of, scene_of
+from rbdyn.command_line.scene_file import add_file, add_json, add_times, called_back, end_of, scene_of
 from rbdyn.errors import Error
 from rbdyn.tables import price_rows
 
@@ -40,12 +40,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Prices it. Returns the exit code."""
-    output.require_picture(arguments.plot)
+    output.require_picture(arguments.plot, "--plot")
     scene, until = scene_of(arguments.file)
     names = ("start", "errors", "engines", "budget")
     options: dict[str, Any] = {name: getattr(arguments, name) for name in names}
     options = {name: value for name, value in options.items() if value is not None}
-    price = cost_of(scene, end_of(arguments, until), progress=arguments.progress, **options)
+    end = end_of(arguments, until)
+    with called_back(arguments.file):
+        price = cost_of(scene, end, progress=arguments.progress, **options)
     predictions: dict[float, Prediction | str] = {}
     for error in arguments.predict:
         # one that is refused leaves the others, and the price that was paid for

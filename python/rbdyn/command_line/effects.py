@@ -8,7 +8,7 @@ from typing import Any
 from rbdyn._core import EffectTable
 from rbdyn._core import effects as effects_of
 from rbdyn.command_line import output
-from rbdyn.command_line.scene_file import add_file, add_json, add_times, end_of, scene_of
+from rbdyn.command_line.scene_file import add_file, add_json, add_times, called_back, end_of, scene_of
 
 HELP = "tells what each effect of a scene does to its motion and its price"
 
@@ -30,7 +30,9 @@ def execute(arguments: argparse.Namespace) -> int:
     scene, until = scene_of(arguments.file)
     options: dict[str, Any] = {name: getattr(arguments, name) for name in ("start", "error", "rtol", "engine")}
     options = {name: value for name, value in options.items() if value is not None}
-    table = effects_of(scene, end_of(arguments, until), **options)
+    end = end_of(arguments, until)
+    with called_back(arguments.file):
+        table = effects_of(scene, end, **options)
     print(output.as_json(_contents(table)) if arguments.json else table)
     return 0
 

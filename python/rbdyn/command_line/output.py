@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rbdyn.destinations import PICTURES, require_place
 from rbdyn.errors import InvalidInput
 
 
@@ -36,10 +37,10 @@ def _plain(value: Any) -> Any:
     return value
 
 
-PICTURES = (".png", ".svg", ".pdf", ".eps", ".jpg", ".jpeg", ".webp")
-
-
-def require_picture(path: str | None) -> None:
+def require_picture(path: str | None, option: str) -> None:
     """Raises InvalidInput for a file that no picture is written to, before time is spent on it."""
-    if path is not None and Path(path).suffix.lower() not in PICTURES:
-        raise InvalidInput(f"--plot {path}: a picture is written to a file that ends in {', '.join(PICTURES)}")
+    if path is None:
+        return
+    if Path(path).suffix.lower() not in PICTURES:
+        raise InvalidInput(f"{option} {path}: a picture is written to a file that ends in {', '.join(PICTURES)}")
+    require_place(path, option)

@@ -8,7 +8,7 @@ from typing import Any
 from rbdyn._core import Plan
 from rbdyn._core import plan as plan_of
 from rbdyn.command_line import output
-from rbdyn.command_line.scene_file import add_file, add_json, scene_of
+from rbdyn.command_line.scene_file import add_file, add_json, called_back, scene_of
 
 HELP = "tells what of a scene is simulated, what is left out and why, and with which engine"
 
@@ -23,7 +23,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Plans it. Returns the exit code."""
-    plan = plan_of(scene_of(arguments.file)[0])
+    scene = scene_of(arguments.file)[0]
+    with called_back(arguments.file):
+        plan = plan_of(scene)
     print(output.as_json(_contents(plan)) if arguments.json else plan)
     return 0
 

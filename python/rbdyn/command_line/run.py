@@ -7,10 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from rbdyn import _core
 from rbdyn._core import Scene, Trajectory, simulate
 from rbdyn.command_line import output
-from rbdyn.command_line.scene_file import add_file, add_json, add_times, end_of, read
-from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
+from rbdyn.command_line.scene_file import FileFailed, add_file, add_json, add_times, called_back, end_of, read
+from rbdyn.destinations import require_place
+from rbdyn.errors import Error, InvalidInput
 from rbdyn.files import RUNS
 
 HELP = "runs a scene, or goes on with a run, and tells what happens"
@@ -56,29 +58,34 @@ def execute(arguments: argparse.Namespace) -> int:
         # before hours are spent on it
         if Path(path).suffix.lower() not in RUNS + TABLES:
             raise InvalidInput(f"--save {path}: a run is written to a file that ends in .npz, .h5, .hdf5 or .csv")
-    output.require_picture(arguments.plot)
+        require_place(path, "--save")
+    output.require_picture(arguments.plot, "--plot")
     found = read(arguments.file)
     until = end_of(arguments, found.until)
     names = ("start", "error", "rtol", "engine", "keep", "max_steps")
     options: dict[str, Any] = {name: getattr(arguments, name) for name in names}
     options = {name: value for name, value in options.items() if value is not None}
+    if "start" in options and isinstance(found.thing, Trajectory):
+        raise InvalidInput(f"{arguments.file}: a run goes on from its end, t = {found.thing.end} s; leave out --start")
     try:
-        if isinstance(found.thing, Scene):
+        with called_back(arguments.file):
+            _require_saved(found.thing, arguments.save)
             made = simulate(found.thing, until, progress=arguments.progress, **options)
-        elif "start" in options:
-            raise InvalidInput(
-                f"{arguments.file}: a run goes on from its end, t = {found.thing.end} s; leave out --start"
-            )
-        else:
-            made = simulate(found.thing, until, progress=arguments.progress, **options)
-    except (AccuracyError, IntegrationError, KeyboardInterrupt) as problem:
-        if isinstance(getattr(problem, "run", None), Trajectory):
-            _deliver(problem.run, arguments)  # type: ignore[union-attr]
+    except (Error, FileFailed, KeyboardInterrupt) as problem:
+        partial = getattr(problem, "run", None)
+        if isinstance(partial, Trajectory):
+            _deliver(partial, arguments)
         raise
     _deliver(made, arguments)
     if made.status in ("reached end", "stopped by event"):
         return 0
     raise Error(f"{made.status} at t = {made.end:.10g} s. {made.advice}")
+
+
+def _require_saved(thing: Scene | Trajectory, paths: list[str]) -> None:
+    """Raises InvalidInput if runs of it go into no file, before hours are spent on one."""
+    if isinstance(thing, Scene) and any(Path(path).suffix.lower() in RUNS for path in paths):
+        _core._scene_text(thing)
 
 
 def _deliver(run: Trajectory, arguments: argparse.Namespace) -> None:

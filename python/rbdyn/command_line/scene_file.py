@@ -8,18 +8,22 @@ import os
 import runpy
 import sys
 import traceback
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from rbdyn._core import Scene, Trajectory
-from rbdyn.errors import InvalidInput
-from rbdyn.files import load
+from rbdyn.errors import Error, InvalidInput
+from rbdyn.files import RUNS, SCENES, load
 
-SUFFIXES = ".py, .json, .npz, .h5 or .hdf5"
+SUFFIXES = (".py", *SCENES, *RUNS)
+LISTED = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
 
 
 class FileFailed(Exception):
-    """A Python file raised an exception of its own; the message has its line."""
+    """A Python file raised an exception of its own; the message has its line, `run` what there was of one."""
+
+    run: Trajectory | None = None
 
 
 @dataclass
@@ -53,7 +57,9 @@ def read(path: str) -> Found:
     if Path(path).suffix.lower() == ".py":
         return _built_by(path)
     if not Path(path).suffix:
-        raise InvalidInput(f"{path}: it has no suffix; give a file that ends in {SUFFIXES}")
+        raise InvalidInput(f"{path}: it has no suffix; give a file that ends in {LISTED}")
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise InvalidInput(f"{path}: it ends in {Path(path).suffix!r}; give a file that ends in {LISTED}")
     return Found(load(path))
 
 
@@ -74,6 +80,24 @@ def end_of(arguments: argparse.Namespace, until: float | None) -> float:
     return until
 
 
+@contextlib.contextmanager
+def called_back(path: str) -> Iterator[None]:
+    """While functions of a file are called back: what they raise is FileFailed, as if the file had raised it."""
+    try:
+        yield
+    except (KeyboardInterrupt, Error):
+        raise
+    except BaseException as problem:
+        raise _failed(path, problem) from None
+
+
+def _failed(path: str, problem: BaseException) -> FileFailed:
+    said = f"{type(problem).__name__}: {problem}" if str(problem) else type(problem).__name__
+    failed = FileFailed(f"{_place(path, problem)}: {said}")
+    failed.run = getattr(problem, "run", None)
+    return failed
+
+
 def _built_by(path: str) -> Found:
     if not os.path.isfile(path):
         raise InvalidInput(f"{path}: there is no such file")
@@ -86,11 +110,9 @@ def _built_by(path: str) -> Found:
     except KeyboardInterrupt:
         raise
     except BaseException as problem:
-        where = _place(path, problem)
         if isinstance(problem, InvalidInput):
-            raise InvalidInput(f"{where}: {problem}") from None
-        said = f"{type(problem).__name__}: {problem}" if str(problem) else type(problem).__name__
-        raise FileFailed(f"{where}: {said}") from None
+            raise InvalidInput(f"{_place(path, problem)}: {problem}") from None
+        raise _failed(path, problem) from None
     finally:
         sys.path.remove(folder)
     scene = names.get("scene")

@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Verifies. Returns the exit code: 1 if a case is not held."""
+    output.require_picture(arguments.figure, "--figure")
     progress = sys.stderr.isatty()
     card = verified(arguments.full, case=arguments.case, engine=arguments.engine, progress=progress)
     print(output.as_json(_contents(card)) if arguments.json else card)

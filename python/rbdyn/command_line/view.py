@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from rbdyn._core import Scene, simulate
-from rbdyn.command_line.scene_file import add_file, add_times, end_of, read
+from rbdyn.command_line.scene_file import add_file, add_times, called_back, end_of, read
+from rbdyn.destinations import ANIMATIONS, PAGES, require_place
 from rbdyn.errors import InvalidInput
 
 HELP = "shows the motion of a scene or a run: a page to be opened by a browser, or a .gif or .mp4"
-
-PAGES, ANIMATIONS = (".html", ".htm"), (".gif", ".mp4")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,11 +32,14 @@ def execute(arguments: argparse.Namespace) -> int:
     suffix = Path(path).suffix.lower()
     if suffix not in PAGES + ANIMATIONS:
         raise InvalidInput(f"--output {path}: a picture is written to a file that ends in .html, .gif or .mp4")
+    require_place(path, "--output")
     found = read(arguments.file)
     if isinstance(found.thing, Scene):
         options: dict[str, Any] = {name: getattr(arguments, name) for name in ("start", "error")}
         options = {name: value for name, value in options.items() if value is not None}
-        run = simulate(found.thing, end_of(arguments, found.until), **options)
+        end = end_of(arguments, found.until)
+        with called_back(arguments.file):
+            run = simulate(found.thing, end, **options)
     else:
         given = [f"--{name}" for name in ("until", "start", "error") if getattr(arguments, name) is not None]
         if given:

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from rbdyn.destinations import write_figure
+
 # doubles have no more
 MOST_DIGITS = 16.0
 
@@ -147,8 +149,7 @@ class Scorecard:
         axes.set(xscale="log", xlabel="time [ms]", ylabel="digits of the worst answer", title=self._head())
         if shown:
             axes.legend()
-        if path is not None:
-            figure.savefig(path)
+        write_figure(figure, path, "Scorecard.plot")
         return figure
 
 

@@ -64,7 +64,8 @@ public:
             return f();
         } catch (const Refusal&) {
             throw;
-        } catch (const InvalidInput& e) {
+        } catch (const Error& e) {
+            // what is no refusal, too: that a length cannot be measured is a matter of what the file says
             complain(e.what());
         }
     }
