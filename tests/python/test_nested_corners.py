@@ -57,3 +57,16 @@ def test_a_force_of_one_corner_in_another_is_what_it_is(power, engine):
     # four ramps of |t - c|^power, two of length 0.3 and two of length 0.2
     speed = 2 * (0.3 ** (power + 1) + 0.2 ** (power + 1)) / (power + 1)
     assert run[body].velocity(1.0)[0] == pytest.approx(speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("rtol", [10.0**-k for k in range(6, 16)] + [3e-12, 3e-13])
+@pytest.mark.parametrize("engine", ["taylor", "dop853"])
+def test_a_corner_within_a_distinction_by_the_same_number(rtol, engine):
+    system = rb.System(lambda t, x: [3 * x[1], -3 * x[0]], [np.sin(0.3), np.cos(0.3)], names=["s", "c"])
+    system.watch("w", lambda now: np.where(now["s"] > 0, abs(now["s"]), 1) - 0.01)
+    run = rb.simulate(system, 5.0, rtol=rtol, engine=engine)
+    # s = sin(3 t + 0.3) through 0 and through 0.01, at its rise and at its fall
+    low = np.arcsin(0.01)
+    phases = np.sort([k * 2 * np.pi + a for k in range(3) for a in (0.0, low, np.pi - low, np.pi)])
+    times = (phases - 0.3) / 3
+    assert run.events.times("w") == pytest.approx(times[(times > 0) & (times < 5)], abs=1e-4)

@@ -307,7 +307,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
     if (!is_new) put(passed);
     put(decided.sides);
     Evaluator<double> values(program);
-    std::vector<bool> at_zero(program.switches().size(), false);
+    std::vector<bool> at_zero(program.switches().size(), false), leaves = at_zero;
     const auto settle = [&] {
         std::optional<AtZero> zeros;  // with the signs as they are so far
         bool is_current = false;
@@ -328,7 +328,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
             // an event's own state, taken up again, is at its zero but for rounding
             if (!zeros) zeros.emplace(mode, t, x);
             const bool is_zero = (*zeros)(program.outputs() + static_cast<int>(k));
-            if (settled[k] && !is_variable && is_zero) continue;
+            if (settled[k] && (!is_variable || leaves[k]) && is_zero) continue;
             at_zero[k] = is_zero;
             const double was = std::exchange(sign, value < 0.0 ? -1.0 : 1.0);
             if (sign != was) {
@@ -346,6 +346,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
         goes_on[k] = false;
         const int sign = leading_sign(mode, t, x, program.outputs() + static_cast<int>(k), 1);
         double& now = mode.parameters[at(program.switches()[k].parameter)];
+        leaves[k] = sign != 0;
         if (sign != 0 && std::exchange(now, sign) != sign) is_changed = true;
     }
     if (is_changed) settle();
