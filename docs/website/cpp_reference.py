@@ -52,7 +52,7 @@ INNER = [
     *("expression/node", "expression/numbers", "expression/own_function", "expression/program"),
     *("expression/recorder", "expression/recording", "expression/rounded", "expression/time_function"),
     *("model/equations", "model/equations_writer", "model/hybrid", "model/recorded_model", "model/size"),
-    *("model/sliding", "model/system_report", "rbdyn", "scene/plan_slot", "series/piece"),
+    *("model/sliding", "model/system_report", "model/variables_model", "rbdyn", "scene/plan_slot", "series/piece"),
 ]
 
 
