@@ -13,3 +13,4 @@
 #include "rbdyn/event/search.ipp"
 #include "rbdyn/event/search_closer.ipp"
 #include "rbdyn/event/search_least.ipp"
+#include "rbdyn/event/search_products.ipp"

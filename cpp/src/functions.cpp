@@ -21,6 +21,7 @@
 #include "rbdyn/expression/recording.ipp"
 #include "rbdyn/expression/rounded.ipp"
 #include "rbdyn/expression/rounding_sizes.ipp"
+#include "rbdyn/expression/same_sign.ipp"
 #include "rbdyn/expression/schedule.ipp"
 #include "rbdyn/expression/series_abreast.ipp"
 #include "rbdyn/expression/series_evaluator.ipp"

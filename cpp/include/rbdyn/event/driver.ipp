@@ -278,9 +278,11 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
                     handled[g] = handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
             continue;
         }
-        if (guard.role != GuardRole::stop) search_.forget_side(guard);
-        for (std::size_t g = 0; g < handled.size(); ++g)
-            handled[g] = handled[g] || after.equations->guards[g].watch == guard.watch;
+        for (std::size_t g = 0; g < handled.size(); ++g) {
+            const Guard& now = after.equations->guards[g];
+            if (guard.role != GuardRole::stop && now.watch == guard.watch) search_.forget_side(now);
+            handled[g] = handled[g] || now.part == guard.part;
+        }
         for (Happening& h : happenings)
             if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
     }

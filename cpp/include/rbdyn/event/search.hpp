@@ -69,7 +69,8 @@ public:
     bool examine_still(Record& record, const Mode& mode, Instant t, std::span<const double> x);
 
     /// The run ends where a mode begins: watched functions that reached zero there have passed it if they go on to the
-    /// other side, or stay. Returns whether one of them stops the run.
+    /// other side, or stay. `fresh`: the mode begins just there, so that what jumps with it has passed, too. Returns
+    /// whether one of them stops the run.
     bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x, bool fresh);
 
 private:
@@ -86,11 +87,24 @@ private:
         bool rising;
         bool is_pole = false, breaks = false;  // it changes its side and passes nothing; it ceases to be finite
         bool waits = false;                    // the mode ends there too, and what follows decides whether it passes
-        Direction direction() const { return rising ? Direction::rising : Direction::falling; }
+        // of a factor: whether what is watched passes zero there too, and which way
+        bool is_silent = false, product_rises = false;
     };
     using Watched = WatchedSide;
 
+    static Direction direction_of(bool rising) { return rising ? Direction::rising : Direction::falling; }
     static void note(Record& record, const Guard& guard, Direction direction, Instant at);
+
+    /// The guards that are factors of the same watched function as one is: the first of them, and how many.
+    struct Factors {
+        std::size_t first, count;
+    };
+    static Factors factors_of(const std::vector<Guard>& guards, std::size_t g);
+    /// The side that a watched function is on by those of its factors; 0: one is zero, or not known.
+    int product_side(const std::vector<Guard>& guards, const Factors& factors);
+    /// Where factors pass zero, in order, what of it the product does: two that pass at one place leave it as it is.
+    void multiply_sides(const std::vector<Guard>& guards);
+    void multiply_sides(const std::vector<Guard>& guards, const Factors& factors);
 
     /// Takes what happens together with the first event that changes the mode or stops the run: what may come no later
     /// than `together`; of what is seen alone, than `at_once`.
@@ -106,7 +120,7 @@ private:
     /// Whether two places of one zero, computed apart, may be these.
     static bool are_near(const Found& a, const Found& b) { return std::abs(a.place - b.place) <= a.near + b.near; }
 
-    static bool matches(const Guard& guard, const Found& f);
+    static bool matches(const Guard& guard, bool rising);
     static bool interrupts(const Guard& guard, const Found& f);
 
     /// The side a watched function is on, kept through the modes; else that of the guard in this mode.

@@ -100,6 +100,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         return -1.0;
     }
     sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
+    multiply_sides(guards);
     auto first = std::find_if(found_.begin(), found_.end(),
                               [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
     // a watched function with a corner reaches zero where the distinction in it switches, rounding aside
@@ -136,9 +137,9 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
             passed_at_end_.resize(guards.size());
             passed_at_end_[f.guard] = true;
         }
-        if (f.is_pole || guard.role != GuardRole::record || !matches(guard, f)) continue;
+        if (f.is_pole || f.is_silent || guard.role != GuardRole::record || !matches(guard, f.product_rises)) continue;
         const double place = f.place * piece.length;
-        note(record, guard, f.direction(), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
+        note(record, guard, direction_of(f.product_rises), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
     // what a guard that fired is where it did, so that it is known again
     for (const int g : fired_)
@@ -154,21 +155,24 @@ RBDYN_INLINE bool EventSearch::examine_still(Record& record, const Mode& mode, I
     Evaluator<double> values(mode.equations->program);
     values.set_parameters(mode.parameters);
     values(t.hi, x);
-    for (const Guard& guard : guards) {
-        if (guard.watch < 0 || guard.output < 0) continue;
-        const double value = values.output(guard.output);
-        if (!std::isfinite(value)) broken_ = &guard;
-        const int reached = std::exchange(watched(guard).reached, 0);
-        const int stays = reached != 0 && !is_level_at(mode, t.hi, x, guard.output) ? reached : 0;
-        const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : stays;
-        int& before = side_of(guard);
-        if (side == 0 || side == before) continue;
-        const Found f{0.0, 0.0, 0.0, 0, side > 0};
-        if (before != 0 && matches(guard, f)) {
-            note(record, guard, f.direction(), t);
-            stops = stops || guard.role == GuardRole::stop;
+    for (std::size_t g = 0; g < guards.size(); ++g) {
+        if (guards[g].watch < 0 || guards[g].output < 0) continue;
+        const Factors factors = factors_of(guards, g);
+        const int before = product_side(guards, factors);
+        for (g = factors.first; g < factors.first + factors.count; ++g) {
+            const Guard& guard = guards[g];
+            const double value = values.output(guard.output);
+            if (!std::isfinite(value)) broken_ = &guard;
+            const int reached = std::exchange(watched(guard).reached, 0);
+            const int stays = reached != 0 && !is_level_at(mode, t.hi, x, guard.output) ? reached : 0;
+            const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : stays;
+            if (side != 0) watched(guard).side = side;
         }
-        before = side;
+        --g;
+        const int side = product_side(guards, factors);
+        if (before == 0 || side == 0 || side == before || !matches(guards[g], side > 0)) continue;
+        note(record, guards[g], direction_of(side > 0), t);
+        stops = stops || guards[g].role == GuardRole::stop;
     }
     return stops;
 }
@@ -176,29 +180,35 @@ RBDYN_INLINE bool EventSearch::examine_still(Record& record, const Mode& mode, I
 RBDYN_INLINE bool EventSearch::settle(Record& record, const Mode& mode, Instant t, std::span<const double> x,
                                       bool fresh) {
     bool stops = false;
-    const auto pass = [&](const Guard& guard, const Found& f) {
-        note(record, guard, f.direction(), t);
-        watched(guard).reached = 0;
-        watched(guard).side = f.rising ? 1 : -1;
-        passed_at_end_.resize(mode.equations->guards.size());
-        passed_at_end_[static_cast<std::size_t>(&guard - mode.equations->guards.data())] = true;
-        stops = stops || guard.role == GuardRole::stop;
-    };
-    for (const Guard& guard : mode.equations->guards) {
-        if (guard.watch < 0) continue;
+    const std::vector<Guard>& guards = mode.equations->guards;
+    // the side a factor has gone over to; 0: it has not
+    const auto passes_to = [&](const Guard& guard) {
         const int reached = watched(guard).reached, side = watched(guard).side;
         if (reached == 0) {
             // one that has jumped with the mode, or turns in it from zero to the other side
             const int after = fresh && side != 0 ? side_after(mode, guard, t, x, 16.0 * epsilon) : 0;
-            const Found f{0.0, 0.0, 0.0, 0, after > 0};
-            if (after == -side && side != 0 && matches(guard, f)) pass(guard, f);
-            continue;
+            return after == -side ? after : 0;
         }
-        const Found f{0.0, 0.0, 0.0, 0, reached > 0};
-        if (!matches(guard, f)) continue;
-        if (const int after = side_after(mode, guard, t, x, 1e-6); after != 0 && after != reached) continue;
-        if (guard.output >= 0 && is_level_at(mode, t.hi, x, guard.output)) continue;
-        pass(guard, f);
+        if (const int after = side_after(mode, guard, t, x, 1e-6); after != 0 && after != reached) return 0;
+        return guard.output >= 0 && is_level_at(mode, t.hi, x, guard.output) ? 0 : reached;
+    };
+    for (std::size_t g = 0; g < guards.size(); ++g) {
+        if (guards[g].watch < 0) continue;
+        const Factors factors = factors_of(guards, g);
+        const int before = product_side(guards, factors);
+        for (g = factors.first; g < factors.first + factors.count; ++g) {
+            const int after = passes_to(guards[g]);
+            if (after == 0) continue;
+            watched(guards[g]).reached = 0;
+            watched(guards[g]).side = after;
+            passed_at_end_.resize(guards.size());
+            passed_at_end_[g] = true;
+        }
+        --g;
+        const int side = product_side(guards, factors);
+        if (before == 0 || side == 0 || side == before || !matches(guards[g], side > 0)) continue;
+        note(record, guards[g], direction_of(side > 0), t);
+        stops = stops || guards[g].role == GuardRole::stop;
     }
     return stops;
 }
@@ -241,7 +251,7 @@ RBDYN_INLINE void EventSearch::fire(const std::vector<Guard>& guards, const Foun
         if (std::find(fired_.begin(), fired_.end(), static_cast<int>(f.guard)) != fired_.end()) continue;
         fired_.push_back(static_cast<int>(f.guard));
         directions_.resize(guards.size());
-        directions_[f.guard] = f.direction();
+        directions_[f.guard] = direction_of(f.product_rises);
         stops_ = stops_ || guard.role == GuardRole::stop;
     }
 }
@@ -267,12 +277,13 @@ RBDYN_INLINE std::span<const double> EventSearch::state_of_piece(double tau) {
     return state_;
 }
 
-RBDYN_INLINE bool EventSearch::matches(const Guard& guard, const Found& f) {
-    return guard.direction == Direction::either || guard.direction == f.direction();
+RBDYN_INLINE bool EventSearch::matches(const Guard& guard, bool rising) {
+    return guard.direction == Direction::either || guard.direction == direction_of(rising);
 }
 
 RBDYN_INLINE bool EventSearch::interrupts(const Guard& guard, const Found& f) {
-    return !f.is_pole && guard.role != GuardRole::record && (!guard.is_watched() || matches(guard, f));
+    if (f.is_pole || f.is_silent || guard.role == GuardRole::record) return false;
+    return !guard.is_watched() || matches(guard, f.product_rises);
 }
 
 RBDYN_INLINE int& EventSearch::side_of(const Guard& guard) {
@@ -284,7 +295,7 @@ RBDYN_INLINE int& EventSearch::side_of(const Guard& guard) {
 }
 
 RBDYN_INLINE EventSearch::Watched& EventSearch::watched(const Guard& guard) {
-    const std::size_t index = guard.watch >= 0 ? static_cast<std::size_t>(guard.watch) : 0;
+    const std::size_t index = guard.part >= 0 ? static_cast<std::size_t>(guard.part) : 0;
     if (watched_.size() <= index) watched_.resize(index + 1);
     return watched_[index];
 }

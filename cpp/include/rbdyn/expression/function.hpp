@@ -25,6 +25,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+struct SignFactors;
+
 /// A function of several variables with several results, recorded by calling it once with expressions.
 class Function {
 public:
@@ -98,6 +100,11 @@ public:
         return result;
     }
 
+    /// A node in the recording that its inputs and operands are in now, cases and numbers of the user's kept as such.
+    Expression again(std::int32_t n, std::span<const Expression> x, const std::vector<Expression>& y) const;
+    /// The same without the operations that no result uses.
+    Function trimmed() const;
+
     /// The derivatives of all results with respect to one input, as another recorded function.
     Function derivative(int input) const;
 
@@ -124,6 +131,7 @@ public:
     bool operator==(const Function& other) const;
 
 private:
+    friend SignFactors sign_factors(const Function& function);
     static std::size_t at(std::int32_t n) { return static_cast<std::size_t>(n); }
 
     [[noreturn, gnu::cold]] static void refuse_empty();

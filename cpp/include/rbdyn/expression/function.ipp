@@ -85,6 +85,34 @@ RBDYN_INLINE bool Function::depends_on(int input) const {
     return false;
 }
 
+RBDYN_INLINE Expression Function::again(std::int32_t n, std::span<const Expression> x,
+                                        const std::vector<Expression>& y) const {
+    const Node& node = recorder_->node(n);
+    if (node.operation == Operation::cell) return recording::active()->cell(recorder_->cells()[at(node.a)]);
+    return applied<Expression>(n, x, y);
+}
+
+RBDYN_INLINE Function Function::trimmed() const {
+    std::vector<char> is_used(static_cast<std::size_t>(size()), 0);
+    for (const std::int32_t out : outputs_) is_used[at(out)] = 1;
+    for (std::int32_t n = size(); n-- > 0;)
+        for (const std::int32_t operand : node(n).operands())
+            if (is_used[at(n)] && operand >= 0) is_used[at(operand)] = 1;
+    std::vector<Node> nodes;
+    std::vector<std::int32_t> moved(is_used.size(), -1), outputs;
+    for (std::int32_t n = 0; n < size(); ++n) {
+        if (!is_used[at(n)]) continue;
+        Node copy = node(n);
+        const auto used = copy.operands();
+        for (std::size_t i = 0; i < 3; ++i)
+            if (used[i] >= 0) (i == 0 ? copy.a : i == 1 ? copy.b : copy.c) = moved[at(used[i])];
+        moved[at(n)] = static_cast<std::int32_t>(nodes.size());
+        nodes.push_back(copy);
+    }
+    for (const std::int32_t out : outputs_) outputs.push_back(moved[at(out)]);
+    return from_data(inputs_, nodes, outputs, names(), parameters());
+}
+
 RBDYN_INLINE Function Function::derivative(int input) const {
     const recording::WideFolding all_digits;
     return record(inputs_, [&](const std::vector<Expression>& x) { return differentiated(x, input); });
@@ -164,7 +192,6 @@ RBDYN_INLINE std::optional<Expression> Function::weight_of(const Expression& x, 
 RBDYN_INLINE std::vector<Expression> Function::differentiated(const std::vector<Expression>& x, int input) const {
     const auto size = static_cast<std::size_t>(recorder_->size());
     std::vector<Expression> y(size), d(size);
-    Recorder* r = x[0].recorder();
     for (std::int32_t n = 0; n < recorder_->size(); ++n) {
         const Node& node = recorder_->node(n);
         std::array<Expression, 3> operands, slopes;
@@ -175,21 +202,13 @@ RBDYN_INLINE std::vector<Expression> Function::differentiated(const std::vector<
             }
         Expression &v = y[at(n)], &dv = d[at(n)];
         dv = 0.0;
-        // the same operation in the new recording; cases and cells are kept as such
-        switch (node.operation) {
-            case Operation::cell:
-                v = values_ ? Expression(cell(node.a)) : r->cell(recorder_->cells()[at(node.a)]);
-                break;
-            case Operation::select:
-                v = applied<Expression>(n, x, y);
-                dv = select(
-                    operands[0], [&] { return slopes[1]; }, [&] { return slopes[2]; }, name(node.d));
-                break;
-            default: v = applied<Expression>(n, x, y); break;
-        }
+        v = node.operation == Operation::cell && values_ ? Expression(cell(node.a)) : again(n, x, y);
         if (node.operation == Operation::input)
             dv = node.a == input ? 1.0 : 0.0;
-        else if (node.operation != Operation::select)
+        else if (node.operation == Operation::select)
+            dv = select(
+                operands[0], [&] { return slopes[1]; }, [&] { return slopes[2]; }, name(node.d));
+        else
             dv = recording::derivative(node, v, operands, slopes);
     }
     std::vector<Expression> result;

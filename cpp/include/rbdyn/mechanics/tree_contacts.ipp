@@ -435,8 +435,11 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         };
         std::erase_if(at_rest, [&](int k) {
             const double u = rate(rows, motion, k);
-            const bool bounces = impulses[at(k)] <= 0.0 || conditions_->contacts()[at(k)].restitution > 0.0,
-                       opens = bounces && u > 1e-13 * struck_size(k);
+            const double e = conditions_->contacts()[at(k)].restitution, size = struck_size(k);
+            const bool bounces = impulses[at(k)] <= 0.0 || e > 0.0;
+            // what comes back as fast as its own restitution says is no rounding of others
+            const double back = -e * rate(before, all, k);
+            const bool opens = bounces && (u > 1e-13 * size || (back > 8.0 * epsilon * size && u > 0.5 * back));
             if (opens) after.slip[at(k)] = flies;
             return opens;
         });

@@ -253,7 +253,7 @@ RBDYN_INLINE double TreeModel::power(const Mode& mode, const Scene::AppliedLoad&
 RBDYN_INLINE double TreeModel::watched(const Mode& mode, int watch, double t, std::span<const double> x) const {
     if (mode.equations != nullptr)
         for (const Guard& guard : mode.equations->guards) {
-            if (guard.watch != watch || guard.output < 0) continue;
+            if (guard.watch != watch || guard.output < 0 || !guard.is_itself) continue;
             Evaluator<double> values(mode.equations->program);
             values.set_parameters(mode.parameters);
             values(t, x);

@@ -399,7 +399,7 @@ RBDYN_INLINE void TreeWriter::watch(EquationsWriter& write, const std::vector<Sc
         }
         std::vector<S> x;
         for (const Observable& o : w.function.arguments()) x.push_back(observed(o));
-        write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
+        write.watch(g, w.function.function(), x);
     }
 }
 

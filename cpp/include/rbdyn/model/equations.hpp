@@ -62,9 +62,11 @@ struct Guard {
     int sign_parameter = -1;  // parameter whose sign multiplies the value; -1: none
     Direction direction = Direction::falling;
     std::string name = {};
-    int watch = -1;                                    // the watched function it is, by order of addition
-    int branch = -1, step = 0;                         // the branch whose choice moves by a step where it fires
-    int sliding = -1;                                  // the sliding surface that is left where it fires, to side step
+    int watch = -1;             // the watched function it is, or a factor of, by order of addition
+    int part = -1;              // by order of writing, among all that is watched
+    bool is_itself = true;      // its values are those of the watched function
+    int branch = -1, step = 0;  // the branch whose choice moves by a step where it fires
+    int sliding = -1;           // the sliding surface that is left where it fires, to side step
     std::shared_ptr<const Locator> locator = nullptr;  // finds it, if there is no output
     bool renews = false;                               // where it fires its parameters change, and its value with them
     double least = 0.0;  // below 0: noted where it sinks to that, all but, and rises again; no step is shorter for it

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -48,6 +49,8 @@ public:
     void decide(Guard g, const Expression& value);
     /// A guard whose value is looked at even if it cannot change: it may between structures.
     void watch(Guard g, const Expression& value);
+    /// Guards for where a function of x changes its sign.
+    void watch(const Guard& g, const Function& function, std::span<const Expression> x);
     /// A value that is asked for and guards nothing. Returns its index among the outputs.
     int output(const Expression& value);
     /// A guard that is none of the program's outputs. `moves`: whether it may fire by what happens outside of it.
@@ -60,9 +63,12 @@ public:
     std::unique_ptr<Structure> finish(std::vector<VariableGroup> groups);
 
 private:
+    void add(Guard g);
+
     Recorder& r_;
     std::vector<Expression> rates_, watched_, acting_;
     std::vector<Guard> guards_;
+    int parts_ = 0;
     bool moves_ = false;
 };
 

@@ -6,14 +6,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/expression/expression.hpp"
+#include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/same_sign.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::recording {
@@ -75,8 +78,17 @@ RBDYN_INLINE void EquationsWriter::decide(Guard g, const Expression& value) {
 RBDYN_INLINE void EquationsWriter::watch(Guard g, const Expression& value) {
     g.output = static_cast<int>(rates_.size() + watched_.size());
     moves_ = moves_ || !recording::is_constant(r_, value);
-    guards_.push_back(std::move(g));
+    add(std::move(g));
     watched_.push_back(value);
+}
+
+RBDYN_INLINE void EquationsWriter::watch(const Guard& g, const Function& function, std::span<const Expression> x) {
+    const SignFactors signs = sign_factors(function);
+    for (const Expression& value : signs.factors(x)) {
+        Guard factor = g;
+        factor.is_itself = signs.is_itself;
+        watch(std::move(factor), value);
+    }
 }
 
 RBDYN_INLINE int EquationsWriter::output(const Expression& value) {
@@ -86,6 +98,11 @@ RBDYN_INLINE int EquationsWriter::output(const Expression& value) {
 
 RBDYN_INLINE void EquationsWriter::outside(Guard g, bool moves) {
     moves_ = moves_ || moves;
+    add(std::move(g));
+}
+
+RBDYN_INLINE void EquationsWriter::add(Guard g) {
+    if (g.watch >= 0) g.part = parts_++;
     guards_.push_back(std::move(g));
 }
 

@@ -170,7 +170,7 @@ RBDYN_INLINE void PointsWriter::watch(EquationsWriter& write, const std::vector<
         }
         std::vector<S> x;
         for (const Observable& o : w.function.arguments()) x.push_back(now.value(o));
-        write.watch(std::move(g), w.function.function()(std::span<const S>(x))[0]);
+        write.watch(g, w.function.function(), x);
     }
 }
 

@@ -112,7 +112,7 @@ RBDYN_INLINE std::unique_ptr<Structure> SystemModel::record(const Mode&, const R
                 if (w.function.callback())
                     write.outside(std::move(g));
                 else
-                    write.watch(std::move(g), w.function(now)[0]);
+                    write.watch(g, w.function.function(), now);
             }
             std::vector<VariableGroup> groups;
             for (int i = 0; i < n; ++i) groups.push_back({i, 1, false, 0.0, whole});
