@@ -315,6 +315,8 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
         if (!(std::abs(g) < best)) break;
         best = std::abs(g);
         cut = place;
+        // rounding of its terms knows the place no better than its series
+        if (best <= value_rounding(mode, guard, place / piece.length)) break;
         place = std::clamp(cut - g / slope, 0.0, piece.length);
         if (!(std::abs(place - cut) < 1e-3 * piece.length) || place == cut || place == 0.0) break;
     }

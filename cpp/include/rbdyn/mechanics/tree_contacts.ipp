@@ -188,9 +188,14 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         }
         if (u <= 0.0 || !falls) return {};
         const double next = 2.0 * u / -w[i];
-        if (height > lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
-        // bounces get shorter by the coefficient of restitution, or as the last one did
         const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
+        // one that bounces alone begins each flight at zero, and is known as far as its time and its speed are
+        const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && e > 0.0 && e < 1.0;
+        const bool is_shortest = is_alone
+                                     ? next <= 2.0 * epsilon * std::abs(t) || e * u <= slowest_bounce * speed_of(k, all)
+                                     : height <= lowest(k) || next <= 64.0 * epsilon * std::abs(t);
+        if (!is_shortest) return {};
+        // bounces get shorter by the coefficient of restitution, or as the last one did
         const double ratio = e > 0.0 && e < 1.0 ? e : last > 0.0 ? next / last : 1.0;
         // those that do not are no bounces once they are far below rounding
         if (ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};

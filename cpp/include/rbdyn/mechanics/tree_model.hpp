@@ -220,6 +220,8 @@ private:
                                   const std::vector<int>& closed, double& remaining) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static constexpr double lowest_bounce = 4096.0;  // in units of the rounding of the gap
+    // of the speed along the surface, some times what impulses take for rounding
+    static constexpr double slowest_bounce = 3e-14;
     /// What a row has of acceleration at a state, and the size of what that is made of.
     static std::pair<double, double> acceleration_along(const mechanics::Row<double>& row,
                                                         const mechanics::TreeState& state);

@@ -53,6 +53,8 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         // a graze that one of them sees as a hold of no length changes nothing
         while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) skip_graze(ours, i, result);
         while (differ(ours, i, theirs, j) && is_graze(theirs, j, start)) j += 2;
+        while (differ(ours, i, theirs, j) && is_last_bounce(ours, i, start)) ++i;
+        while (differ(ours, i, theirs, j) && is_last_bounce(theirs, j, start)) ++j;
         if (differ(ours, i, theirs, j)) break;
         const Event &a = ours[i], &b = theirs[j];
         const double error = std::abs(a.instant - b.instant) /
@@ -273,6 +275,16 @@ RBDYN_INLINE bool AccuracyCheck::is_graze(const std::vector<Event>& events, std:
     if (a.kind != EventKind::stick || b.kind != EventKind::slip || a.subject != b.subject) return false;
     // what other events are of is no body, or has no friction
     return !model_.holds_what_touches(a.subject) && b.time - a.time <= std::sqrt(wanted_) * (a.time - start);
+}
+
+RBDYN_INLINE bool AccuracyCheck::is_last_bounce(const std::vector<Event>& events, std::size_t i, double start) {
+    constexpr double near = 1e-12;
+    if (i >= events.size()) return false;
+    const Event& impact = events[i];
+    for (; i < events.size() && events[i].kind == EventKind::impact && events[i].contact == impact.contact; ++i) {
+    }
+    return i < events.size() && events[i].kind == EventKind::accumulation && events[i].contact == impact.contact &&
+           events[i].time - impact.time <= near * (impact.time - start);
 }
 
 RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {
