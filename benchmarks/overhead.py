@@ -1,9 +1,12 @@
 """What is paid before and beside the integration: import, a call of simulate(), memory of scenes and runs.
 
 Import: median of whole processes, with the time of the interpreter and of NumPy alone beside it. Calls: median of 401.
-Memory: resident size over many scenes or runs that are kept, a number that depends on the allocator.
+Memory: resident size over many scenes or runs that are kept, a number that depends on the allocator. Estimates: what a
+call with error= takes, its plan kept from before, in integrations of the run that it returns, least over least; alone
+with the argument `estimates`.
 """
 
+import math
 import statistics
 import subprocess
 import sys
@@ -12,6 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import rbdyn as rb
+from scenes import chain
+from scenes.beside_peers import PROBLEMS
 
 
 def median_of(f, *arguments, count=401, **options):
@@ -67,7 +72,44 @@ def body():
 SCENES = (("particle, 1 s", thrown, 1.0), ("rough hoop, 30 s", hoop, 30.0), ("body, 1 s", body, 1.0))
 
 
+def in_integrations(scene, until, error, keep):
+    """A call with this error over the integration of the run it returns; none where the series do not reach it."""
+    least = [math.inf, math.inf]
+    began = time.thread_time()
+    for count in range(200):
+        try:
+            paid = rb.simulate(scene, until, error=error, engine="taylor", keep=keep).statistics
+        except rb.AccuracyError:
+            return None
+        least = [min(least[0], paid.seconds), min(least[1], paid.integration_seconds)]
+        if count >= 5 and time.thread_time() - began > 0.4:
+            break
+    return least[0] / least[1]
+
+
+def show_estimates():
+    print("calls by taylor in integrations, all kept (the end alone)")
+    errors = (1e-6, 1e-9, 1e-12)
+    print("| scene | " + " | ".join(f"{e:.0e}" for e in errors) + " |\n|---|" + "---|" * len(errors))
+    made = {**{name: problem.scene for name, problem in PROBLEMS.items()}, "chain of 100": chain}
+    found = {"all": [], "end": []}
+    for name, make in made.items():
+        scene, until = make()
+        cells = []
+        for error in errors:
+            two = [in_integrations(scene, until, error, keep) for keep in found]
+            cells.append("-" if None in two else f"{two[0]:.2f} ({two[1]:.2f})")
+            for kept, ratio in zip(found.values(), two, strict=True):
+                kept += [] if None in two else [ratio]
+        print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+    means = [math.exp(statistics.fmean(map(math.log, kept))) for kept in found.values()]
+    print(f"geometric mean {means[0]:.2f} ({means[1]:.2f})")
+
+
 def main():
+    if sys.argv[1:] == ["estimates"]:
+        show_estimates()
+        return
     print("import: whole process [ms]")
     for program in ("pass", "import numpy", "import rbdyn"):
         print(f"  {program:14} {process(program):8.1f}")
@@ -93,6 +135,9 @@ def main():
             median_of(rb.simulate, scene, until),
         ]
         print(f"  {name:18}" + "".join(f"{x:9.1f}" for x in row))
+
+    print()
+    show_estimates()
 
     stiffness = rb.parameter(1.0, "stiffness")
     scene = thrown()

@@ -30,7 +30,7 @@ FOLDERS = {
     "docs/notebooks/": "[notebooks](notebooks/1_hoop.md)",
     "examples/": "[examples](examples/index.md)",
 }
-BACKGROUND = ["numerical_methods", "promises", "errata", "benchmarks", "installing", "compiling"]
+BACKGROUND = ["numerical_methods", "promises", "errata", "benchmarks", "peers", "installing", "compiling"]
 
 
 def title_of(page: Path) -> str:

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/course.hpp"
@@ -104,8 +105,14 @@ void end_where_finite(Record& record);
 /// What of two runs that are compared is kept: all, or without all the times wanted and many in between, the same of
 /// both.
 Keep compared_pieces(const SimulateOptions& options);
-/// What is kept of one that a run is held against.
-Keep held_against(const Record& run, const Keep& compared);
+/// What is kept of one that a run is held against: where it is compared.
+Keep held_against(const Record& run);
+
+/// A motion in closed form that nothing is watched for: no pieces, from the state `first`; `origin`: where it began.
+Record formula_record(const Mode& mode, std::vector<double> first, double start, Instant end,
+                      const std::shared_ptr<const ClosedForm>& form, double origin);
+/// The same beside a run of one mode; none if it has guards: series have to find what they do then.
+std::optional<Record> formula_beside(const Record& run, const std::shared_ptr<const ClosedForm>& form, double origin);
 
 /// Hands on the events of a motion of one part that is judged, or leaves the last of each; what a function of the
 /// user's throws there is the outcome.

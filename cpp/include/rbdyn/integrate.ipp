@@ -176,9 +176,33 @@ RBDYN_INLINE Keep compared_pieces(const SimulateOptions& options) {
     return compared;
 }
 
-RBDYN_INLINE Keep held_against(const Record& run, const Keep& compared) {
-    const bool has_all = compared.what == Keep::What::all;
-    return {.what = Keep::What::times, .times = has_all ? AccuracyCheck::places(run) : compared.times, .winds = false};
+RBDYN_INLINE Keep held_against(const Record& run) {
+    return {.what = Keep::What::times, .times = AccuracyCheck::places(run), .winds = false};
+}
+
+RBDYN_INLINE Record formula_record(const Mode& mode, std::vector<double> first, double start, Instant end,
+                                   const std::shared_ptr<const ClosedForm>& form, double origin) {
+    Record record;
+    record.start = start;
+    record.end = end;
+    record.variables = static_cast<int>(first.size());
+    record.modes = {mode};
+    record.closed = form;
+    record.closed_from = origin;
+    Halt halt{.at = end, .x = first, .low = {}, .mode = mode};
+    form->state(exact_difference(end, {origin, 0.0}), halt.x);
+    halt.low.resize(halt.x.size());
+    record.halt = std::make_shared<const Halt>(std::move(halt));
+    record.first_state = std::move(first);
+    return record;
+}
+
+RBDYN_INLINE std::optional<Record> formula_beside(const Record& run, const std::shared_ptr<const ClosedForm>& form,
+                                                  double origin) {
+    if (form == nullptr || run.modes.size() != 1 || run.empty()) return std::nullopt;
+    const Mode& mode = run.modes.front();
+    if (mode.equations == nullptr || !mode.equations->guards.empty()) return std::nullopt;
+    return formula_record(mode, run.first_state, run.start, run.end, form, origin);
 }
 
 RBDYN_INLINE void settle_events(Solution& solution, const SimulateOptions& options) {
@@ -257,15 +281,19 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     const bool keeps_all = options.keep.what == Keep::What::all;
     Timed run = run_with(engine, first);
     std::vector<Event> grazes;
-    bool amplifies = false;
+    bool amplifies = false, has_retried = false;
     // a closed form is not wrong itself
     AccuracyCheck check(model, options.error, options.monitor, form ? 1.25 : 2.0);
     for (;;) {
         if (is_cut_short(run)) return result;
         const Pass finer = judging_pass(options, engine, is_judge, first, run.record, amplifies);
-        Timed better =
-            form ? integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), finer.keep, {}, form)
-                 : run_with(judge, finer);
+        const auto made_better = [&]() -> Timed {
+            if (!form) return run_with(judge, finer);
+            if (auto formula = formula_beside(run.record, form, beginning.origin)) return {*std::move(formula)};
+            return integrate(model, x, options, beginning, judge, 0.1 * least_tolerance("taylor"), finer.keep, {},
+                             form);
+        };
+        Timed better = made_better();
         Comparison comparison;
         try {
             if (better.record.thrown) std::rethrow_exception(better.record.thrown);
@@ -315,7 +343,16 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
                 continue;
             }
         }
-        if (first.tolerance <= least_tolerance(engine)) {
+        // at the floor errors of neighbouring tolerances differ by several times, either way: one more may do
+        constexpr double nearly = 2.0, neighbour = 4.0;
+        if (engine != "taylor" && !has_retried && first.tolerance <= least_tolerance(engine) &&
+            comparison.same_events && comparison.error <= nearly * options.error) {
+            has_retried = true;
+            first.tolerance = neighbour * least_tolerance(engine);
+            run = run_with(engine, first);
+            continue;
+        }
+        if (first.tolerance <= least_tolerance(engine) || has_retried) {
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
             result.message =
@@ -364,7 +401,10 @@ RBDYN_INLINE std::optional<Solution> carry_on(const HybridModel& model, const St
         return result;
     }
     const Course& judge = *standing.judge;
-    const Timed better = go_on(judge, compared);
+    const bool is_form = judge.engine == "closed form";
+    const Keep held = held_against(run.record);
+    auto formula = is_form ? formula_beside(run.record, form, standing.origin) : std::nullopt;
+    const Timed better = formula ? Timed{*std::move(formula)} : go_on(judge, held);
     const Status status = better.record.status;
     if (better.record.thrown || (status != Status::reached_end && status != Status::stopped_by_event)) {
         // whoever interrupts it interrupts the run
@@ -375,9 +415,8 @@ RBDYN_INLINE std::optional<Solution> carry_on(const HybridModel& model, const St
         return result;
     }
     const MotionBefore before{standing.origin, standing.scales};
-    Comparison comparison =
-        AccuracyCheck(model, options.error, options.monitor, judge.engine == "closed form" ? 1.25 : 2.0, &before)(
-            run.record, better.record, compared.times);
+    Comparison comparison = AccuracyCheck(model, options.error, options.monitor, is_form ? 1.25 : 2.0, &before)(
+        run.record, better.record, held.times);
     result.error = std::max(standing.error, comparison.error);
     if (!comparison.stopped && !(comparison.same_events && *result.error <= options.error)) return std::nullopt;
     if (comparison.stopped) {
@@ -434,16 +473,8 @@ RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double>
         mode = model.begin(options.start, first);
     }
     if (mode.equations->guards.empty()) {
-        Record& record = result.record;
-        record.start = options.start;
-        record.end = {options.until, 0.0};
-        record.variables = model.variables();
-        record.modes = {mode};
-        record.first_state = std::move(first);
-        Halt halt{.at = record.end, .x = record.first_state, .low = {}, .mode = mode};
-        form->state(exact_difference(record.end, {beginning.origin, 0.0}), halt.x);
-        halt.low.resize(halt.x.size());
-        record.halt = std::make_shared<const Halt>(std::move(halt));
+        result.record =
+            formula_record(mode, std::move(first), options.start, {options.until, 0.0}, form, beginning.origin);
     } else {
         result.record = run(least_tolerance("taylor"), 0);
         if (!options.rtol) {

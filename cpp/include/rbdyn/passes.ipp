@@ -39,7 +39,7 @@ RBDYN_INLINE Pass judging_pass(const SimulateOptions& options, const std::string
         pass.manner.is_refined = manner.is_refined || amplifies;
         pass.manner.gives_way = manner.gives_way;
     }
-    pass.keep = held_against(record, first.keep);
+    pass.keep = held_against(record);
     return pass;
 }
 

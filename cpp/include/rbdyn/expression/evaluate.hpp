@@ -16,8 +16,11 @@ namespace rbdyn::inline RBDYN_FORM {
 template <class T>
 class Evaluator {
 public:
-    explicit Evaluator(const Program& program) : program_(&program), slots_(static_cast<std::size_t>(program.slots())) {
-        set_parameters(std::vector<T>(static_cast<std::size_t>(program.parameters()), T(0)));
+    explicit Evaluator(const Program& program)
+        : Evaluator(program, std::vector<T>(static_cast<std::size_t>(program.parameters()), T(0))) {}
+    Evaluator(const Program& program, std::span<const T> parameters)
+        : program_(&program), slots_(static_cast<std::size_t>(program.slots())) {
+        set_parameters(parameters);
     }
 
     void set_parameters(std::span<const T> parameters, Program::Rounding rounding = Program::Rounding::nearest) {

@@ -198,6 +198,7 @@ template <class T>
 void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars, Rounding rounding) const {
     using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
     scalars.clear();
+    scalars.reserve(constants_.size());
     const auto rounded = [rounding](T hi, T lo) {
         const T nearest = hi + lo, rest = lo - (nearest - hi);
         if (rounding == Rounding::nearest || rest == T(0)) return nearest;

@@ -443,8 +443,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         if (!n.is_point) {
             for (const Vector3* axis : {&m.axes.e1, &m.axes.e2, &m.axes.e3}) out.push_back({*axis, false, 1.0, 1.0});
             // what forces of this size would make of it: far below that it is rounding
-            const auto block = tree_->inertia_of<double>(i, m);
-            const double gyration = mass > 0.0 ? std::sqrt((block[0][0] + block[1][1] + block[2][2]) / mass) : 0.0,
+            const double moments = b.inertia(0, 0) + b.inertia(1, 1) + b.inertia(2, 2),
+                         gyration = mass > 0.0 ? std::sqrt(moments / mass) : 0.0,
                          natural = gyration > 0.0 ? std::sqrt(b.effort.force.norm() / (mass * gyration)) : 0.0;
             out.push_back({m.omega, false, 0.0, std::max(m.omega.norm(), natural), Alike::turning});
         }

@@ -35,6 +35,7 @@ namespace mechanics {
 struct TreeState {
     struct Body {
         Vector3 arm, center, velocity, acceleration;        // of G; arm from P
+        Matrix3 inertia;                                    // about G, world axes
         Vector3 spin_momentum, spin_rate;                   // K_G and its rate
         Vector3 angular_acceleration, origin_acceleration;  // the latter of P
         Wrench<double> acts, reaction;                      // about P

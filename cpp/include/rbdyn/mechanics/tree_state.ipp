@@ -55,7 +55,8 @@ RBDYN_INLINE void TreeState::place() {
         b.arm = m.to_world(exactly<double>(tree.node(i).center));
         b.center = m.place + b.arm;
         b.velocity = m.velocity_at(b.arm);
-        b.spin_momentum = tree_states::matrix(tree.inertia_of<double>(i, m)) * m.omega;
+        b.inertia = tree_states::matrix(tree.inertia_of<double>(i, m));
+        b.spin_momentum = b.inertia * m.omega;
         b.acceleration = b.spin_rate = b.angular_acceleration = b.origin_acceleration = Vector3::Zero();
     }
 }
@@ -161,8 +162,7 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         const Moving<double>& m = moving[at(i)];
         b.acceleration = b.origin_acceleration + cross<double>(b.angular_acceleration, b.arm) +
                          cross<double>(m.omega, cross<double>(m.omega, b.arm));
-        b.spin_rate = tree_states::matrix(tree.inertia_of<double>(i, m)) * b.angular_acceleration +
-                      cross<double>(m.omega, b.spin_momentum);
+        b.spin_rate = b.inertia * b.angular_acceleration + cross<double>(m.omega, b.spin_momentum);
         Wrench<double> inertia;
         inertia.force = b.acceleration * static_cast<double>(tree.node(i).mass);
         inertia.moment = b.spin_rate + cross<double>(b.arm, inertia.force);

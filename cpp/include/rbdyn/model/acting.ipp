@@ -20,12 +20,10 @@ RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int c
                                              std::span<const double> x) {
     if (mode.equations == nullptr || mode.equations->acting == nullptr) return std::nullopt;
     const Program& program = *mode.equations->acting;
-    std::vector<double> parameters = mode.parameters;
-    Evaluator<double> values(program);
-    values.set_parameters(parameters);
+    Evaluator<double> values(program, mode.parameters);
     values(t, x);
     // the sign of what the motion itself does not depend on is that of the state
-    bool has_loose = false;
+    std::vector<double> parameters;
     const std::vector<Switch>& known = mode.equations->program.switches();
     for (std::size_t k = 0; k < program.switches().size(); ++k) {
         const Switch& s = program.switches()[k];
@@ -33,10 +31,10 @@ RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int c
         bool is_known = false;
         for (const Switch& other : known) is_known = is_known || other.parameter == s.parameter;
         if (is_known) continue;
-        has_loose = true;
+        if (parameters.empty()) parameters = mode.parameters;
         parameters[static_cast<std::size_t>(s.parameter)] = values.switch_value(static_cast<int>(k)) < 0.0 ? -1.0 : 1.0;
     }
-    if (has_loose) {
+    if (!parameters.empty()) {
         values.set_parameters(parameters);
         values(t, x);
     }

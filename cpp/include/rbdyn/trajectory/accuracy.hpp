@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -69,8 +70,30 @@ private:
 
     void compare_motion(const Record& run, const Record& better, std::span<const double> times, double until);
 
-    /// Both runs at a time; just before an event one of them may be past it already, and then its time tells.
-    void compare_at(Instant at, const Record& run, std::size_t i, const Record& better, std::size_t& j);
+    /// Where both runs are compared.
+    struct Place {
+        Instant at;
+        std::size_t piece = 0, fine_piece = 0;
+        double here = 0.0, there = 0.0;  // on the pieces, in their units
+        bool is_chosen = true;
+    };
+    /// None where the two are in different modes: just before an event one of them may be past it already, and then
+    /// its time tells. `j`: the piece of the better run, or one before it.
+    static std::optional<Place> place_of(Instant at, const Record& run, std::size_t i, const Record& better,
+                                         std::size_t& j);
+
+    /// Of many places some spread over the motion, the last in each mode and those where states are farthest apart:
+    /// what is seen of a state costs far more than the state.
+    void choose(std::span<Place> places, const Record& run, const Record& better);
+
+    /// Those of both runs, into x_ and y_.
+    void states(const Place& place, const Record& run, const Record& better);
+
+    /// What is seen of both.
+    void compare_at(const Place& place, const Record& run, const Record& better);
+
+    /// A closed form that has no pieces.
+    static bool is_formula(const Record& r) { return r.empty() && r.closed != nullptr; }
 
     /// The differences of what is seen from the better; of motion alone, or of forces, too.
     void note(double weight, bool is_shared, bool has_forces);
@@ -99,6 +122,8 @@ private:
     // a motion of one or two pieces has its extent and its errors within them; errors of many pieces grow from one to
     // the next, so that some of them tell of all
     static constexpr std::size_t least_places = 16, most_places = 64, quick_parts = 16;
+    // of those at which states are compared as many show what is seen of them
+    static constexpr std::size_t enough_places = 32;
     // up to this order pieces are interpolations between steps, not series
     static constexpr int interpolated = 7;
 

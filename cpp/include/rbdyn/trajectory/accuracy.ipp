@@ -8,13 +8,16 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -122,59 +125,96 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
 
 RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record& better, std::span<const double> times,
                                                 double until) {
+    if (run.empty()) return;
     x_.resize(static_cast<std::size_t>(run.variables));
     y_.resize(x_.size());
+    std::vector<Place> places;
+    places.reserve(times.size());
     std::size_t j = 0;  // piece of the better run
-    int asked = 0;
     for (const double t : times) {
-        if (t >= until || t > run.end.hi) return;
-        if (run.empty()) return;
-        compare_at({t, 0.0}, run, run.find(t, Side::before), better, j);
-        if (proceed_ && ++asked % 128 == 0 && !proceed_(t)) {
+        if (t >= until || t > run.end.hi) break;
+        if (const auto place = place_of({t, 0.0}, run, run.find(t, Side::before), better, j)) places.push_back(*place);
+    }
+    choose(places, run, better);
+    int asked = 0;
+    for (const Place& place : places) {
+        if (!place.is_chosen) continue;
+        compare_at(place, run, better);
+        if (proceed_ && ++asked % 128 == 0 && !proceed_(place.at.hi)) {
             stopped_ = true;
             return;
         }
     }
 }
 
-RBDYN_INLINE std::vector<std::size_t> AccuracyCheck::quickest(const Record& run) {
-    const std::size_t pieces = run.entries().size(), n = static_cast<std::size_t>(std::max(run.variables, 0));
-    const auto rate = [&](const Piece& piece, std::size_t k) {
-        return piece.order > 0 ? std::abs(piece.variable(static_cast<int>(k))[1]) / piece.unit : 0.0;
-    };
-    std::vector<double> largest(n, 0.0);
-    for (std::size_t i = 0; i < pieces; ++i) {
-        const Piece piece = run.piece(i);
-        for (std::size_t k = 0; k < n; ++k) largest[k] = std::max(largest[k], rate(piece, k));
+RBDYN_INLINE void AccuracyCheck::choose(std::span<Place> places, const Record& run, const Record& better) {
+    const std::size_t n = x_.size(), every = (places.size() + enough_places - 1) / enough_places;
+    if (every <= 1 || n == 0 || n > most_places) return;
+    const auto& entries = run.entries();
+    for (std::size_t p = 0; p < places.size(); ++p) {
+        const std::size_t i = places[p].piece;
+        // spread by the golden section, so that no period of the motion hides from them
+        const double part = std::fmod(0.6180339887498949 * static_cast<double>(p / every), 1.0);
+        const bool is_last = i + 1 == entries.size() || entries[i + 1].mode != entries[i].mode;
+        places[p].is_chosen = is_last || p % every == static_cast<std::size_t>(part * static_cast<double>(every));
     }
-    // in parts of the motion, for what is late in one phase is later in the next: of each variable, if they are few,
-    // and of that which is nearest to its quickest
-    const std::size_t parts = std::clamp<std::size_t>(most_places / std::max<std::size_t>(n, 1), 1, quick_parts);
-    const bool are_few = n <= most_places;
-    std::vector<std::size_t> found;
+    // and where states are farthest apart, each variable in parts of the motion
+    const std::size_t parts = std::clamp<std::size_t>(most_places / (2 * n), 1, 4);
     std::vector<double> most(n);
     std::vector<std::size_t> where(n);
     for (std::size_t part = 0; part < parts; ++part) {
-        std::ranges::fill(most, 0.0);
-        double nearest = 0.0;
-        std::size_t best = pieces;
-        for (std::size_t i = part * pieces / parts; i < (part + 1) * pieces / parts; ++i) {
-            const Piece piece = run.piece(i);
+        const std::size_t end = (part + 1) * places.size() / parts;
+        std::ranges::fill(most, -1.0);
+        for (std::size_t p = part * places.size() / parts; p < end; ++p) {
+            states(places[p], run, better);
             for (std::size_t k = 0; k < n; ++k) {
-                const double r = rate(piece, k);
-                if (r > most[k]) {
-                    most[k] = r;
-                    where[k] = i;
-                }
-                if (r > nearest * largest[k]) {
-                    nearest = r / largest[k];
-                    best = i;
-                }
+                const double apart = std::abs(x_[k] - y_[k]);
+                if (!(apart > most[k])) continue;
+                most[k] = apart;
+                where[k] = p;
             }
         }
-        if (best < pieces) found.push_back(best);
-        for (std::size_t k = 0; k < n && are_few; ++k)
-            if (most[k] > 0.0) found.push_back(where[k]);
+        for (std::size_t k = 0; k < n; ++k)
+            if (most[k] > 0.0) places[where[k]].is_chosen = true;
+    }
+}
+
+RBDYN_INLINE std::vector<std::size_t> AccuracyCheck::quickest(const Record& run) {
+    const std::size_t pieces = run.entries().size(), n = static_cast<std::size_t>(std::max(run.variables, 0));
+    // in parts of the motion, for what is late in one phase is later in the next: of each variable, if they are few,
+    // and of that which is nearest to its quickest
+    const std::size_t parts = std::clamp<std::size_t>(most_places / std::max<std::size_t>(n, 1), 1, quick_parts);
+    struct Quick {
+        double rate = 0.0;
+        std::size_t where = 0;
+    };
+    std::vector<Quick> most(parts * n);
+    for (std::size_t part = 0; part < parts; ++part) {
+        Quick* const own = most.data() + part * n;
+        for (std::size_t i = part * pieces / parts; i < (part + 1) * pieces / parts; ++i) {
+            const Piece piece = run.piece(i);
+            if (piece.order == 0) continue;
+            const double by_unit = 1.0 / piece.unit;
+            for (std::size_t k = 0; k < n; ++k)
+                if (const double rate = std::abs(piece.variable(static_cast<int>(k))[1]) * by_unit; rate > own[k].rate)
+                    own[k] = {rate, i};
+        }
+    }
+    std::vector<double> largest(n, 0.0);
+    for (std::size_t part = 0; part < parts; ++part)
+        for (std::size_t k = 0; k < n; ++k) largest[k] = std::max(largest[k], most[part * n + k].rate);
+    std::vector<std::size_t> found;
+    for (std::size_t part = 0; part < parts; ++part) {
+        const std::span<const Quick> own(most.data() + part * n, n);
+        double nearest = 0.0;
+        std::size_t best = pieces;
+        for (std::size_t k = 0; k < n; ++k) {
+            if (own[k].rate > 0.0 && n <= most_places) found.push_back(own[k].where);
+            if (own[k].rate <= nearest * largest[k]) continue;
+            nearest = own[k].rate / largest[k];
+            best = own[k].where;
+        }
+        if (best < pieces && n > most_places) found.push_back(best);
     }
     return found;
 }
@@ -206,23 +246,48 @@ RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
     return times;
 }
 
-RBDYN_INLINE void AccuracyCheck::compare_at(Instant at, const Record& run, std::size_t i, const Record& better,
-                                            std::size_t& j) {
+RBDYN_INLINE std::optional<AccuracyCheck::Place> AccuracyCheck::place_of(Instant at, const Record& run, std::size_t i,
+                                                                         const Record& better, std::size_t& j) {
+    Place place{.at = at, .piece = i};
+    const Piece piece = run.piece(i);
+    place.here = (at - piece.start) / piece.unit;
+    if (place.here > piece.length * (1.0 + 1e-9)) return std::nullopt;
+    place.here = std::clamp(place.here, 0.0, piece.length);
+    if (is_formula(better)) {
+        if (!same_mode(run.mode(i), better.modes.front())) return std::nullopt;
+        return place;
+    }
     while (j + 1 < better.entries().size() && at - better.entries()[j + 1].start > 0.0) ++j;
-    if (!same_mode(run.mode(i), better.mode(j))) return;
-    const Piece piece = run.piece(i), fine = better.piece(j);
-    const double here = (at - piece.start) / piece.unit, there = (at - fine.start) / fine.unit;
-    if (there > fine.length * (1.0 + 1e-9) || here > piece.length * (1.0 + 1e-9)) return;
-    piece.state(std::clamp(here, 0.0, piece.length), x_);
-    fine.state(std::clamp(there, 0.0, fine.length), y_);
-    const Mode &mode = run.mode(i), &fine_mode = better.mode(j);
+    if (!same_mode(run.mode(i), better.mode(j))) return std::nullopt;
+    const Piece fine = better.piece(j);
+    place.fine_piece = j;
+    place.there = (at - fine.start) / fine.unit;
+    if (place.there > fine.length * (1.0 + 1e-9)) return std::nullopt;
+    place.there = std::clamp(place.there, 0.0, fine.length);
+    return place;
+}
+
+RBDYN_INLINE void AccuracyCheck::states(const Place& place, const Record& run, const Record& better) {
+    run.piece(place.piece).state(place.here, x_);
+    if (is_formula(better))
+        better.closed->state(exact_difference(place.at, {better.closed_from, 0.0}), y_);
+    else
+        better.piece(place.fine_piece).state(place.there, y_);
+}
+
+RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& run, const Record& better) {
+    states(place, run, better);
+    const Instant at = place.at;
+    const Mode &mode = run.mode(place.piece),
+               &fine_mode = is_formula(better) ? better.modes.front() : better.mode(place.fine_piece);
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
     scales_.widen(fine_);
-    const bool has_forces = !ends_at_once(run, i, at);
+    const bool has_forces = !ends_at_once(run, place.piece, at);
     note(1.0, false, has_forces);
     // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
-    if (++samples_ <= 8 || samples_ % 8 == 0) {
+    const int sample = samples_++;
+    if (sample % (sample < 8 ? 2 : 8) == 0) {
         x_ = y_;
         for (double& x : x_) x = std::nextafter(x, 2.0 * x);
         model_.observe(fine_mode, at.hi, x_, seen_);

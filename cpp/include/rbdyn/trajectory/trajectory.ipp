@@ -77,9 +77,10 @@ double Trajectory::work_between(double t0, double t1, F&& forwards) const {
 
 namespace events {
 
-/// A run whose events know the names in its scene.
-RBDYN_INLINE RunData named(RunData data) {
+/// The same run, its events told the names in its scene: a run is long to move.
+RBDYN_INLINE RunData& named(RunData& data) {
     std::vector<std::string> names;
+    names.reserve(data.scene.bodies().size() + data.scene.watches().size() + data.scene.contacts().size());
     const auto add = [&](const auto& things) {
         for (const auto& thing : things) names.push_back(thing.name);
     };
@@ -94,7 +95,7 @@ RBDYN_INLINE RunData named(RunData data) {
 
 RBDYN_INLINE Trajectory::Trajectory(RunData data)
     : AnyRun(data.record.status, data.record.start, data.record.end.hi, data.certain_until, data.engine, data.error),
-      data_(std::make_shared<const RunData>(events::named(std::move(data)))) {
+      data_(std::make_shared<const RunData>(std::move(events::named(data)))) {
     std::vector<BodyWork> works;
     std::vector<bool> has_work(data_->scene.bodies().size());
     for (const Scene::AppliedLoad& load : data_->scene.loads())
