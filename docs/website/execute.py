@@ -26,6 +26,18 @@ def smaller(picture: str) -> str:
         return base64.b64encode(out.getvalue()).decode()
 
 
+def joined(outputs: list[Any]) -> list[Any]:
+    """Outputs of a cell, what it prints in one piece: how a kernel cuts that depends on its time."""
+    kept: list[Any] = []
+    for output in outputs:
+        before = kept[-1] if kept else None
+        if before and output.output_type == "stream" == before.output_type and output.name == before.name:
+            before.text += output.text
+        else:
+            kept.append(output)
+    return kept
+
+
 def execute(path: Path) -> None:
     notebook: Any = nbformat.read(path, 4)
     for cell in notebook.cells:
@@ -34,7 +46,13 @@ def execute(path: Path) -> None:
     code = first.source
     first.source = f"{SETTINGS}\n{code}"
     nbclient.NotebookClient(
-        notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": path.parent}}, record_timing=False
+        notebook,
+        timeout=120,
+        kernel_name="python3",
+        # errors alone, and not that the kernel's own sockets are plain ones
+        extra_arguments=["--log-level=40"],
+        resources={"metadata": {"path": path.parent}},
+        record_timing=False,
     ).execute()
     first.source = code
     notebook.metadata = {
@@ -42,6 +60,8 @@ def execute(path: Path) -> None:
         "language_info": {"name": "python"},
     }
     for cell in notebook.cells:
+        if "outputs" in cell:
+            cell.outputs = joined(cell.outputs)
         for output in cell.get("outputs", []):
             if "metadata" in output:
                 output.metadata = {}
