@@ -25,6 +25,7 @@ SHOW_CVODE = ("docs/plan.md", "docs/verification.md", "2_top")
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "cvode: counts or compares the engines by CVODE with others")
+    config.addinivalue_line("markers", "alone: spends a budget of time, and has no other tests beside it")
 
 
 def pytest_collection_modifyitems(items):
@@ -49,6 +50,19 @@ def pytest_pyfunc_call(pyfuncitem):
 @pytest.hookimpl(hookwrapper=True)
 def pytest_fixture_setup(fixturedef, request):
     skip_without_cvode((yield))
+
+
+def pytest_sessionfinish(session):
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["sizes"] = (sizes.compared, sizes.skipped)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """What a process of several (pytest -n) has counted, when it ends."""
+    compared, skipped = getattr(node, "workeroutput", {}).get("sizes", (0, 0))
+    sizes.compared += compared
+    sizes.skipped += skipped
 
 
 def pytest_terminal_summary(terminalreporter):

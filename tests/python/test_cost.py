@@ -8,6 +8,8 @@ import pytest
 import rbdyn as rb
 from rbdyn.tables import price_html
 
+pytestmark = pytest.mark.alone
+
 ENGINES = ["taylor", "dop853", "cvode-adams", "cvode-bdf"]
 DOWN = [0, 0, -9.81]
 
