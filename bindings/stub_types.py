@@ -159,7 +159,6 @@ def typed(text: str) -> str:
     text = re.sub(r"events: typing\.Any", f"events: {handed_on}", text)
     text = re.sub(r"progress: typing\.Any", "progress: bool | collections.abc.Callable[[float], typing.Any]", text)
     text = re.sub(r"(def plot\(self, path: )typing\.Any", r"\1str | os.PathLike[str] | None", text)
-    text = re.sub(r"(def plot\(self, path: .*?, handle: )typing\.Any", r"\1BodyHandle | None", text)
     text = text.replace(
         "def without(self, *args: typing.Any)", "def without(self, *args: str | LoadHandle | CouplingHandle)"
     )

@@ -900,15 +900,6 @@ time that can be recorded, or a handle.)")
             R"(Writes the run with its scene to a file, by its suffix .npz, or .h5, which needs h5py; load() reads it.
 
 Raises InvalidInput if a function of its scene is called back, and where the system refuses.)")
-        .def(
-            "plot",
-            [](const py::object& self, const py::object& path, const py::object& handle) {
-                return py::module_::import("rbdyn.plots").attr("plot_motion")(self, path, handle);
-            },
-            py::arg("path") = py::none(), py::arg("handle") = py::none(),
-            R"(A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
-
-Returns the matplotlib figure. Raises ImportError if matplotlib is missing.)")
         .def(py::pickle([](const BoundTrajectory& r) { return data_of(r); }, &trajectory_from))
         .def("__str__", [](const BoundTrajectory& r) { return printed(r.run); })
         .def("__repr__", [](const BoundTrajectory& r) {

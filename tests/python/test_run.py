@@ -231,3 +231,41 @@ def test_figures_show_free_and_guided_bodies(rough, pair, tmp_path):
         assert (tmp_path / name).stat().st_size > 10_000
     with pytest.raises(rb.InvalidInput, match="not a body"):
         run.plot(None, spring)
+
+
+def labels_of(figure):
+    return [axes.get_ylabel() for axes in figure.axes]
+
+
+def test_a_figure_has_all_bodies_those_asked_for_and_quantities_by_name(pair):
+    run, a, b, spring = pair
+    each = ["position [m]", "velocity [m/s]"]
+    assert labels_of(run.plot()) == [*each, *each, "energy [J]"]
+    assert [axes.get_title(loc="left").split(" (")[0] for axes in run.plot().axes[::2]] == [a.name, b.name, ""]
+    assert labels_of(run.plot(handle=[b.name])) == labels_of(run.plot(None, b)) == [*each, "energy [J]"]
+    assert labels_of(run.plot(None, (a, b), ["acceleration", "energy"])) == [
+        *["acceleration [m/s^2]"] * 2,
+        "energy [J]",
+    ]
+    (axes,) = run.plot(None, b, "velocity").axes
+    times, values = axes.get_lines()[-2].get_data()
+    assert axes.get_lines()[-2].get_label() == "y"
+    np.testing.assert_array_equal(values[:-1], run[b].velocity(times[:-1])[:, 1])
+    (axes,) = run.plot(None, quantities="energy").axes
+    assert axes.get_legend() is None and axes.get_xlabel() == "time [s]"
+    with pytest.raises(rb.InvalidInput, match="there is no quantity 'speed'; there are position, velocity, .*, energy"):
+        run.plot(None, a, ["speed"])
+    with pytest.raises(rb.InvalidInput, match=f'"{spring.name}" is not a body'):
+        run.plot(None, [a, spring.name])
+    with pytest.raises(rb.InvalidInput, match="there is nothing to draw"):
+        run.plot(None, a, [])
+
+
+def test_in_a_figure_legends_cover_nothing_and_what_is_fast_hides_nothing(tmp_path):
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[1, 1, 1], velocity=[0, 0, 3])
+    scene.apply(rb.Force(lambda t, r, v: [-100 * r[0], -r[1], -1e4 * r[2]]), ball)
+    figure = rb.simulate(scene, 5.0).plot(tmp_path / "fast.png", quantities="position")
+    (axes,) = figure.axes
+    assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1
+    assert sorted(axes.get_lines(), key=lambda line: line.get_zorder()) == [axes.get_lines()[i] for i in (2, 0, 1)]
