@@ -3440,11 +3440,15 @@ class Trajectory:
 
         Raises ImportError if matplotlib is missing, InvalidInput for what has no such coordinate.
         """
-    def plot(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | None = None) -> typing.Any:
+    def plot(self, path: str | os.PathLike[str] | None = None, handle: BodyHandle | str | typing.Iterable[BodyHandle | str] | None = None, quantities: str | typing.Iterable[str] | None = None) -> typing.Any:
         """
-        A figure of the motion with its events, of the body `handle` (the first by default), written to `path` if given.
+        A figure of the motion over time with its events: of all bodies, of `handle`, or of several, by handles or names.
 
-        Returns the matplotlib figure. Raises ImportError if matplotlib is missing.
+        Drawn are where each is, how fast, what holds it, and the energies of all; or `quantities`, by the names that
+        run[handle].quantities has, and "energy", "kinetic_energy", "potential_energy". Written to `path`, if given.
+        Returns the matplotlib figure.
+
+        Raises ImportError if matplotlib is missing, InvalidInput for what is no body or no quantity of any.
         """
     def plot_path(self, path: str | os.PathLike[str] | None = None, *, plane: str | None = None) -> typing.Any:
         """
