@@ -16,7 +16,7 @@ from rbdyn.plots import COLORS, POINTS, _figure_class, _tidy
 from rbdyn.sample import AXES, QUANTITIES, axes_of
 
 if TYPE_CHECKING:
-    from rbdyn._core import Handle, Trajectory
+    from rbdyn._core import Trajectory
 
 BODY_AFTER = "a body comes after it, as in plot(None, handle)"
 ENERGIES = {"kinetic_energy": "T", "potential_energy": "V", "energy": "T + V"}
@@ -114,7 +114,7 @@ class _Curves:
     def sampled(self, quantity: Any) -> Any:
         return np.insert(quantity(self._after), self._places, quantity(self._jumps, side="before"), axis=0)
 
-    def of(self, handle: Handle, name: str) -> dict[str, Values]:
+    def of(self, handle: BodyHandle, name: str) -> dict[str, Values]:
         """By the names of its components."""
         values = self.sampled(getattr(self._run[handle], name))
         names = [AXES[axis] for axis in axes_of(name, values)]
@@ -125,7 +125,7 @@ class _Curves:
             for index in np.ndindex(*values.shape[1:])
         }
 
-    def marks(self, *handles: Handle) -> list[float]:
+    def marks(self, *handles: BodyHandle) -> list[float]:
         return [event.time for event in self._run.events if event.subject is None or event.subject in handles]
 
 
