@@ -164,3 +164,103 @@ def test_an_action_at_a_root_of_a_product_happens_at_each():
     assert run.events.times("turn") == pytest.approx([float(root) for root in roots], abs=1e-13)
     there = float(roots[0] - (roots[1] - roots[0]) + (roots[2] - roots[1]) - (1 - roots[2]))
     assert run[ball].position(1.0)[0] == pytest.approx(there, abs=1e-12)
+
+
+def moved(function, speed=1.0, start=-1.0, until=2.5, **options):
+    system = rb.System(lambda t, x: [speed], [start], names=["x"])
+    system.watch("w", lambda now: function(now["x"]), **options)
+    return rb.simulate(system, until=until)
+
+
+LEVELS = {
+    # what is watched, and where x passes through with which direction, on its way from -1 to 1.5
+    "x where |x| > 0.1": (lambda x: x * np.where(abs(x) < 0.1, 0.0, 1.0), [(0.1, "rising")]),
+    "a dead zone": (lambda x: np.maximum(x - 0.1, 0) + np.minimum(x + 0.1, 0), [(0.1, "rising")]),
+    "a dead zone (x + 2)": (
+        lambda x: (np.maximum(x - 0.1, 0) + np.minimum(x + 0.1, 0)) * (x + 2),
+        [(0.1, "rising")],
+    ),
+    "a dead zone x": (lambda x: (np.maximum(x - 0.1, 0) + np.minimum(x + 0.1, 0)) * x, []),
+    "max(x, 0) x": (lambda x: np.maximum(x, 0) * x, []),
+    "max(x, 0) (x - 0.5)": (lambda x: np.maximum(x, 0) * (x - 0.5), [(0.5, "rising")]),
+    "min(x, 0) (x + 0.5)": (lambda x: np.minimum(x, 0) * (x + 0.5), [(-0.5, "falling")]),
+    "min(x, 0) (x - 0.5)": (lambda x: np.minimum(x, 0) * (x - 0.5), []),
+}
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_a_level_at_zero_holds_the_product(name):
+    function, expected = LEVELS[name]
+    events = [event for event in moved(function).events if event.kind == "watch"]
+    assert [event.direction for event in events] == [direction for _, direction in expected]
+    assert [event.time - 1.0 for event in events] == pytest.approx([x for x, _ in expected], abs=1e-12)
+
+
+def test_what_friction_holds_at_zero_holds_the_product():
+    scene = rb.Scene(gravity=[0, 0, -9.81])
+    block = scene.add(rb.Particle(1.0), rb.Rail(rb.Line([1, 0, 0]), friction=rb.Coulomb(0.5)), speed=5.0)
+    scene.watch("speed", lambda now: now[block].speed * (now.time - 3.0))
+    scene.watch("energy", lambda now: now[block].kinetic_energy * (now.time - 3.0))
+    run = rb.simulate(scene, until=5.0, error=1e-9)
+    stopped = 5.0 / (0.5 * 9.81)
+    assert run.events.times("speed") == pytest.approx([stopped], rel=1e-12)
+    assert all(time < 3.0 - 1e-6 for time in run.events.times("energy"))
+
+
+@pytest.mark.parametrize("start", [-300.0, -1.0, 0.75, 10.0])
+@pytest.mark.parametrize("rate", [0.01, 1.0, 30.0])
+def test_a_pole_where_doubles_of_the_state_stand_still_is_an_instant(start, rate):
+    draw = random.Random(f"{start} {rate}")
+    for _ in range(12):
+        pole = start + draw.uniform(0.1, 0.9)
+        for function in (
+            lambda x, c=pole: 1 / (x - c),
+            lambda x, c=pole: 1 / (x - c) ** 2,
+            lambda x, c=pole: 1 / np.cbrt(x - c),
+            lambda x, c=pole: 1 / abs(x - c),
+        ):
+            assert list(moved(function, rate, start, 1.0 / rate).events.times("w")) == []
+        events = moved(lambda x, c=pole: (x - c - 0.05) / (x - c), rate, start, 1.0 / rate).events
+        assert events.times("w") == pytest.approx([(pole + 0.05 - start) / rate], rel=1e-11)
+
+
+BESIDE_POLES = {
+    "sqrt|z tan|": lambda z: np.sqrt(abs(z * np.tan(z / 2))),
+    "sqrt|z log|": lambda z: np.sqrt(abs(z * np.log1p(z / 3))),
+    "|z|^0.3 log, squared": lambda z: (abs(z) ** 0.3 * np.log1p(z / 3)) ** 2,
+    "expm1(z log)": lambda z: np.expm1(z * np.log1p(z / 3)),
+    "z log cbrt^2": lambda z: z * np.log1p(z / 3) * np.cbrt(z) ** 2,
+    "arctan of arctanh": lambda z: abs(np.arctan(z * np.arctanh(z / 3))),
+}
+
+
+@pytest.mark.parametrize("name", BESIDE_POLES)
+def test_even_zeros_of_logarithms_and_tangents_pass_nothing(name):
+    for zero in (0.1, 0.3922, 0.4677):
+        assert list(moved(lambda x, c=zero: BESIDE_POLES[name](x - c)).events.times("w")) == []
+
+
+def test_high_powers_of_what_has_no_polynomial_are_at_their_zeros():
+    for function, zero in [
+        (lambda z: (z**8 * np.arcsinh(z)) ** 3, 0.0),
+        (lambda z: (z**8 * np.arctanh(z / 3)) ** 3, 0.0),
+        (lambda z: z**3 * np.sign(z) * abs(z) ** 1.5 * z / (2 + np.cos(z)), 0.0),
+    ]:
+        for c in (0.0, 0.3):
+            events = moved(lambda x, f=function, c=c: f(x - c)).events
+            assert events.times("w") == pytest.approx([1.0 + c + zero], abs=1e-11)
+
+
+@pytest.mark.parametrize("near", [1e-5, 1e-6, 1e-7, 1e-8])
+def test_a_case_on_a_product_of_near_roots_is_the_right_one(near):
+    events = moved(lambda x: np.where((x - 0.3) * (x - 0.3 - near) > 0, x - 0.3, x - 0.3 - near)).events
+    assert events.times("w") == pytest.approx([1.3 + near], abs=1e-13)
+
+
+def test_a_run_that_goes_on_from_a_jump_of_a_factor_has_all_the_others():
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[-1, 0, 0], velocity=[1, 0, 0])
+    scene.watch("w", lambda now: (now[ball].position[0] - 0.7) * np.copysign(2.0, now[ball].position[0] + 0.49))
+    first = rb.simulate(scene, until=0.51, error=1e-9)
+    assert first.events.times("w") == pytest.approx([0.51])
+    assert rb.simulate(first, until=2.0).events.times("w") == pytest.approx([1.7])

@@ -31,7 +31,7 @@ Found found(const std::function<double(double)>& f) {
             ++result.values;
             return f(x);
         },
-        [&] { return side; },
+        f, [&] { return side; },
         [&](const series::Coefficients& q, double lo, double hi, double) {
             if (side == 0) side = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
             std::vector<double> roots;

@@ -14,6 +14,7 @@ namespace rbdyn::inline RBDYN_FORM {
 struct WatchedSide {
     int side = 0;                               // it is on; 0: not known yet
     int reached = 0;                            // the side it would go to from the zero where the mode began
+    int product = 0;                            // of a first factor: the last side of the product that is known
     double known_from = 0.0;                    // where on the piece its side becomes known; 0: it is
     std::optional<double> zero = std::nullopt;  // its value where it fired last
 };

@@ -30,9 +30,10 @@ public:
     /// miss)`: on [lo, hi] it is the polynomial q in (x - lo) / (hi - lo), to look for roots of, and misses that by
     /// `miss`. `passed(x, doubt, rising, is_pole)`: it changes its side at x. `finest`: what time does not resolve.
     /// Returns where it ceases to be finite, if it does.
-    template <class Value, class Side, class Fitted, class Passed>
-    std::optional<double> find(double finest, const Value& value, const Side& side, const Fitted& fitted,
-                               const Passed& passed) {
+    /// `blurred(x)`: its value where what it is made of is off by rounding.
+    template <class Value, class Blurred, class Side, class Fitted, class Passed>
+    std::optional<double> find(double finest, const Value& value, const Blurred& blurred, const Side& side,
+                               const Fitted& fitted, const Passed& passed) {
         finest_ = std::max(finest, 0x1p-52);
         values_left_ = most_values;
         seen_ = -1.0;
@@ -41,7 +42,7 @@ public:
             --values_left_;
             return value(x);
         };
-        search(counted, side, fitted, passed, 0.0, 1.0, 0, {});
+        search(counted, blurred, side, fitted, passed, 0.0, 1.0, 0, {});
         return broken_;
     }
 
@@ -70,9 +71,9 @@ private:
         int no_better = 0;
     };
 
-    template <class Value, class Side, class Fitted, class Passed>
-    void search(const Value& value, const Side& side, const Fitted& fitted, const Passed& passed, double lo, double hi,
-                int depth, Miss before) {
+    template <class Value, class Blurred, class Side, class Fitted, class Passed>
+    void search(const Value& value, const Blurred& blurred, const Side& side, const Fitted& fitted,
+                const Passed& passed, double lo, double hi, int depth, Miss before) {
         const auto place = [&](double x) { return lo + x * (hi - lo); };
         std::array<double, Fit::points> values;
         double size = 0.0;
@@ -84,8 +85,10 @@ private:
             size = std::max(size, std::abs(v));
         }
         if (finite == 0) {
-            // an instant, or a stretch that begins between here and where it was finite last
-            if (hi - lo > 4.0 * finest_) broken_ = seen_ < 0.0 ? lo : edge(value, seen_, lo);
+            // an instant, as far as its numbers can tell, or a stretch that begins between here and where it was finite
+            // last
+            if (hi - lo > 4.0 * finest_ && !std::isfinite(blurred(0.5 * (lo + hi))))
+                broken_ = seen_ < 0.0 ? lo : edge(value, seen_, lo);
             return;
         }
         const bool is_finite = finite == Fit::points;
@@ -119,8 +122,8 @@ private:
         }
         if (is_divisible) {
             const double middle = 0.5 * (lo + hi);
-            search(value, side, fitted, passed, lo, middle, depth + 1, now);
-            if (!broken_) search(value, side, fitted, passed, middle, hi, depth + 1, now);
+            search(value, blurred, side, fitted, passed, lo, middle, depth + 1, now);
+            if (!broken_) search(value, blurred, side, fitted, passed, middle, hi, depth + 1, now);
             return;
         }
         // too short for more: signs alone

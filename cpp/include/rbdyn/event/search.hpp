@@ -89,6 +89,7 @@ private:
         bool waits = false;                    // the mode ends there too, and what follows decides whether it passes
         // of a factor: whether what is watched passes zero there too, and which way
         bool is_silent = false, product_rises = false;
+        int product = 0;  // its side from there on, if that is known
     };
     using Watched = WatchedSide;
 
@@ -100,9 +101,13 @@ private:
         std::size_t first, count;
     };
     static Factors factors_of(const std::vector<Guard>& guards, std::size_t g);
-    /// The side that a watched function is on by those of its factors; 0: one is zero, or not known.
-    int product_side(const std::vector<Guard>& guards, const Factors& factors);
-    /// Where factors pass zero, in order, what of it the product does: two that pass at one place leave it as it is.
+    /// The last side of a product that is known, whatever is zero since; 0: none is yet.
+    int& product_of(const std::vector<Guard>& guards, const Factors& factors);
+    /// Whether a watched function passes zero as its factors come to these sides, 0 for one that stays at zero: to
+    /// which side; 0: it does not.
+    int passes(const std::vector<Guard>& guards, const Factors& factors, std::span<const int> sides);
+    /// Where factors pass zero, in order, what of it the product does. Two that pass at one place leave it as it is,
+    /// and while one stays at zero it has no side: it passes where it leaves zero to another one than it came from.
     void multiply_sides(const std::vector<Guard>& guards);
     void multiply_sides(const std::vector<Guard>& guards, const Factors& factors);
 
@@ -244,12 +249,14 @@ private:
     /// the way. Its values just before are those of the motion that the piece goes on with.
     bool passed_pole(const Mode& mode, const Guard& guard, double begins);
 
+    /// The same with the state off by rounding, to one side or the other: whichever is finite.
+    double blurred_value(const Mode& mode, const Guard& guard, double place);
     /// A guard at a place of the piece; `by_piece`: of one that is recorded, at the state the polynomial gives.
     double value_at(const Mode& mode, const Guard& guard, double place, bool by_piece = false);
 
     /// Whether it is known of a guard that it begins the piece with its zero, and the value of that if it is to be
     /// compared.
-    void know_zero(const Guard& guard, std::size_t g, bool fresh, Passages::Arrival& arrival);
+    void know_zero(const Guard& guard, std::size_t g, bool fresh, int starts, Passages::Arrival& arrival);
     bool handled(std::size_t g) const { return g < handled_.size() && handled_[g]; }
 
     const HybridModel& model_;
@@ -263,6 +270,7 @@ private:
     std::vector<bool> handled_;     // guards whose zero began the mode
     // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
     std::vector<bool> passed_at_end_, passed_before_;
+    std::vector<bool> stays_;  // guards that are zero all along the piece
     std::vector<int> fired_;
     std::vector<Direction> directions_;
     std::vector<Found> found_;

@@ -66,6 +66,7 @@ RBDYN_INLINE void EventSearch::forget_side(const Guard& guard) {
     Watched& w = watched(guard);
     w.side = 0;
     w.reached = 0;
+    w.product = 0;
 }
 
 RBDYN_INLINE void EventSearch::set_crowded(int crowded) {
@@ -89,18 +90,19 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     degree_ = std::min(engine_.guard_order(), series::max_degree);
     double power = 1.0;
     for (int k = 0; k <= degree_; ++k, power *= piece.length) powers_[static_cast<std::size_t>(k)] = power;
+    stays_.assign(guards.size(), false);
     for (std::size_t g = 0; g < guards.size(); ++g)
         guards[g].least < 0.0 ? seek_least(record, mode, g) : seek(mode, guards, g, fresh, is_last);
     passed_before_.clear();
     const auto note_doubt = [&](double end) {
         if (touch_ * piece.length < end && !record.doubt) record.doubt = piece.at(touch_ * piece.length);
     };
+    sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
+    multiply_sides(guards);
     if (found_.empty()) {
         note_doubt(piece.length);
         return -1.0;
     }
-    sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
-    multiply_sides(guards);
     auto first = std::find_if(found_.begin(), found_.end(),
                               [&](const Found& f) { return f.breaks || interrupts(guards[f.guard], f); });
     // a watched function with a corner reaches zero where the distinction in it switches, rounding aside
@@ -133,6 +135,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         }
         if (f.breaks) continue;
         side_of(guard) = f.rising ? 1 : -1;
+        if (f.product != 0) product_of(guards, factors_of(guards, f.guard)) = f.product;
         if (is_last && !f.is_pole && f.place + std::max(f.near, 16.0 * finest()) >= 1.0) {
             passed_at_end_.resize(guards.size());
             passed_at_end_[f.guard] = true;
@@ -158,19 +161,22 @@ RBDYN_INLINE bool EventSearch::examine_still(Record& record, const Mode& mode, I
     for (std::size_t g = 0; g < guards.size(); ++g) {
         if (guards[g].watch < 0 || guards[g].output < 0) continue;
         const Factors factors = factors_of(guards, g);
-        const int before = product_side(guards, factors);
+        const int before = watched(guards[g]).side;
+        std::vector<int> sides;
         for (g = factors.first; g < factors.first + factors.count; ++g) {
             const Guard& guard = guards[g];
             const double value = values.output(guard.output);
             if (!std::isfinite(value)) broken_ = &guard;
             const int reached = std::exchange(watched(guard).reached, 0);
             const int stays = reached != 0 && !is_level_at(mode, t.hi, x, guard.output) ? reached : 0;
-            const int side = value > 0.0 ? 1 : value < 0.0 ? -1 : stays;
-            if (side != 0) watched(guard).side = side;
+            sides.push_back(value > 0.0 ? 1 : value < 0.0 ? -1 : stays);
+            if (sides.back() != 0) watched(guard).side = sides.back();
         }
         --g;
-        const int side = product_side(guards, factors);
-        if (before == 0 || side == 0 || side == before || !matches(guards[g], side > 0)) continue;
+        const int side = factors.count > 1                        ? passes(guards, factors, sides)
+                         : before != 0 && sides.front() != before ? sides.front()
+                                                                  : 0;
+        if (side == 0 || !matches(guards[g], side > 0)) continue;
         note(record, guards[g], direction_of(side > 0), t);
         stops = stops || guards[g].role == GuardRole::stop;
     }
@@ -195,18 +201,24 @@ RBDYN_INLINE bool EventSearch::settle(Record& record, const Mode& mode, Instant 
     for (std::size_t g = 0; g < guards.size(); ++g) {
         if (guards[g].watch < 0) continue;
         const Factors factors = factors_of(guards, g);
-        const int before = product_side(guards, factors);
+        int side = 0;
+        std::vector<int> sides;
         for (g = factors.first; g < factors.first + factors.count; ++g) {
-            const int after = passes_to(guards[g]);
+            const Guard& guard = guards[g];
+            const int after = passes_to(guard);
+            const bool is_level = after == 0 && factors.count > 1 && guard.output >= 0 && !mode.still &&
+                                  is_level_at(mode, t.hi, x, guard.output);
+            sides.push_back(after != 0 ? after : is_level ? 0 : watched(guard).side);
             if (after == 0) continue;
-            watched(guards[g]).reached = 0;
-            watched(guards[g]).side = after;
+            side = after;
+            watched(guard).reached = 0;
+            watched(guard).side = after;
             passed_at_end_.resize(guards.size());
             passed_at_end_[g] = true;
         }
         --g;
-        const int side = product_side(guards, factors);
-        if (before == 0 || side == 0 || side == before || !matches(guards[g], side > 0)) continue;
+        if (factors.count > 1) side = passes(guards, factors, sides);
+        if (side == 0 || !matches(guards[g], side > 0)) continue;
         note(record, guards[g], direction_of(side > 0), t);
         stops = stops || guards[g].role == GuardRole::stop;
     }
@@ -340,6 +352,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
                                     bool is_last) {
     const Guard& guard = guards[g];
     current_ = &guards;
+    stays_[g] = true;
     if (guard.output < 0) {
         if (guard.locator)
             locate(guard, g, fresh);
@@ -368,10 +381,16 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     if (is_watch) ends_[g] = series::value(q.data(), degree_, 1.0);
     if (fresh && !is_watch) side = 1;
     const int starts = q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0;
-    if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) return;
+    if (!fresh && !is_last && starts == side && series::keeps_sign(q.data(), degree_)) {
+        stays_[g] = false;
+        return;
+    }
     Passages::Arrival arrival{.is_series = !engine_.fits_guards()};
-    know_zero(guard, g, fresh, arrival);
-    if (!fresh && is_watch && !arrival.at_zero && starts == -side && passed_pole(mode, guard, q[0])) side = starts;
+    know_zero(guard, g, fresh, starts, arrival);
+    if (!fresh && is_watch && !arrival.at_zero && starts == -side && passed_pole(mode, guard, q[0])) {
+        side = starts;
+        product_of(guards, factors_of(guards, g)) *= -1;
+    }
     arrival.side = side;
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
@@ -382,7 +401,8 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     // what has reached zero with the distinction is there, as far as the state is known, unless it has jumped; on a
     // level it has passed nothing until it leaves that
     if (fresh && guard.watch >= 0 && watched(guard).reached != 0) {
-        arrival.at_zero = begins_at_zero(mode, guard, 1e-6);
+        // what is on its old side yet passes later, if it does
+        arrival.at_zero = begins_at_zero(mode, guard, starts == side ? 32.0 * epsilon : 1e-6);
         if (arrival.at_zero && is_level_at(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output))
             watched(guard).reached = 0;
     }
@@ -435,6 +455,7 @@ RBDYN_INLINE void EventSearch::fit_sizes(const series::Coefficients& q, double m
 
 RBDYN_INLINE void EventSearch::take(const Guard& guard, std::size_t g, bool fresh, double lo, double hi, int known) {
     int leaves = passages_.leaves();
+    if (leaves != 0) stays_[g] = false;
     if (fresh && guard.watch >= 0) {
         // one that stays at zero where the last mode ended has reached it
         const int reached = std::exchange(watched(guard).reached, 0);
@@ -462,8 +483,10 @@ RBDYN_INLINE void EventSearch::locate(const Guard& guard, std::size_t g, bool fr
     if (tau) found_.push_back({*tau / engine_.piece().length, 0.0, 0.0, g, false});
 }
 
-RBDYN_INLINE void EventSearch::know_zero(const Guard& guard, std::size_t g, bool fresh, Passages::Arrival& arrival) {
-    if (g < passed_before_.size() && passed_before_[g]) arrival.at_zero = true;
+RBDYN_INLINE void EventSearch::know_zero(const Guard& guard, std::size_t g, bool fresh, int starts,
+                                         Passages::Arrival& arrival) {
+    // what has jumped is on its new side
+    if (g < passed_before_.size() && passed_before_[g] && starts != side_of(guard)) arrival.at_zero = true;
     if (!fresh || !handled(g)) return;
     if (!guard.is_watched()) arrival.at_zero = true;
     if (guard.watch >= 0) arrival.zero = watched(guard).zero;
@@ -489,7 +512,7 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
     };
     const auto fitted = [&](const series::Coefficients& q, double lo, double hi, double miss) {
         Passages::Arrival arrival{.side = side(), .reach = 0x1p-2, .is_series = false};
-        if (lo == 0.0) know_zero(guard, g, fresh, arrival);
+        if (lo == 0.0) know_zero(guard, g, fresh, q[0] > 0.0 ? 1 : q[0] < 0.0 ? -1 : 0, arrival);
         if (is_last && hi == 1.0)
             arrival.late = (slack_ + epsilon * std::abs(piece.at(piece.length).hi)) / ((hi - lo) * piece.duration());
         double rounding = 0.0;
@@ -507,6 +530,7 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
         for (std::size_t i = before; i < found_.size(); ++i) improve(found_[i], q, lo, hi, value, rounding);
     };
     const auto passed = [&](double x, double doubt, bool rising, bool is_pole) {
+        stays_[g] = false;
         if (side() == 0 && side_of(guard) == 0 && is_pole) {
             side_of(guard) = rising ? 1 : -1;
             return;
@@ -514,11 +538,34 @@ RBDYN_INLINE void EventSearch::seek_by_values(const Mode& mode, const Guard& gua
         // a mode ends where its sign does, by a pole too
         found_.push_back({x, doubt, 16.0 * doubt, g, rising, is_pole && guard.is_watched()});
     };
-    if (const auto end = rough_.find(finest(), value, side, fitted, passed)) {
+    const auto blurred = [&](double x) { return blurred_value(mode, guard, x * piece.length); };
+    if (const auto end = rough_.find(finest(), value, blurred, side, fitted, passed)) {
         Found f{*end, 0.0, 0.0, g, false};
         f.breaks = true;
         found_.push_back(f);
     }
+}
+
+RBDYN_INLINE double EventSearch::blurred_value(const Mode& mode, const Guard& guard, double place) {
+    constexpr double aside = 8.0 * epsilon;
+    const Piece& piece = engine_.piece();
+    double result = std::numeric_limits<double>::quiet_NaN();
+    for (const double sign : {1.0, -1.0}) {
+        if (std::isfinite(result)) break;
+        state_.resize(static_cast<std::size_t>(piece.variables));
+        piece.state(place, state_);
+        for (double& v : state_) v += sign * aside * std::abs(v);
+        const double t = piece.at(place).hi;
+        if (guard.output < 0) {
+            result = model_.guard_value(guard, mode, t, state_);
+        } else {
+            Evaluator<double> values(mode.equations->program);
+            values.set_parameters(mode.parameters);
+            values(t, state_);
+            result = values.output(guard.output);
+        }
+    }
+    return result;
 }
 
 RBDYN_INLINE bool EventSearch::passed_pole(const Mode& mode, const Guard& guard, double begins) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "rbdyn/event/search.hpp"
@@ -18,10 +19,18 @@ RBDYN_INLINE EventSearch::Factors EventSearch::factors_of(const std::vector<Guar
     return result;
 }
 
-RBDYN_INLINE int EventSearch::product_side(const std::vector<Guard>& guards, const Factors& factors) {
+RBDYN_INLINE int& EventSearch::product_of(const std::vector<Guard>& guards, const Factors& factors) {
+    return watched(guards[factors.first]).product;
+}
+
+RBDYN_INLINE int EventSearch::passes(const std::vector<Guard>& guards, const Factors& factors,
+                                     std::span<const int> sides) {
     int side = 1;
-    for (std::size_t g = factors.first; g < factors.first + factors.count; ++g) side *= watched(guards[g]).side;
-    return side;
+    for (const int s : sides) side *= s;
+    int& known = product_of(guards, factors);
+    const int before = known;
+    if (side != 0) known = side;
+    return side == 0 || before == 0 || side == before ? 0 : side;
 }
 
 RBDYN_INLINE void EventSearch::multiply_sides(const std::vector<Guard>& guards) {
@@ -34,32 +43,66 @@ RBDYN_INLINE void EventSearch::multiply_sides(const std::vector<Guard>& guards) 
 }
 
 RBDYN_INLINE void EventSearch::multiply_sides(const std::vector<Guard>& guards, const Factors& factors) {
-    const auto is_of = [&](const Found& f) {
-        return f.guard >= factors.first && f.guard < factors.first + factors.count && !f.breaks;
-    };
     std::vector<int> sides;
     for (std::size_t g = factors.first; g < factors.first + factors.count; ++g)
-        sides.push_back(watched(guards[g]).side);
+        sides.push_back(stays_[g] ? 0 : watched(guards[g]).side);
     const auto product = [&] {
         int side = 1;
         for (const int s : sides) side *= s;
         return side;
     };
-    Found* last = nullptr;
+    int& known = product_of(guards, factors);
+    const auto is_of = [&](const Found& f) {
+        return f.guard >= factors.first && f.guard < factors.first + factors.count && !f.breaks;
+    };
+    // the side that factor gives the product
+    const auto turn = [&](Found& f) {
+        int& own = sides[f.guard - factors.first];
+        own = f.rising ? 1 : -1;
+        f.product = product();
+        f.product_rises = f.product > 0;
+        // one that has reached zero, and stays there
+        if (stays_[f.guard]) own = 0;
+    };
+    // what begins with the piece is one: factors that go over to their sides, and those that leave zero where they came
+    // from, another one having passed meanwhile
+    const int begins = product();
+    Found* first = nullptr;
     for (Found& f : found_) {
-        if (!is_of(f)) continue;
-        sides[f.guard - factors.first] = f.rising ? 1 : -1;
-        const int side = product();
-        f.product_rises = side > 0;
-        f.is_silent = side == 0;
+        if (!is_of(f) || f.place > 0.0) continue;
+        turn(f);
+        f.is_silent = true;
+        first = &f;
+    }
+    const int now = first != nullptr ? first->product : begins;
+    if (known == 0) known = now;
+    int side = known;
+    const bool goes_over = now != 0 && now != side;
+    if (first != nullptr) first->is_silent = !goes_over;
+    if (goes_over) side = now;
+    Found* last = nullptr;
+    int before_last = side;
+    for (Found& f : found_) {
+        if (!is_of(f) || !(f.place > 0.0)) continue;
+        turn(f);
+        int before = side;
         // at the place of the last one, as far as either is known
         if (last != nullptr && last->guard != f.guard && f.place - last->place <= last->doubt + f.doubt) {
-            last->is_silent = f.is_silent = true;
+            last->is_silent = true;
+            last->product = f.product;
+            before = before_last;
             last = nullptr;
         } else {
             last = &f;
         }
+        f.is_silent = f.product == 0 || f.product == before;
+        before_last = side;
+        if (f.product != 0) side = f.product;
     }
+    if (!goes_over || first != nullptr) return;
+    found_.insert(found_.begin(), Found{0.0, 0.0, 0.0, factors.first, watched(guards[factors.first]).side > 0});
+    found_.front().product = now;
+    found_.front().product_rises = now > 0;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -7,15 +7,19 @@
 // x - a and x - b, with no root of infinite slope, none of an order that rounding hides, none beside another; and |f|
 // is f^2, a distinction less.
 //
-// Poles, and what is made of them, stay what they are: with what is above or around it a pole may be a jump or a root.
+// A quotient stays what it is unless what is below is never zero: with what is above it a pole may be a jump or a root.
+//
+// What is never negative passes nothing, and is 1.
 //
 // Invariant: the function and the product are negative, zero and positive at the same places, but for single instants
 // at which the function is not finite. What may cease to be finite for longer (a logarithm, a root of what may be
 // negative) stays in.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -50,12 +54,15 @@ struct Product {
     int sign = 1;
     std::vector<Factor> factors = {};
     bool is_simpler = false;  // than what it has the sign of
-    bool is_total = true;     // finite wherever its inputs are, but for overflow
-    bool may_have_pole = false;
+    bool is_number = true;    // wherever its inputs are
+    bool has_poles = false;   // it may be infinite at single places
+    double low = -std::numeric_limits<double>::infinity(),
+           high = std::numeric_limits<double>::infinity();  // its values
 
     bool never_negative() const;
     bool never_zero() const;
     bool is_positive() const { return sign > 0 && never_negative() && never_zero(); }
+    bool is_finite() const { return is_number && !has_poles; }
     void multiply(const Product& other);
     /// Whether each power in another one has its base in this one.
     bool has_bases_of(const Product& other) const;
@@ -83,10 +90,14 @@ private:
 
     /// The node itself, its operands written anew.
     Expression copied(std::int32_t n, std::span<const Expression> x) const;
-    bool has_pole(const Node& node) const;
     Product found(std::int32_t n) const;
+    /// Its values lie between these, by those of its operands.
+    std::array<double, 2> bounds(std::int32_t n) const;
     Product of_base(std::int32_t n, bool never_negative = false, bool never_zero = false) const;
-    Product of_multiply(const Node& node) const;
+    Product of_multiply(std::int32_t n) const;
+    Product of_quotient(std::int32_t n) const;
+    /// Whether it is the inverse of sinh as it is recorded: sign(u) log(|u| + sqrt(u^2 + 1)), of which node.
+    std::optional<std::int32_t> under_arsinh(const Node& node) const;
     Product of_sum(std::int32_t n) const;
     Product of_norm(const Node& node) const;
     Product of_logarithm(std::int32_t n) const;

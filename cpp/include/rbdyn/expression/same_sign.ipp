@@ -4,9 +4,12 @@
 #include "rbdyn/expression/same_sign.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -47,7 +50,8 @@ RBDYN_INLINE bool Product::never_zero() const {
 RBDYN_INLINE void Product::multiply(const Product& other) {
     sign *= other.sign;
     is_simpler = is_simpler || other.is_simpler;
-    is_total = is_total && other.is_total;
+    is_number = is_number && other.is_number;
+    has_poles = has_poles || other.has_poles;
     for (const Factor& f : other.factors) {
         const auto known = std::ranges::find_if(factors, [&](const Factor& g) { return is_same(g.base, f.base); });
         known != factors.end() ? void(known->count += f.count) : factors.push_back(f);
@@ -97,6 +101,9 @@ RBDYN_INLINE Writer::Writer(const Function& function, std::span<const Expression
         copies_.push_back(copied(n, x));
         products_.push_back(found(n));
         products_.back().reduce();
+        const auto [low, high] = bounds(n);
+        products_.back().low = products_.back().never_negative() ? std::max(low, 0.0) : low;
+        products_.back().high = high;
         // a product of this many is no one's writing
         constexpr std::size_t many = 64;
         if (products_.back().factors.size() > many) products_.back() = of_base(n);
@@ -122,23 +129,50 @@ RBDYN_INLINE Product Writer::of_base(std::int32_t n, bool never_negative, bool n
         result.sign = value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
         if (!std::isnan(value)) return result;
         result.sign = 1;
-        result.is_total = false;
+        result.is_number = false;
     }
-    for (const std::int32_t operand : function_.node(n).operands())
-        result.is_total = result.is_total && (operand < 0 || product(operand).is_total);
-    result.may_have_pole = has_pole(function_.node(n));
+    for (const std::int32_t operand : function_.node(n).operands()) {
+        if (operand < 0) continue;
+        result.is_number = result.is_number && product(operand).is_number;
+        result.has_poles = result.has_poles || product(operand).has_poles;
+    }
     result.factors.push_back({base, 1, never_negative, never_zero});
     return result;
 }
 
-RBDYN_INLINE bool Writer::has_pole(const Node& node) const {
-    const auto operands = node.operands();
-    return std::ranges::any_of(operands, [&](std::int32_t i) { return i >= 0 && product(i).may_have_pole; });
+RBDYN_INLINE std::array<double, 2> Writer::bounds(std::int32_t n) const {
+    constexpr double infinity = std::numeric_limits<double>::infinity(), pi = std::numbers::pi;
+    const Node& node = function_.node(n);
+    const auto of = [&](std::int32_t i) -> const Product& { return product(i); };
+    switch (node.operation) {
+        case Operation::constant:
+            if (std::isnan(node.value)) return {-infinity, infinity};
+            return {node.value, node.value};
+        case Operation::sine:
+        case Operation::cosine:
+        case Operation::hyperbolic_tangent:
+        case Operation::sign: return {-1.0, 1.0};
+        case Operation::angle: return {-pi, pi};
+        case Operation::exponential: return {0.0, infinity};
+        case Operation::hyperbolic_cosine: return {1.0, infinity};
+        case Operation::add: return {of(node.a).low + of(node.b).low, of(node.a).high + of(node.b).high};
+        case Operation::select:
+            return {std::min(of(node.b).low, of(node.c).low), std::max(of(node.b).high, of(node.c).high)};
+        case Operation::multiply: {
+            std::array<double, 2> result{infinity, -infinity};
+            for (const double a : {of(node.a).low, of(node.a).high})
+                for (const double b : {of(node.b).low, of(node.b).high}) {
+                    const double ends = a == 0.0 || b == 0.0 ? 0.0 : a * b;
+                    result = {std::min(result[0], ends), std::max(result[1], ends)};
+                }
+            return result;
+        }
+        default: return {-infinity, infinity};
+    }
 }
 
 RBDYN_INLINE Product Writer::found(std::int32_t n) const {
     const Node& node = function_.node(n);
-    if (has_pole(node)) return of_base(n);
     const auto like = [&](std::int32_t operand) {
         Product result = product(operand);
         result.is_simpler = true;
@@ -146,36 +180,31 @@ RBDYN_INLINE Product Writer::found(std::int32_t n) const {
     };
     // may be left out
     const auto positive = [&](Product of_all) {
-        if (!of_all.is_total) return of_all;
+        if (!of_all.is_finite()) return of_all;
         of_all.factors.clear();
         of_all.is_simpler = true;
         return of_all;
     };
+    // where they are bounded, a pole is a jump
+    const auto odd = [&](std::int32_t operand) { return product(operand).has_poles ? of_base(n) : like(operand); };
     switch (node.operation) {
-        case Operation::hyperbolic_sine:
-        case Operation::hyperbolic_tangent: return like(node.a);
+        case Operation::hyperbolic_sine: return like(node.a);
+        case Operation::hyperbolic_tangent: return odd(node.a);
         case Operation::hyperbolic_cosine:
         case Operation::exponential: return positive(of_base(n, true, true));
         case Operation::sign: return of_base(n, false, true);
-        case Operation::multiply: return of_multiply(node);
-        case Operation::divide: {
-            // what may be zero below the fraction line makes a pole, a jump or a root of what is above
-            const Product& under = product(node.b);
-            if (!under.is_total || !under.never_zero()) break;
-            Product result = product(node.a);
-            result.multiply(under);
-            return result;
-        }
+        case Operation::multiply: return of_multiply(n);
+        case Operation::divide: return of_quotient(n);
         case Operation::square_root: {
             if (product(node.a).never_negative()) return like(node.a);
             Product result = of_base(n, true);
-            result.is_total = false;
+            result.is_number = false;
             return result;
         }
         case Operation::angle: {
-            if (product(node.b).is_positive() && product(node.b).is_total) return like(node.a);
+            if (product(node.b).is_positive() && product(node.b).is_finite()) return odd(node.a);
             Product result = of_base(n);
-            result.is_total = false;
+            result.is_number = false;
             return result;
         }
         case Operation::add: {
@@ -189,17 +218,40 @@ RBDYN_INLINE Product Writer::found(std::int32_t n) const {
             Product result = of_select(n);
             return result.is_positive() ? positive(result) : result;
         }
-        default: break;
+        default: return of_base(n);
     }
-    Product result = of_base(n);
-    if (node.operation == Operation::divide) {
-        result.is_total = false;
-        result.may_have_pole = true;
+}
+
+RBDYN_INLINE Product Writer::of_quotient(std::int32_t n) const {
+    const Node& node = function_.node(n);
+    const Product &above = product(node.a), &under = product(node.b);
+    if (under.is_finite() && under.never_zero()) {
+        Product result = above;
+        result.multiply(under);
+        return result;
     }
+    Product result = of_base(n, above.never_negative() && under.never_negative());
+    result.has_poles = true;
     return result;
 }
 
-RBDYN_INLINE Product Writer::of_multiply(const Node& node) const {
+RBDYN_INLINE std::optional<std::int32_t> Writer::under_arsinh(const Node& node) const {
+    for (const auto& [a, b] : {std::pair(node.a, node.b), std::pair(node.b, node.a)}) {
+        const Node &sign = function_.node(a), &log = function_.node(b);
+        if (sign.operation != Operation::sign || log.operation != Operation::logarithm) continue;
+        const Expression &u = copies_[at(sign.a)], &locked = copies_[at(a)];
+        if (is_same(copies_[at(log.a)], locked * u + sqrt(u * u + 1.0))) return sign.a;
+    }
+    return std::nullopt;
+}
+
+RBDYN_INLINE Product Writer::of_multiply(std::int32_t n) const {
+    const Node& node = function_.node(n);
+    if (const auto argument = under_arsinh(node)) {
+        Product result = product(*argument);
+        result.is_simpler = true;
+        return result;
+    }
     // a sign beside what it is the sign of
     for (const auto& [a, b] : {std::pair(node.a, node.b), std::pair(node.b, node.a)}) {
         if (function_.node(a).operation != Operation::sign) continue;
@@ -212,12 +264,27 @@ RBDYN_INLINE Product Writer::of_multiply(const Node& node) const {
     }
     Product result = product(node.a);
     result.multiply(product(node.b));
-    return result;
+    // what is zero of second order, beside a pole, may be a root there, and no zero
+    const bool may_cancel = result.has_poles && std::ranges::any_of(result.factors, [](const Factor& f) {
+                                return !f.never_zero && (f.never_negative || f.count % 2 == 0);
+                            });
+    if (!may_cancel || result.never_negative()) return result;
+    return of_base(n);
 }
 
 RBDYN_INLINE Product Writer::of_sum(std::int32_t n) const {
     const Node& node = function_.node(n);
     const Product &a = product(node.a), &b = product(node.b);
+    // not by so little that rounding could be more
+    constexpr double little = 1e-9;
+    if (const auto [low, high] = bounds(n); low > little || high < -little) {
+        Product result = of_base(n, low > 0.0, true);
+        if (high < 0.0 && result.is_finite()) {
+            result = of_constant(-1);
+            result.is_simpler = true;
+        }
+        return result;
+    }
     if (!a.never_negative() || !b.never_negative()) return of_base(n);
     const bool never_zero = a.never_zero() || b.never_zero();
     Product result = of_base(n, true, never_zero);
@@ -234,12 +301,13 @@ RBDYN_INLINE Product Writer::of_norm(const Node& node) const {
     for (const std::int32_t i : {node.a, node.b, node.c}) {
         sum += copies_[at(i)] * copies_[at(i)];
         never_zero = never_zero || product(i).never_zero();
-        result.is_total = result.is_total && product(i).is_total;
+        result.is_number = result.is_number && product(i).is_number;
+        result.has_poles = result.has_poles || product(i).has_poles;
     }
     result.is_simpler = true;
     if (sum.is_constant())
         result.sign = sum.value() > 0.0 ? 1 : 0;
-    else if (!(never_zero && result.is_total))
+    else if (!(never_zero && result.is_finite()))
         result.factors.push_back({sum, 1, true, never_zero});
     return result;
 }
@@ -247,8 +315,10 @@ RBDYN_INLINE Product Writer::of_norm(const Node& node) const {
 RBDYN_INLINE Product Writer::of_logarithm(std::int32_t n) const {
     const Node& node = function_.node(n);
     Product result = of_base(n);
-    result.is_total = false;
-    result.may_have_pole = true;
+    const bool is_safe = product(node.a).is_positive() && product(node.a).is_finite();
+    result.is_number = result.is_number && is_safe;
+    // of what is zero and not negative on both sides; else the function ends there
+    result.has_poles = result.has_poles || (!is_safe && product(node.a).never_negative());
     const auto squared = product(node.a).never_negative() ? square(node.a) : std::nullopt;
     if (!squared || result.factors.empty()) return result;
     // positive where its argument is more than one
@@ -278,15 +348,15 @@ RBDYN_INLINE Product Writer::of_power(std::int32_t n) const {
     const Product& base = product(node.a);
     const bool is_odd = std::fmod(exponent, 2.0) != 0.0, is_whole = exponent == std::floor(exponent);
     const bool is_known = base.never_negative() || is_whole;
-    if (is_known && (exponent > 0.0 || (base.is_total && base.never_zero()))) {
+    if (is_known && (exponent > 0.0 || (base.is_finite() && base.never_zero()))) {
         Product result = base;
         if (is_whole && !is_odd) result.multiply(base);
         result.is_simpler = true;
         return result;
     }
     Product result = of_base(n, !is_whole || !is_odd);
-    result.is_total = false;
-    result.may_have_pole = exponent < 0.0;
+    result.is_number = result.is_number && is_known;
+    result.has_poles = result.has_poles || exponent < 0.0;
     return result;
 }
 
@@ -349,7 +419,10 @@ RBDYN_INLINE SignFactors sign_factors(const Function& function) {
     Function factors = Function::record(function.inputs(), [&](const std::vector<Expression>& x) {
         for (const Parameter& p : function.parameters()) recording::active()->cell(p);
         const same_sign::Writer writer(function, x);
-        std::vector<Expression> results = writer.product(result).apart();
+        const same_sign::Product& product = writer.product(result);
+        // what is never negative passes nothing
+        if (product.never_negative() && product.is_number) return std::vector<Expression>{1.0};
+        std::vector<Expression> results = product.apart();
         is_itself = results.size() == 1 && !writer.is_simpler(result);
         return results;
     });

@@ -202,6 +202,7 @@ RBDYN_INLINE void put(Writer& w, const Halt& halt) {
     for (const WatchedSide& side : halt.watched) {
         w.put(side.side);
         w.put(side.reached);
+        w.put(side.product);
         w.put(side.known_from);
         put_zero(side.zero);
     }
@@ -239,6 +240,7 @@ RBDYN_INLINE Halt take_halt(Reader& r, const SceneModel& model) {
         WatchedSide& side = halt.watched.emplace_back();
         side.side = r.whole(-1, 1);
         side.reached = r.whole(-1, 1);
+        side.product = r.whole(-1, 1);
         r.take(side.known_from);
         side.zero = take_zero();
     }
