@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -9,6 +11,11 @@
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+/// The side of a product by those of its factors, 0 of one that is zero.
+inline int side_of_product(std::span<const int> sides) {
+    return std::accumulate(sides.begin(), sides.end(), 1, std::multiplies<>());
+}
 
 RBDYN_INLINE EventSearch::Factors EventSearch::factors_of(const std::vector<Guard>& guards, std::size_t g) {
     Factors result{g, 1};
@@ -25,8 +32,7 @@ RBDYN_INLINE int& EventSearch::product_of(const std::vector<Guard>& guards, cons
 
 RBDYN_INLINE int EventSearch::passes(const std::vector<Guard>& guards, const Factors& factors,
                                      std::span<const int> sides) {
-    int side = 1;
-    for (const int s : sides) side *= s;
+    const int side = side_of_product(sides);
     int& known = product_of(guards, factors);
     const int before = known;
     if (side != 0) known = side;
@@ -46,27 +52,22 @@ RBDYN_INLINE void EventSearch::multiply_sides(const std::vector<Guard>& guards, 
     std::vector<int> sides;
     for (std::size_t g = factors.first; g < factors.first + factors.count; ++g)
         sides.push_back(stays_[g] ? 0 : watched(guards[g]).side);
-    const auto product = [&] {
-        int side = 1;
-        for (const int s : sides) side *= s;
-        return side;
-    };
     int& known = product_of(guards, factors);
     const auto is_of = [&](const Found& f) {
         return f.guard >= factors.first && f.guard < factors.first + factors.count && !f.breaks;
     };
-    // the side that factor gives the product
+    // a factor goes over to its side
     const auto turn = [&](Found& f) {
         int& own = sides[f.guard - factors.first];
         own = f.rising ? 1 : -1;
-        f.product = product();
+        f.product = side_of_product(sides);
         f.product_rises = f.product > 0;
         // one that has reached zero, and stays there
         if (stays_[f.guard]) own = 0;
     };
     // what begins with the piece is one: factors that go over to their sides, and those that leave zero where they came
     // from, another one having passed meanwhile
-    const int begins = product();
+    const int begins = side_of_product(sides);
     Found* first = nullptr;
     for (Found& f : found_) {
         if (!is_of(f) || f.place > 0.0) continue;
