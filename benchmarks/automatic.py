@@ -26,10 +26,10 @@ def once(scene, until, error, engine):
             raise TimeoutError
 
     try:
-        rb.simulate(scene, until, error=error, engine=engine, keep="end", progress=watch)
+        run = rb.simulate(scene, until, error=error, engine=engine, keep="end", progress=watch)
     except (rb.AccuracyError, rb.IntegrationError, rb.InvalidInput, TimeoutError):
         return None
-    return time.thread_time() - began
+    return time.thread_time() - began if run.status != "step limit" else None
 
 
 def measured(make, error):

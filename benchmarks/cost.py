@@ -22,9 +22,9 @@ def random_scene(random):
     scene = rb.Scene(gravity=DOWN)
     kind = random.integers(4)
     if kind == 0:
-        moments = np.sort(random.uniform(1.0, 3.0, 3))
+        squares = random.uniform(0.5, 1.5, 3)  # sums of m x^2 along each axis, which any body has
         scene.add(
-            rb.RigidBody(1.0, moments + 0.5, com=random.uniform(-0.3, 0.3, 3)),
+            rb.RigidBody(1.0, squares.sum() - squares, com=random.uniform(-0.3, 0.3, 3)),
             rb.Spherical(),
             angular_velocity=random.uniform(-5.0, 5.0, 3),
         )
@@ -44,7 +44,7 @@ def random_scene(random):
     return scene, 10.0
 
 
-def predictions(count=30):
+def predictions(count=200):
     """Ratios of what predicted prices and errors turn out to be, over what was said."""
     random = np.random.default_rng(18)
     prices, errors = [], []

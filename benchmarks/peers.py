@@ -1,4 +1,4 @@
-"""What an error costs in time, beside heyoka, numbalsoda, SciPy and scikit-sundae on this machine.
+"""What an error costs in time, beside heyoka, numbalsoda, SciPy, scikit-sundae, MuJoCo and Drake on this machine.
 
 The problems of scenes/beside_peers.py: each library integrates the same equations of first order, with modes and
 events by hand where there are any; this library is given the scene. Milliseconds of the call, nothing kept but the
@@ -23,10 +23,12 @@ import time
 import venv
 from pathlib import Path
 
+from multibody import with_drake, with_mujoco
+
 ROOT = Path(__file__).resolve().parent.parent
 HOME = ROOT / "build" / "peers"
 PACKAGES = {"scipy": "scipy", "matplotlib": "matplotlib", "heyoka": "heyoka", "numbalsoda": "numbalsoda"}
-PACKAGES["sksundae"] = "scikit-sundae"
+PACKAGES |= {"sksundae": "scikit-sundae", "mujoco": "mujoco", "pydrake": "drake"}
 ERRORS = (1e-6, 1e-9, 1e-12)
 TOLERANCES = [10.0**-k for k in range(3, 17)]
 # s: a run that takes longer ends its ladder; turns of the chosen runs
@@ -333,7 +335,7 @@ def difference(numbers, exact, groups):
 def measured(problem, exact):
     """For each run by name: what it paid once, and by error (tolerance, error, seconds), as far as it reaches."""
     runs, chosen = {}, {}
-    for peer in (library, with_heyoka, with_numbalsoda, with_scipy, with_sundae):
+    for peer in (library, with_heyoka, with_numbalsoda, with_scipy, with_sundae, with_mujoco, with_drake):
         try:
             runs |= peer(problem)
         except ImportError:
@@ -405,7 +407,7 @@ def figure(results, path):
                 times = [r[error][2] for label, (_, r) in found.items() if label.split(",")[0] == family and error in r]
                 if times:
                     points.append((1e3 * min(times), i))
-            axis.plot(*zip(*points, strict=True), "o^sDv"[k], label=family, alpha=0.8) if points else None
+            axis.plot(*zip(*points, strict=True), "o^sDvPX*"[k], label=family, alpha=0.8) if points else None
         axis.set(xscale="log", xlabel="ms", title=f"error {error:.0e}", yticks=range(len(results)))
         axis.set_yticklabels(results)
         axis.grid(alpha=0.3)
@@ -463,7 +465,8 @@ for each tolerance, of numbalsoda for each system. SciPy and scikit-sundae call 
 
 Errors are of positions (attitudes, angles) and of rates at the end, each relative to its
 own size; where the hoop sticks, and when.
-numbalsoda and scikit-sundae are left out where there are events.
+numbalsoda and scikit-sundae are left out where there are events. MuJoCo and Drake are given bars and hinges, as rbdyn
+is; MuJoCo closes loops by stiff springs, Drake has no loops in continuous time.
 """
     (ROOT / "docs" / "peers.md").write_text(text)
 
