@@ -23,8 +23,6 @@ import time
 import venv
 from pathlib import Path
 
-from multibody import with_drake, with_mujoco
-
 ROOT = Path(__file__).resolve().parent.parent
 HOME = ROOT / "build" / "peers"
 PACKAGES = {"scipy": "scipy", "matplotlib": "matplotlib", "heyoka": "heyoka", "numbalsoda": "numbalsoda"}
@@ -334,6 +332,8 @@ def difference(numbers, exact, groups):
 
 def measured(problem, exact):
     """For each run by name: what it paid once, and by error (tolerance, error, seconds), as far as it reaches."""
+    from scenes.multibody import with_drake, with_mujoco
+
     runs, chosen = {}, {}
     for peer in (library, with_heyoka, with_numbalsoda, with_scipy, with_sundae, with_mujoco, with_drake):
         try:

@@ -24,6 +24,7 @@
 #include "rbdyn/plan/integrals.ipp"
 #include "rbdyn/plan/kept_plan.ipp"
 #include "rbdyn/plan/linear_motion.ipp"
+#include "rbdyn/plan/linear_pieces.ipp"
 #include "rbdyn/plan/plan.ipp"
 #include "rbdyn/plan/planning.ipp"
 #include "rbdyn/plan/simulated.ipp"

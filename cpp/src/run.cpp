@@ -9,6 +9,7 @@
 #include "rbdyn/simulate.ipp"
 #include "rbdyn/simulate_many.ipp"
 #include "rbdyn/solve.ipp"
+#include "rbdyn/solve_closed.ipp"
 #include "rbdyn/trajectory/accuracy.ipp"
 #include "rbdyn/trajectory/any_run.ipp"
 #include "rbdyn/trajectory/body_motion.ipp"

@@ -111,7 +111,9 @@ Keep held_against(const Record& run);
 /// A motion in closed form that nothing is watched for: no pieces, from the state `first`; `origin`: where it began.
 Record formula_record(const Mode& mode, std::vector<double> first, double start, Instant end,
                       const std::shared_ptr<const ClosedForm>& form, double origin);
-/// The same beside a run of one mode; none if it has guards: series have to find what they do then.
+/// Whether no guard of a motion that has one closed form ever fires: those of modes do not.
+bool never_fires(const Equations& equations);
+/// The same beside a run of one mode; none if it has others, or more forms: series have to find what they do then.
 std::optional<Record> formula_beside(const Record& run, const std::shared_ptr<const ClosedForm>& form, double origin);
 
 /// Hands on the events of a motion of one part that is judged, or leaves the last of each; what a function of the
@@ -147,16 +149,6 @@ struct Standing {
 /// that of the whole motion. None if the error asked for is not reached so.
 std::optional<Solution> carry_on(const HybridModel& model, const Standing& standing, const SimulateOptions& options,
                                  const std::shared_ptr<const ClosedForm>& form);
-
-/// What rounding makes of what is computed from the state of a closed form from where it begins up to a time, over its
-/// scales there.
-double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form, const SimulateOptions& options,
-                     double start, double end);
-
-/// A motion known in closed form. Nothing is integrated unless there is something to watch for: then Taylor series from
-/// exact states find the events, twice, and the two are compared.
-Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
-                      const Beginning& beginning, const std::shared_ptr<const ClosedForm>& form);
 
 }  // namespace simulating
 

@@ -87,9 +87,13 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
                              const Beginning& beginning, const std::string& name, double tolerance, const Keep& keep,
                              const Manner& manner, const std::shared_ptr<const ClosedForm>& form) {
     const auto before = std::chrono::steady_clock::now();
-    const std::unique_ptr<Engine> engine =
-        form ? std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order)
-             : make_engine(name, tolerance, manner);
+    const auto made = [&]() -> std::unique_ptr<Engine> {
+        if (!form) return make_engine(name, tolerance, manner);
+        if (auto by_mode = std::dynamic_pointer_cast<const FormsByMode>(form))
+            return std::make_unique<ClosedFormEngine>(std::move(by_mode), tolerance, manner.order);
+        return std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order);
+    };
+    const std::unique_ptr<Engine> engine = made();
     const std::unique_ptr<Driver> driver = make_driver(model, *engine, o, beginning, tolerance, keep);
     Timed result{beginning.halt != nullptr ? driver->go_on(*beginning.halt, o.until)
                                            : driver->run(beginning.origin, x, o.until)};
@@ -197,11 +201,15 @@ RBDYN_INLINE Record formula_record(const Mode& mode, std::vector<double> first, 
     return record;
 }
 
+RBDYN_INLINE bool never_fires(const Equations& equations) {
+    return std::ranges::all_of(equations.guards, [](const Guard& g) { return g.role == GuardRole::mode; });
+}
+
 RBDYN_INLINE std::optional<Record> formula_beside(const Record& run, const std::shared_ptr<const ClosedForm>& form,
                                                   double origin) {
-    if (form == nullptr || run.modes.size() != 1 || run.empty()) return std::nullopt;
+    if (!is_one_form(form) || run.modes.size() != 1 || run.empty()) return std::nullopt;
     const Mode& mode = run.modes.front();
-    if (mode.equations == nullptr || !mode.equations->guards.empty()) return std::nullopt;
+    if (mode.equations == nullptr || !never_fires(*mode.equations)) return std::nullopt;
     return formula_record(mode, run.first_state, run.start, run.end, form, origin);
 }
 
@@ -429,99 +437,6 @@ RBDYN_INLINE std::optional<Solution> carry_on(const HybridModel& model, const St
     if (options.keep.what != Keep::What::all) run.record.keep_only(options.keep.times);
     drop_grazes(run.record, comparison.grazes);
     take(result, std::move(run));
-    return result;
-}
-
-RBDYN_INLINE double rounding_seen(const HybridModel& model, const Mode& mode, const ClosedForm& form,
-                                  const SimulateOptions& options, double start, double end) {
-    // enough to meet most of the extent of a motion, and what it was before it died away
-    const double span = end - start, pace = std::min(form.pace(), span);
-    std::vector<double> x(static_cast<std::size_t>(model.variables()));
-    std::vector<Observed> seen;
-    ErrorScales scales;
-    for (const double since : {0.0, span, 0.618 * span, 0.236 * span, pace, 0.3 * pace}) {
-        form.state({since, 0.0}, x);
-        model.observe(mode, start + since, x, seen);
-        scales.widen(seen);
-    }
-    scales.settle(options.error, span);
-    // of some four sums and products; of six as long as these are the last digits. Where a scale has its floor for
-    // rounding (least_share) four are what it is made for
-    constexpr double last_digits = 1e-14;
-    return std::max(4.0 * scales.rounding(), std::min(6.0 * scales.rounding(), last_digits));
-}
-
-RBDYN_INLINE Solution solve_closed(const HybridModel& model, std::vector<double> x, const SimulateOptions& options,
-                                   const Beginning& beginning, const std::shared_ptr<const ClosedForm>& form) {
-    const auto before = std::chrono::steady_clock::now();
-    Solution result;
-    result.runs = 1;
-    // pieces say when events are, not where things are: they are kept if all of a run is, or while two are compared
-    const bool keeps_all = options.keep.what == Keep::What::all;
-    const Keep keep =
-        keeps_all || !options.rtol ? compared_pieces(options) : Keep{.what = Keep::What::end, .times = {}};
-    const auto run = [&](double tolerance, int order) {
-        return integrate(model, x, options, beginning, "", tolerance, keep, {.order = order}, form).record;
-    };
-    Comparison events{.error = 0.0, .certain_until = options.until};
-    std::vector<double> first = x;
-    Mode mode;
-    if (beginning.halt != nullptr) {
-        mode = beginning.halt->mode;
-        form->state(exact_difference({options.start, 0.0}, {beginning.origin, 0.0}), first);
-    } else {
-        mode = model.begin(options.start, first);
-    }
-    if (mode.equations->guards.empty()) {
-        result.record =
-            formula_record(mode, std::move(first), options.start, {options.until, 0.0}, form, beginning.origin);
-    } else {
-        result.record = run(least_tolerance("taylor"), 0);
-        if (!options.rtol) {
-            const Record better = run(0.1 * least_tolerance("taylor"), other_order);
-            ++result.runs;
-            if (!better.thrown && !result.record.thrown)
-                events = AccuracyCheck(model, options.error, options.monitor)(result.record, better, keep.times);
-            if (!keeps_all) result.record.keep_only();
-        }
-    }
-    Record& record = result.record;
-    record.closed = form;
-    record.closed_from = beginning.origin;
-    end_where_finite(record);
-    result.course = course_of(record, "closed form", least_tolerance("taylor"), {});
-    result.integration_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-    result.certain_until = record.end.hi;
-    if (record.thrown) {
-        result.outcome = Outcome::thrown;
-        result.thrown = record.thrown;
-        result.certain_until = record.start;
-        return result;
-    }
-    if (record.status == Status::not_finite || record.status == Status::inconsistent) {
-        result.outcome = Outcome::broken;
-        result.message = broken_off(model, record);
-        return result;
-    }
-    if (options.rtol) return result;
-    const double seen = rounding_seen(model, record.modes.front(), *form, options, beginning.origin, record.end.hi);
-    const auto error_at = [&](double t) { return seen + form->error(t - beginning.origin, options.error); };
-    result.error = std::max(events.error, error_at(record.end.hi));
-    if (*result.error <= options.error) return result;
-    // errors of a closed form grow with time
-    double good = options.start, bad = record.end.hi;
-    for (int i = 0; i < 60 && error_at(good) <= options.error; ++i) {
-        const double middle = 0.5 * (good + bad);
-        (error_at(middle) <= options.error ? good : bad) = middle;
-    }
-    if (error_at(record.end.hi) <= options.error) good = record.end.hi;
-    good = std::min(good, events.certain_until);
-    result.certain_until = good;
-    result.outcome = Outcome::inaccurate;
-    record.status = Status::accuracy_not_reached;
-    result.message = "simulate: error " + text(options.error) + " was asked for and the closed form reaches " +
-                     text(*result.error) + " with numbers in double precision; it is certain up to t = " + text(good) +
-                     " s. " + std::string(advice(Status::accuracy_not_reached));
     return result;
 }
 

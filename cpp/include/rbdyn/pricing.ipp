@@ -19,6 +19,7 @@
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/integrate.hpp"
+#include "rbdyn/solve_closed.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
 
@@ -125,7 +126,7 @@ RBDYN_INLINE Measured Runner::run(const std::vector<std::string>& engines, doubl
                 .record;
         // set up, and asked for one state and all events
         const auto form = begun(part.close(), options.start);
-        Record record = simulating::solve_closed(part.model, part.start, options, {options.start}, form).record;
+        Record record = simulating::solve_in_form(part.model, part.start, options, {options.start}, form).record;
         std::vector<double> end(part.start.size());
         form->state({base_.until - base_.start, 0.0}, end);
         return record;
@@ -304,7 +305,8 @@ RBDYN_INLINE void Reference::judge(const Measured& run, const std::vector<std::s
 RBDYN_INLINE double rounding_of(const Part& part, const SimulateOptions& base) {
     SimulateOptions options = base;
     options.rtol.reset();
-    return simulating::solve_closed(part.model, part.start, options, {options.start}, begun(part.closed, options.start))
+    return simulating::solve_in_form(part.model, part.start, options, {options.start},
+                                     begun(part.closed, options.start))
         .error.value_or(std::numeric_limits<double>::infinity());
 }
 

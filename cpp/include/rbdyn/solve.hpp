@@ -49,6 +49,11 @@ Solved solve_together(Scene scene, Plan plan, const SimulateOptions& options, co
 /// Throws InvalidInput for a start whose squares are beyond the range of doubles, speeds and energies with them.
 void require_squares(const Scene& scene);
 
+/// From where a motion begins, in closed form if that is the engine and it has one all along; else `engine` becomes
+/// that which integrates.
+Solution solve_from(const SceneModel& model, const Plan& plan, const std::vector<double>& x, const std::string& engine,
+                    const SimulateOptions& options, const Beginning& beginning, Ahead* ahead);
+
 /// The motion of a scene of one part from where a run has come to. What a run has for that is taken if it leads to the
 /// error asked for; else the motion is computed anew from where it began, and what was before is left out.
 [[gnu::cold]] Solution solve_on(const SceneModel& model, const Plan& plan, const std::string& engine,

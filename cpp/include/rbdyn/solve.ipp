@@ -32,6 +32,7 @@
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
+#include "rbdyn/solve_closed.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
 
@@ -193,10 +194,7 @@ RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions
         require_squares(scene);
         const std::vector<double> x = model.start(options.start);
         const Beginning beginning{options.start};
-        return engine == "closed form"
-                   ? solve_closed(model, x, options, beginning, begun(plan.closed, beginning.origin))
-                   : solve(model, x, options, beginning, engine, plan.integrator, begun(plan.closed, beginning.origin),
-                           ahead);
+        return solve_from(model, plan, x, engine, options, beginning, ahead);
     };
     Solution solution = before != nullptr ? solve_on(model, plan, engine, options, *before) : from_start();
     // what is a square loses its digits from here on; a run that broke off may not have come to more
@@ -209,12 +207,25 @@ RBDYN_INLINE Solved solve_together(Scene scene, Plan plan, const SimulateOptions
     return result;
 }
 
+RBDYN_INLINE Solution solve_from(const SceneModel& model, const Plan& plan, const std::vector<double>& x,
+                                 const std::string& engine, const SimulateOptions& options, const Beginning& beginning,
+                                 Ahead* ahead) {
+    const std::shared_ptr<const ClosedForm> form = begun(plan.closed, beginning.origin);
+    return engine == "closed form" ? solve_in_form(model, x, options, beginning, form)
+                                   : solve(model, x, options, beginning, engine, plan.integrator, form, ahead);
+}
+
 RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const std::string& engine,
                                const SimulateOptions& options, const RunData& before) {
     const bool stands = before.course && before.record.end.hi == options.start;
-    if (engine == "closed form" && stands && before.course->engine == engine)
-        return solve_closed(model, before.course->halt.x, options, {before.origin, &before.course->halt},
-                            begun(plan.closed, before.origin));
+    if (engine == "closed form" && stands && before.course->engine == engine) {
+        Solution solution = solve_in_form(model, before.course->halt.x, options, {before.origin, &before.course->halt},
+                                          begun(plan.closed, before.origin));
+        // of a motion that has more than one form each adds its error
+        const bool adds = !is_one_form(plan.closed) && solution.error;
+        if (adds) *solution.error += before.error.value_or(0.0);
+        if (!adds || *solution.error <= options.error) return solution;
+    }
     const bool has_estimate = before.judge && before.error && !before.asked.rtol &&
                               options.error >= before.asked.error && before.course->engine == engine;
     if (stands && engine != "closed form" && (options.rtol || has_estimate)) {
@@ -250,10 +261,7 @@ RBDYN_INLINE Solution solve_on(const SceneModel& model, const Plan& plan, const 
                         8.0 * std::numeric_limits<double>::epsilon() * std::abs(options.start);
     const Beginning beginning{before.origin, nullptr, options.start + near};
     const std::vector<double> x = model.start(before.origin);
-    Solution solution =
-        engine == "closed form"
-            ? solve_closed(model, x, whole, beginning, begun(plan.closed, beginning.origin))
-            : solve(model, x, whole, beginning, engine, plan.integrator, begun(plan.closed, beginning.origin));
+    Solution solution = solve_from(model, plan, x, engine, whole, beginning, nullptr);
     const auto had = [&](const Event& e) {
         return std::any_of(before.record.events.begin(), before.record.events.end(), [&](const Event& b) {
             return b.kind == e.kind && b.subject == e.subject && b.contact == e.contact &&

@@ -51,11 +51,16 @@ public:
 
     double fastest() const override;
 
+    Range range(std::span<const double> weights) const override;
+
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     // numbers of 32 digits that are as good as equal, after a quotient or two
     static constexpr double same = 0x1p-98;
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+    /// Where a mode that starts from zero stays: its energy about the rest never grows; unlimited where it may.
+    static Range swing(double stiffness, double damping, double force, double rate);
 
     /// What an error of a stiffness makes of the phase: t/2w, or t^2/2 while that is less.
     static double late_by(double rate, double t) { return 0.5 * t * std::min(t, 1.0 / rate); }
@@ -64,6 +69,7 @@ private:
     std::vector<DoubleDouble> start_;
     std::vector<double> shapes_;  // mode by mode
     std::vector<LinearOscillator> modes_;
+    std::vector<Range> ranges_, rate_ranges_;  // of the modes and of their rates
     double value_error_;
 };
 

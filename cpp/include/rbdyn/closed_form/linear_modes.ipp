@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -99,8 +100,12 @@ RBDYN_INLINE LinearModes::LinearModes(std::vector<int> positions, std::vector<in
             rate += shape * rates[at(i)];
             shapes_.push_back(static_cast<double>(modes->vectors(i, k) / s.scales[at(i)]));
         }
-        modes_.emplace_back(
-            LinearOscillator::Coefficients{stiffness, damping.first + damping.second * stiffness, force}, 0.0, rate);
+        const DoubleDouble drag = damping.first + damping.second * stiffness;
+        modes_.emplace_back(LinearOscillator::Coefficients{stiffness, drag, force}, 0.0, rate);
+        ranges_.push_back(swing(stiffness.hi, drag.hi, force.hi, rate.hi));
+        // nor do its rates, of the same energy
+        const double radius = ranges_.back().radius;
+        rate_ranges_.push_back({0.0, std::isinf(radius) ? radius : radius * std::sqrt(stiffness.hi)});
     }
 }
 
@@ -134,6 +139,33 @@ RBDYN_INLINE void LinearModes::add_errors(double since, std::span<double> errors
             errors[at(velocities_[i])] += size * (e.velocity + epsilon * std::abs(y.velocity) + late * rate * far);
         }
     }
+}
+
+RBDYN_INLINE LinearBlock::Range LinearModes::swing(double stiffness, double damping, double force, double rate) {
+    constexpr double unlimited = std::numeric_limits<double>::infinity();
+    if (!(stiffness > 0.0) || !(damping >= 0.0)) return {0.0, unlimited};
+    const double rest = force / stiffness;
+    return {rest, std::hypot(rest, rate / std::sqrt(stiffness))};
+}
+
+RBDYN_INLINE LinearBlock::Range LinearModes::range(std::span<const double> weights) const {
+    const std::size_t n = positions_.size();
+    Range result;
+    for (std::size_t i = 0; i < n; ++i) result.middle += weights[at(positions_[i])] * start_[i].hi;
+    for (std::size_t k = 0; k < modes_.size(); ++k) {
+        double of_place = 0.0, of_rate = 0.0;
+        for (std::size_t i = 0; i < n; ++i) {
+            of_place += weights[at(positions_[i])] * shapes_[k * n + i];
+            of_rate += weights[at(velocities_[i])] * shapes_[k * n + i];
+        }
+        // what has no share in it does not limit it
+        if (of_place != 0.0) {
+            result.middle += of_place * ranges_[k].middle;
+            result.radius += std::abs(of_place) * ranges_[k].radius;
+        }
+        if (of_rate != 0.0) result.radius += std::abs(of_rate) * rate_ranges_[k].radius;
+    }
+    return result;
 }
 
 RBDYN_INLINE double LinearModes::fastest() const {

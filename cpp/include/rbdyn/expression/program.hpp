@@ -105,6 +105,8 @@ public:
 
     /// The weights with all their digits; none if they depend on parameters.
     const std::vector<DoubleDouble>* exact_weights() const { return scalar_steps_.empty() ? &constants_ : nullptr; }
+    /// The same for given parameters; none if more than sums, products, quotients and roots of them are wanted.
+    [[gnu::cold]] std::optional<std::vector<DoubleDouble>> exact_weights(std::span<const double> parameters) const;
 
     /// The program's instructions, one a line.
     std::string text() const;

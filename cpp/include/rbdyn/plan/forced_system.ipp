@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -69,8 +70,13 @@ struct ForcedSlot {
 
 RBDYN_INLINE std::optional<ForcedSystem> forced_system(const Program& program, std::vector<DoubleDouble> start) {
     const std::vector<DoubleDouble>* weights = program.exact_weights();
-    if (weights == nullptr || program.has_calls()) return std::nullopt;
-    const auto weight = [&](int i) -> const DoubleDouble& { return (*weights)[static_cast<std::size_t>(i)]; };
+    if (weights == nullptr) return std::nullopt;
+    return forced_system(program, *weights, std::move(start));
+}
+
+/// All slots of a program with these weights.
+RBDYN_INLINE std::vector<ForcedSlot> slots_of(const Program& program, std::span<const DoubleDouble> weights) {
+    const auto weight = [&](int i) -> const DoubleDouble& { return weights[static_cast<std::size_t>(i)]; };
     std::vector<ForcedSlot> all(static_cast<std::size_t>(program.slots()));
     const auto at = [&](int i) -> ForcedSlot& { return all[static_cast<std::size_t>(i)]; };
     for (int i = 0; i < program.inputs(); ++i) {
@@ -113,6 +119,14 @@ RBDYN_INLINE std::optional<ForcedSystem> forced_system(const Program& program, s
         at(i.out) = std::move(out);
         if (i.out2 >= 0) at(i.out2) = std::move(second);
     }
+    return all;
+}
+
+RBDYN_INLINE std::optional<ForcedSystem> forced_system(const Program& program, std::span<const DoubleDouble> weights,
+                                                       std::vector<DoubleDouble> start) {
+    if (program.has_calls()) return std::nullopt;
+    std::vector<ForcedSlot> all = slots_of(program, weights);
+    const auto at = [&](int i) -> ForcedSlot& { return all[static_cast<std::size_t>(i)]; };
     LinearSystem system;
     std::vector<Waves> forcing;
     for (int i = 0; i < program.inputs(); ++i) {
@@ -125,6 +139,24 @@ RBDYN_INLINE std::optional<ForcedSystem> forced_system(const Program& program, s
     system.constants.resize(system.rows.size());
     system.start = std::move(start);
     return ForcedSystem(std::move(system), forcing);
+}
+
+RBDYN_INLINE std::vector<std::optional<LinearOutput>> linear_outputs(const Program& program,
+                                                                     std::span<const DoubleDouble> weights) {
+    const std::size_t count = static_cast<std::size_t>(program.outputs()) + program.switches().size();
+    std::vector<std::optional<LinearOutput>> result(count);
+    if (program.has_calls()) return result;
+    const std::vector<ForcedSlot> all = slots_of(program, weights);
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+        const ForcedSlot& slot = all[static_cast<std::size_t>(program.output(i))];
+        const auto constant = slot.time.constant();
+        if (!slot.is_known || !constant) continue;
+        LinearOutput& out = result[static_cast<std::size_t>(i)].emplace();
+        out.constant = constant->hi;
+        out.factors.resize(static_cast<std::size_t>(program.inputs()));
+        for (const LinearSystem::Entry& e : slot.row) out.factors[static_cast<std::size_t>(e.column)] += e.value.hi;
+    }
+    return result;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::planning

@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/body/particle.hpp"
+#include "rbdyn/engine/closed_form.hpp"
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/numbers.hpp"
@@ -82,7 +83,10 @@ RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, c
         if (!kept.closed) return plan;
         plan.closed = closed_form(scene, *plan.model, true).form;
         if (!plan.closed) return std::nullopt;
-        plan.reason = reason_of(*plan.closed);
+        // whether it has one form or more may depend on where it starts
+        const bool is_one = is_one_form(plan.closed);
+        if (is_one != (kept.engine == "closed form")) return std::nullopt;
+        if (is_one) plan.reason = reason_of(*plan.closed);
         return plan;
     }
     Plan plan = kept;

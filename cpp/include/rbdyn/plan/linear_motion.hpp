@@ -15,6 +15,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
+#include "rbdyn/closed_form/linear_block.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
 #include "rbdyn/closed_form/waves.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -38,6 +39,9 @@ public:
     double error(double since, double wanted) const override;
 
     double pace() const override;
+
+    /// Where a sum of its variables, each times a factor, is from the start on; unlimited where it is not known.
+    LinearBlock::Range range(std::span<const double> factors) const;
 
     std::shared_ptr<const ClosedForm> begun(double time) const override;
 

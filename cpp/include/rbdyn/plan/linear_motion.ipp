@@ -32,6 +32,7 @@
 #include "rbdyn/model/points.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/plan/forced_system.hpp"
+#include "rbdyn/plan/linear_pieces.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
 
@@ -117,6 +118,18 @@ RBDYN_INLINE double LinearMotion::pace() const {
     double fastest = 0.0;
     for (const auto& block : solution_.blocks) fastest = std::max(fastest, block->fastest());
     return 1.0 / fastest;
+}
+
+RBDYN_INLINE LinearBlock::Range LinearMotion::range(std::span<const double> factors) const {
+    LinearBlock::Range result;
+    std::vector<double> weights(factors.begin(), factors.end());
+    weights.resize(start_.size() + behind_);
+    for (const auto& block : solution_.blocks) {
+        const LinearBlock::Range own = block->range(weights);
+        result.middle += own.middle;
+        result.radius += own.radius;
+    }
+    return result;
 }
 
 RBDYN_INLINE std::shared_ptr<const ClosedForm> LinearMotion::begun(double time) const {
@@ -232,7 +245,11 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     constexpr const char* polynomial = "a polynomial in time, of which one step of a Taylor series is exact";
     if (is_even && !is_forced) return {nullptr, polynomial};
     const auto changes = [](const Guard& g) { return g.role == GuardRole::mode; };
-    if (std::any_of(e.guards.begin(), e.guards.end(), changes) || laws.takes_numbers()) return {nullptr, changing};
+    if (laws.takes_numbers()) return {nullptr, changing};
+    if (std::any_of(e.guards.begin(), e.guards.end(), changes)) {
+        auto pieces = linear_pieces(model);
+        return {pieces, pieces ? "" : changing};
+    }
     std::vector<double> start = model.start();
     std::vector<DoubleDouble> wide(start.begin(), start.end());
     const std::vector<double> rest = model.start_rest();

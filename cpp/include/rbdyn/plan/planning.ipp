@@ -22,6 +22,7 @@
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/one_side.hpp"
 #include "rbdyn/curve/point.hpp"
+#include "rbdyn/engine/closed_form.hpp"
 #include "rbdyn/engine/cvode_factory.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/numbers.hpp"
@@ -177,7 +178,14 @@ RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, 
     return any_rigid ? found : linear;
 }
 
+/// Said where there is one form after the other: series need no set-up where it changes.
+constexpr const char* by_pieces =
+    "its equations change from one formula to the next; engine=\"closed form\" takes one after the other";
+
 RBDYN_INLINE std::string reason_of(const ClosedForm& form) {
+    if (dynamic_cast<const FormsByMode*>(&form) != nullptr)
+        return form.name() +
+               ": exact until a guard changes its formula; from there on \"auto\" takes the whole by series";
     return form.name() + ": exact at every time, whatever the time";
 }
 
@@ -328,12 +336,12 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
             if (o.what == "closed form") leave_out(o.what, o.why);
     if (!plan.model) return plan;
     const auto [closed, why_not] = closed_form(scene, *plan.model, any_rigid);
-    if (closed) {
-        plan.closed = closed;
+    plan.closed = closed;
+    if (is_one_form(closed)) {
         plan.engine = "closed form";
         plan.reason = reason_of(*closed);
     } else {
-        leave_out("closed form", why_not);
+        leave_out("closed form", closed ? by_pieces : why_not);
     }
     return plan;
 }

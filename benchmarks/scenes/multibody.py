@@ -1,4 +1,4 @@
-"""Engines of multibody dynamics, given the linkages of scenes/linkages.py: MuJoCo and Drake.
+"""Engines of multibody dynamics, given the linkages of linkages.py: MuJoCo and Drake.
 
 Their steps or accuracies follow from the tolerance that is asked for. MuJoCo closes loops by stiff springs with
 dampers, as stiff as a step allows; Drake has none in continuous time, so linkages with loops are left out there.
