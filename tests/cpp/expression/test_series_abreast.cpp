@@ -45,11 +45,7 @@ void expand(SeriesEvaluator& series, const Alone& motion, int order, bool has_gu
     series.set_parameters(motion.parameters);
     series.begin(motion.t, motion.unit);
     for (std::size_t i = 0; i < motion.x.size(); ++i) series.set_input(static_cast<int>(i), 0, motion.x[i]);
-    for (int k = 0; k < order; ++k) {
-        series.advance(k);
-        series.integrate(k);
-    }
-    if (has_guards) series.advance(order);
+    series.expand(order, has_guards);
 }
 
 std::vector<Alone> motions(Random& random, const Program& program, int count) {
@@ -68,6 +64,26 @@ std::vector<Alone> motions(Random& random, const Program& program, int count) {
 
 bool are_same(const double* a, const double* b, int count) {
     return std::memcmp(a, b, static_cast<std::size_t>(count) * sizeof(double)) == 0;
+}
+
+TEST(SeriesEvaluator, has_the_same_bits_on_every_processor_and_order_by_order) {
+    const Program program = everything();
+    Random random(2);
+    for (int order = 12; order <= 24; ++order)
+        for (const Alone& motion : motions(random, program, 20)) {
+            SeriesEvaluator here(program, order), everywhere(program, order), one_by_one(program, order);
+            everywhere.go_without_lanes_of_four();
+            expand(here, motion, order, true);
+            expand(everywhere, motion, order, true);
+            expand(one_by_one, motion, 0, false);
+            for (int k = 0; k <= order; ++k) {
+                one_by_one.advance(k);
+                if (k < order) one_by_one.integrate(k);
+            }
+            for (int slot = 0; slot < program.slots(); ++slot)
+                for (const SeriesEvaluator* other : {&everywhere, &one_by_one})
+                    ASSERT_TRUE(are_same(here.coefficients(slot), other->coefficients(slot), order + 1)) << slot;
+        }
 }
 
 TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {

@@ -261,11 +261,7 @@ RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations&
 RBDYN_INLINE void TaylorEngine::expand() {
     series_->begin(t_.hi, unit_);
     for (int i = 0; i < equations_->variables(); ++i) series_->set_input(i, 0, x_[at(i)]);
-    for (int k = 0; k < order_; ++k) {
-        series_->advance(k);
-        series_->integrate(k);
-    }
-    if (!equations_->guards.empty()) series_->advance(order_);
+    series_->expand(order_, !equations_->guards.empty());
 }
 
 RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {

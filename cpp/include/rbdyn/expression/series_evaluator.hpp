@@ -42,7 +42,16 @@ public:
     bool is_finite(int k) const;
 
     /// Computes coefficient k of every slot from coefficients 0..k of the inputs.
-    void advance(int k);
+    void advance(int k) { run_(*this, k, k + 1, false); }
+
+    /// Coefficients 0 .. order of the inputs from their first ones, 0 .. order - 1 of all other slots; `whole`: 0 ..
+    /// order of these too.
+    void expand(int order, bool whole) {
+        run_(*this, 0, order, true);
+        if (whole) advance(order);
+    }
+    /// From now on as on a processor without lanes of four: the same bits.
+    void go_without_lanes_of_four() { run_ = &plain; }
 
     /// Coefficients of an output, of a switch, of any slot.
     const double* output(int index) const { return coefficients(program_->output(index)); }
@@ -99,6 +108,7 @@ private:
     };
     struct Stage {
         const series::LaneSeries *series, *series_end;
+        const series::LaneSpread *spread, *spread_end;
         series::LaneSum *sum, *sum_end;
         const Lane *lane, *lane_end;
         const Combination *combination, *combination_end;
@@ -107,7 +117,16 @@ private:
 
     series::View slot(int index);
 
-    double linear(const Linear& part, int k) const;
+    // code in four lanes (series/lanes.hpp)
+    using Run = void (*)(SeriesEvaluator&, int first, int last, bool integrates);
+    static Run widest();
+    static void plain(SeriesEvaluator& series, int first, int last, bool integrates);
+    static void wide(SeriesEvaluator& series, int first, int last, bool integrates);
+    template <class Lanes>
+    void run(int first, int last, bool integrates);
+    template <class Lanes>
+    void advance_in(std::ptrdiff_t k);
+    double linear(const Linear& part, std::ptrdiff_t k) const;
 
     /// Whether a slot has grown beyond the largest double, or nearly so; it is infinite then.
     bool overflows();
@@ -117,12 +136,14 @@ private:
     }
 
     /// Coefficient k of the slots of an instruction that is no combination.
+    template <class Lanes>
     void compute(const Step& i, int k);
 
     /// A function of the user's has a value and no more.
     void call(const Program::Call& c, int k);
 
     /// |v| for v = t^m d(t), d(0) not zero: t^m |d(t)|, so that a motion may start from v = 0.
+    template <class Lanes>
     void norm(const Step& i, const series::View& out, int k);
 
     void resolve();
@@ -147,9 +168,10 @@ private:
     std::vector<series::LaneValues> lanes_;
     std::vector<series::LaneSeries> lane_series_;
     std::vector<Schedule::Series> lane_weights_;
+    std::vector<series::LaneSpread> lane_spreads_;
     std::vector<series::LaneProduct> lane_products_;
     std::vector<series::LaneSum> lane_sums_;
-    series::LaneOrder lane_order_ = series::lane_order();
+    Run run_ = widest();
 };
 
 inline void SeriesEvaluator::integrate(int k) {
@@ -170,13 +192,6 @@ inline const double* SeriesEvaluator::coefficients(int slot_index) const {
 inline series::View SeriesEvaluator::slot(int index) {
     double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
     return {start, start + stride_ - 1};
-}
-
-inline double SeriesEvaluator::linear(const Linear& part, int k) const {
-    const double* w = scalars_.data();
-    double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
-    for (const ResolvedTerm* t = part.first; t != part.last; ++t) sum += w[t->weight] * t->series[k];
-    return sum;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

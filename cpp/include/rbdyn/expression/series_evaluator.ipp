@@ -9,12 +9,14 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/lanes.hpp"
 #include "rbdyn/series/product_sums.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -51,16 +53,34 @@ RBDYN_INLINE void SeriesEvaluator::begin(double t, double unit) {
     }
 }
 
-RBDYN_INLINE void SeriesEvaluator::advance(int k) {
+RBDYN_INLINE SeriesEvaluator::Run SeriesEvaluator::widest() {
+#ifdef RBDYN_WIDE_LANES
+    if (__builtin_cpu_supports("avx2")) return &wide;
+#endif
+    return &plain;
+}
+
+RBDYN_INLINE_LANES double SeriesEvaluator::linear(const Linear& part, std::ptrdiff_t k) const {
+    const double* w = scalars_.data();
+    double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
+    for (const ResolvedTerm *t = part.first, *end = part.last; t != end; ++t) sum += w[t->weight] * t->series[k];
+    return sum;
+}
+
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::advance_in(std::ptrdiff_t k) {
     for (const Stage& stage : stages_) {
-        if (stage.sum != stage.sum_end) lane_order_(stage.series, stage.series_end, stage.sum, stage.sum_end, k);
+        if (stage.sum != stage.sum_end)
+            series::lanes::advance(stage.series, stage.series_end, stage.spread, stage.spread_end, stage.sum,
+                                   stage.sum_end, k);
         for (const Lane *lane = stage.lane, *end = stage.lane_end; lane != end; ++lane) lane->out.set(k, *lane->sum);
         for (const Combination *c = stage.combination, *end = stage.combination_end; c != end; ++c) {
             double sum = linear(c->linear, k);
             for (const double *lane = c->lane, *last = c->lane_end; lane != last; ++lane) sum += *lane;
             c->out.set(k, sum);
         }
-        for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step) compute(*step, k);
+        for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step)
+            compute<Lanes>(*step, static_cast<int>(k));
         if (k == 0 || !overflows_) continue;
         for (const Lane* lane = stage.lane; lane != stage.lane_end; ++lane) flatten(lane->out, k);
         for (const Combination* c = stage.combination; c != stage.combination_end; ++c) flatten(c->out, k);
@@ -69,6 +89,24 @@ RBDYN_INLINE void SeriesEvaluator::advance(int k) {
     }
     if (k == 0 && may_overflow_) overflows_ = overflows();
 }
+
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::run(int first, int last, bool integrates) {
+    for (int k = first; k < last; ++k) {
+        advance_in<Lanes>(k);
+        if (integrates) integrate(k);
+    }
+}
+
+RBDYN_INLINE void SeriesEvaluator::plain(SeriesEvaluator& series, int first, int last, bool integrates) {
+    series.run<series::FourByTwo>(first, last, integrates);
+}
+#ifdef RBDYN_WIDE_LANES
+__attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::wide(SeriesEvaluator& series, int first, int last,
+                                                                        bool integrates) {
+    series.run<series::Four>(first, last, integrates);
+}
+#endif
 
 RBDYN_INLINE bool SeriesEvaluator::may_overflow(const Program& program) {
     return std::ranges::any_of(program.instructions(), [](const Instruction& i) {
@@ -87,17 +125,18 @@ RBDYN_INLINE bool SeriesEvaluator::overflows() {
     return any;
 }
 
-RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::compute(const Step& i, int k) {
     const series::View& out = i.out;
     switch (i.code) {
         case Code::combine: break;
-        case Code::divide: out.set(k, series::quotient(i.a, i.b, out, k)); break;
+        case Code::divide: out.set(k, series::quotient<Lanes>(i.a, i.b, out, k)); break;
         case Code::square_root: {
             const double a_k = i.a[k];
-            out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root(a_k, out, k));
+            out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root<Lanes>(a_k, out, k));
             break;
         }
-        case Code::norm: norm(i, out, k); break;
+        case Code::norm: norm<Lanes>(i, out, k); break;
         case Code::sine_cosine: {
             const series::View &a = i.a, &cosine = i.out2;
             if (k == 0) {
@@ -107,8 +146,8 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
             }
             double* slope = i.slope;
             slope[k] = k * a[k];
-            const double s_k = series::integral_of_slope(slope, cosine, k);
-            cosine.set(k, -series::integral_of_slope(slope, out, k));
+            const double s_k = series::integral_of_slope<Lanes>(slope, cosine, k);
+            cosine.set(k, -series::integral_of_slope<Lanes>(slope, out, k));
             out.set(k, s_k);
             break;
         }
@@ -121,8 +160,8 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
                 cosine.set(0, std::cosh(a[0]));
                 break;
             }
-            const double s_k = series::integral_of_slope(slope, cosine, k);
-            cosine.set(k, series::integral_of_slope(slope, out, k));
+            const double s_k = series::integral_of_slope<Lanes>(slope, cosine, k);
+            cosine.set(k, series::integral_of_slope<Lanes>(slope, out, k));
             out.set(k, s_k);
             break;
         }
@@ -137,8 +176,8 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
                 rest.set(0, 1.0 / (c * c));
                 break;
             }
-            out.set(k, series::integral_of_slope(slope, rest, k));
-            rest.set(k, -series::square(out, k));
+            out.set(k, series::integral_of_slope<Lanes>(slope, rest, k));
+            rest.set(k, -series::square<Lanes>(out, k));
             break;
         }
         case Code::angle: {
@@ -151,7 +190,7 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
             }
             double turn = 0.0;
             for (int j = 1; j <= k; ++j) turn += j * (y[j] * x[k - j] - x[j] * y[k - j]);
-            const double sum = series::dot(slope + 1, square.from(k - 1), k - 1);
+            const double sum = series::dot<Lanes>(slope + 1, square.from(k - 1), k - 1);
             slope[k] = (turn - sum) / square[0];
             out.set(k, slope[k] / k);
             break;
@@ -161,7 +200,7 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
             const series::View& a = i.a;
             double* slope = i.slope;
             slope[k] = k * a[k];
-            out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope(slope, out, k));
+            out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope<Lanes>(slope, out, k));
             break;
         }
         case Code::logarithm: {
@@ -172,7 +211,7 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
                 out.set(0, std::log(a[0]));
                 break;
             }
-            const double sum = series::dot(slope + 1, a.from(k - 1), k - 1);
+            const double sum = series::dot<Lanes>(slope + 1, a.from(k - 1), k - 1);
             out.set(k, (a[k] - sum / k) / a[0]);
             slope[k] = k * out[k];
             break;
@@ -186,8 +225,8 @@ RBDYN_INLINE void SeriesEvaluator::compute(const Step& i, int k) {
                 out.set(0, std::pow(a[0], i.value));
                 break;
             }
-            const double weighted = series::dot(slope + 1, out.from(k - 1), k) / k;
-            const double plain = series::dot(a.forward + 1, out.from(k - 1), k);
+            const double weighted = series::dot<Lanes>(slope + 1, out.from(k - 1), k) / k;
+            const double plain = series::dot<Lanes>(a.forward + 1, out.from(k - 1), k);
             out.set(k, ((i.value + 1.0) * weighted - plain) / a[0]);
             break;
         }
@@ -203,7 +242,8 @@ RBDYN_INLINE void SeriesEvaluator::call(const Program::Call& c, int k) {
     for (std::size_t i = 0; i < y.size(); ++i) slot(c.results[i]).set(k, y[i]);
 }
 
-RBDYN_INLINE void SeriesEvaluator::norm(const Step& i, const series::View& out, int k) {
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::norm(const Step& i, const series::View& out, int k) {
     int& m = *i.valuation;
     const series::View part[3] = {i.a, i.b, i.c};
     if (m < 0) {
@@ -219,8 +259,8 @@ RBDYN_INLINE void SeriesEvaluator::norm(const Step& i, const series::View& out, 
     }
     const int j = k - m;
     double square = 0.0;
-    for (const series::View& v : part) square += series::dot(v.forward + m, v.from(k), j + 1);
-    const double inner = series::dot(out.forward + m + 1, out.from(k - 1), j - 1);
+    for (const series::View& v : part) square += series::dot<Lanes>(v.forward + m, v.from(k), j + 1);
+    const double inner = series::dot<Lanes>(out.forward + m + 1, out.from(k - 1), j - 1);
     out.set(k, (square - inner) / (2.0 * out[m]));
 }
 
@@ -232,11 +272,19 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     // what points into a list comes after the list is whole
     const auto row = static_cast<std::size_t>(top_ + 1);
     lanes_.resize(schedule.series.size() * row);
-    for (const Schedule::Series& s : schedule.series) {
-        series::LaneSeries lane{{}, {}, lanes_.data() + lane_series_.size() * row};
-        for (std::size_t l = 0; l < s.size(); ++l) lane.from[l] = coefficients(s[l].slot);
-        lane_series_.push_back(lane);
-        lane_weights_.push_back(s);
+    std::vector<std::pair<std::size_t, std::size_t>> before{{0, 0}};  // each: so many with weights, so many spread
+    for (std::size_t i = 0; i < schedule.series.size(); ++i) {
+        const Schedule::Series& s = schedule.series[i];
+        series::LaneValues* const values = lanes_.data() + i * row;
+        if (s[0].scalar == Schedule::one && std::count(s.begin(), s.end(), s[0]) == Schedule::lanes) {
+            lane_spreads_.push_back({coefficients(s[0].slot), values});
+        } else {
+            series::LaneSeries lane{{}, {}, values};
+            for (std::size_t l = 0; l < s.size(); ++l) lane.from[l] = coefficients(s[l].slot);
+            lane_series_.push_back(lane);
+            lane_weights_.push_back(s);
+        }
+        before.emplace_back(lane_series_.size(), lane_spreads_.size());
     }
     for (const auto& [x, y] : schedule.products)
         lane_products_.push_back({lanes_.data() + x * row, lanes_.data() + y * row});
@@ -265,7 +313,10 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     for (std::size_t i = 0; i < schedule.stages.size(); ++i) {
         const auto& [series, sums, combinations, others] = schedule.stages[i];
         const auto &from = ends[i], &to = ends[i + 1];
-        stages_.push_back({lane_series_.data() + series.first, lane_series_.data() + series.last,
+        const auto [series_from, spread_from] = before[series.first];
+        const auto [series_to, spread_to] = before[series.last];
+        stages_.push_back({lane_series_.data() + series_from, lane_series_.data() + series_to,
+                           lane_spreads_.data() + spread_from, lane_spreads_.data() + spread_to,
                            lane_sums_.data() + sums.first, lane_sums_.data() + sums.last,
                            lane_outputs_.data() + from[0], lane_outputs_.data() + to[0], combinations_.data() + from[1],
                            combinations_.data() + to[1], steps_.data() + from[2], steps_.data() + to[2]});

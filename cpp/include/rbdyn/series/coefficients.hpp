@@ -10,49 +10,20 @@
 // processor, whatever the width of its registers.
 #pragma once
 
-#include <cstddef>
-#include <cstring>
-
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/series/lanes.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::series {
 
-/// Two lanes; a loop over them is left alone by compilers that do not look for it.
-#if defined(__GNUC__) || defined(__clang__)
-using Pair = double __attribute__((vector_size(16)));
-#else
-struct Pair {
-    double lanes[2];
-    double operator[](int i) const { return lanes[i]; }
-    Pair operator*(const Pair& b) const { return {lanes[0] * b[0], lanes[1] * b[1]}; }
-    Pair operator+(const Pair& b) const { return {lanes[0] + b[0], lanes[1] + b[1]}; }
-    Pair& operator+=(const Pair& b) { return *this = *this + b; }
-};
-#endif
-// copies, for doubles in an array lie at any multiple of eight bytes
-inline Pair pair_at(const double* a) {
-    Pair pair;
-    std::memcpy(&pair, a, sizeof pair);
-    return pair;
-}
-inline void set_pair(double* a, const Pair& pair) { std::memcpy(a, &pair, sizeof pair); }
-
 /// sum_{j < n} a[j] b[j], in four lanes.
-#if defined(__GNUC__) || defined(__clang__)
-__attribute__((always_inline))
-#endif
-inline double
-dot(const double* a, const double* b, int n) {
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES double dot(const double* a, const double* b, int n) {
     double sum = 0.0;
     int j = 0;
     if (n >= 4) {
-        Pair low = pair_at(a) * pair_at(b), high = pair_at(a + 2) * pair_at(b + 2);
-        for (j = 4; j + 4 <= n; j += 4) {
-            low += pair_at(a + j) * pair_at(b + j);
-            high += pair_at(a + j + 2) * pair_at(b + j + 2);
-        }
-        low += high;
-        sum = low[0] + low[1];
+        Lanes lanes(a, b);
+        for (j = 4; j + 4 <= n; j += 4) lanes.add(a + j, b + j);
+        sum = lanes.sum();
     }
     for (; j < n; ++j) sum += a[j] * b[j];
     return sum;
@@ -75,31 +46,35 @@ struct View {
 // In each sum the newest coefficients stand alone: what was stored a moment ago one by one is slow to load in lanes.
 
 /// (a a)_k
-inline double square(const View& a, int k) {
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES double square(const View& a, int k) {
     if (k == 0) return a[0] * a[0];
     const int pairs = (k - 1) / 2;
-    const double twice = 2.0 * (a[0] * a[k] + dot(a.forward + 1, a.from(k - 1), pairs));
+    const double twice = 2.0 * (a[0] * a[k] + dot<Lanes>(a.forward + 1, a.from(k - 1), pairs));
     return k % 2 == 0 ? twice + a[k / 2] * a[k / 2] : twice;
 }
 
 /// (a / b)_k, q the quotient so far.
-inline double quotient(const View& a, const View& b, const View& q, int k) {
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES double quotient(const View& a, const View& b, const View& q, int k) {
     if (k == 0) return a[0] / b[0];
-    return (a[k] - b[k] * q[0] - dot(b.forward + 1, q.from(k - 1), k - 1)) / b[0];
+    return (a[k] - b[k] * q[0] - dot<Lanes>(b.forward + 1, q.from(k - 1), k - 1)) / b[0];
 }
 
 /// sqrt(a)_k for k > 0, s the root so far.
-inline double square_root(double a_k, const View& s, int k) {
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES double square_root(double a_k, const View& s, int k) {
     const int pairs = (k - 1) / 2;
-    double sum = 2.0 * dot(s.forward + 1, s.from(k - 1), pairs);
+    double sum = 2.0 * dot<Lanes>(s.forward + 1, s.from(k - 1), pairs);
     if (k % 2 == 0) sum += s[k / 2] * s[k / 2];
     return (a_k - sum) / (2.0 * s[0]);
 }
 
 /// (1/k) sum_{j=1..k} (j a_j) b_{k-j}, the coefficient of the integral of a' b; `slope` holds j a_j.
-inline double integral_of_slope(const double* slope, const View& b, int k) {
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES double integral_of_slope(const double* slope, const View& b, int k) {
     if (k == 1) return slope[1] * b[0];
-    return (slope[k] * b[0] + slope[1] * b[k - 1] + dot(slope + 2, b.from(k - 2), k - 2)) / k;
+    return (slope[k] * b[0] + slope[1] * b[k - 1] + dot<Lanes>(slope + 2, b.from(k - 2), k - 2)) / k;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::series
