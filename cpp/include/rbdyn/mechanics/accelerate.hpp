@@ -27,13 +27,6 @@ namespace rbdyn::inline RBDYN_FORM {
 namespace mechanics {
 
 template <class S>
-bool is_nothing(const S& x) {
-    if constexpr (std::is_same_v<S, Expression>)
-        return x.is_zero();
-    else
-        return x == S(0.0);
-}
-template <class S>
 bool is_nothing(const Wrench<S>& w) {
     for (int k = 0; k < 3; ++k)
         if (!is_nothing(w.force[k]) || !is_nothing(w.moment[k])) return false;
@@ -136,7 +129,7 @@ public:
                 step.inverse = S(1.0) / step.mass;
                 step.scaled.force = u.force * step.inverse;
                 step.scaled.moment = u.moment * step.inverse;
-                if (b.parent >= 0 || k > 0) felt[at(i)].release(u, step.scaled);
+                if (b.parent >= 0 || k > 0) release(felt[at(i)], u, step.scaled, twist(i, k));
             }
             if (b.parent >= 0) felt[at(b.parent)] += felt[at(i)].about(arm(i));
         }
@@ -271,6 +264,14 @@ private:
         S mass, inverse;
         Wrench<S> scaled;
     };
+
+    /// In a recorded motion what is zero for good is left out.
+    static void release(SixInertia<S>& felt, const Wrench<S>& u, const Wrench<S>& scaled, const Twist<S>& motion) {
+        if constexpr (std::is_same_v<S, Expression>)
+            felt.release(u, scaled, motion);
+        else
+            felt.release(u, scaled);
+    }
 
     int velocities(int i) const { return static_cast<int>(bodies_[at(i)].moving.joint.size()); }
     const Twist<S>& twist(int i, int k) const { return bodies_[at(i)].moving.joint[at(k)]; }

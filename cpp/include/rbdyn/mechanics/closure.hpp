@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -34,9 +35,14 @@ Accelerate<S> accelerate(const Tree& tree, const std::vector<Moving<S>>& all) {
     for (int i = 0; i < tree.size(); ++i) {
         const Node& n = tree.node(i);
         const Moving<S>& m = all[static_cast<std::size_t>(i)];
-        bodies.push_back(
-            {n.parent, m,
-             SixInertia<S>(exactly<S>(n.mass), m.to_world(exactly<S>(n.center)), tree.inertia_of<S>(i, m))});
+        const S mass = exactly<S>(n.mass);
+        const Vector3Of<S> c = m.to_world(exactly<S>(n.center));
+        S square;
+        if constexpr (std::is_same_v<S, Expression>)
+            square = exactly<S>(n.mass * dot<DoubleDouble>(n.center, n.center));  // it turns and stays what it is
+        else
+            square = dot<S>(c, Vector3Of<S>(c * mass));
+        bodies.push_back({n.parent, m, SixInertia<S>(mass, c, tree.inertia_of<S>(i, m), square)});
     }
     return Accelerate<S>(std::move(bodies));
 }

@@ -7,12 +7,17 @@
 // Conventions: everything is seen from the world, but for points of bodies.
 #pragma once
 
+#include <cmath>
+#include <memory>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/expression.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 
@@ -31,13 +36,22 @@ struct Twist {
     Vector3Of<S> turn = none<S>(), move = none<S>();
 };
 
+/// Axes that are those of another body, or the world's, turned about one axis of theirs by one angle.
+template <class S>
+struct TurnedAxes {
+    AxesOf<S> from;
+    Vector3Of<DoubleDouble> axis;
+    S angle;
+};
+
 template <class S>
 struct Moving {
     Vector3Of<S> place = none<S>(), velocity = none<S>(), bias = none<S>();  // of P
     AxesOf<S> axes{Vector3Of<S>(S(1.0), S(0.0), S(0.0)), Vector3Of<S>(S(0.0), S(1.0), S(0.0)),
                    Vector3Of<S>(S(0.0), S(0.0), S(1.0))};
     Vector3Of<S> omega = none<S>(), bias_turn = none<S>();
-    std::vector<Twist<S>> joint;  // what a unit velocity of each of its joint's own adds
+    std::vector<Twist<S>> joint;                  // what a unit velocity of each of its joint's own adds
+    std::shared_ptr<const TurnedAxes<S>> turned;  // as a recorded motion has it, if its axes are; else none
 
     Vector3Of<S> to_world(const Vector3Of<S>& a) const {
         return Vector3Of<S>(axes.e1 * a[0] + axes.e2 * a[1] + axes.e3 * a[2]);
@@ -66,6 +80,27 @@ AxesOf<S> turned_about(const AxesOf<S>& axes, const Vector3Of<DoubleDouble>& e, 
         return Vector3Of<S>(axes.e1 * entry(0, j) + axes.e2 * entry(1, j) + axes.e3 * entry(2, j));
     };
     return {column(0), column(1), column(2)};
+}
+
+/// Turns a child's axes by an angle about an axis of its parent. In a recorded motion what turns one after the other
+/// about the same axis, as in a plane, turns by the sum of the angles: no products of their sines and cosines.
+template <class S>
+void turn_axes(Moving<S>& child, const Moving<S>& parent, const Vector3Of<DoubleDouble>& axis, const S& angle) {
+    using std::cos, std::sin;
+    if constexpr (std::is_same_v<S, Expression>) {
+        TurnedAxes<S> whole{parent.axes, axis, angle};
+        if (parent.turned) {
+            const Vector3Of<DoubleDouble>& known = parent.turned->axis;
+            const bool is_same = known == axis, is_opposite = known == Vector3Of<DoubleDouble>(-axis);
+            if (is_same || is_opposite)
+                whole = {parent.turned->from, known,
+                         is_same ? parent.turned->angle + angle : parent.turned->angle - angle};
+        }
+        child.axes = turned_about<S>(whole.from, whole.axis, cos(whole.angle), sin(whole.angle));
+        child.turned = std::make_shared<const TurnedAxes<S>>(std::move(whole));
+    } else {
+        child.axes = turned_about<S>(parent.axes, axis, cos(angle), sin(angle));
+    }
 }
 
 /// A child held at an offset from P of its parent, in the parent's axes, that turns and moves with it.

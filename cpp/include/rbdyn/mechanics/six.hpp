@@ -7,11 +7,14 @@
 // r = P - P':  B' = B + [r] D,  A' = A - B [r] + [r] B'^T.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/expression/expression.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 
@@ -40,6 +43,13 @@ void add(Wrench<S>& to, const Wrench<S>& w, const S& times) {
 }
 
 template <class S>
+bool is_nothing(const S& x) {
+    if constexpr (std::is_same_v<S, Expression>)
+        return x.is_zero();
+    else
+        return x == S(0.0);
+}
+template <class S>
 class SixInertia {
 public:
     using Block = std::array<std::array<S, 3>, 3>;
@@ -48,10 +58,9 @@ public:
         for (Block* block : {&a_, &b_, &d_})
             for (auto& row : *block) row = {S(0.0), S(0.0), S(0.0)};
     }
-    /// Of a body: c = G - P, its central inertia in world axes.
-    SixInertia(const S& mass, const Vector3Of<S>& c, const Block& central) : SixInertia() {
+    /// Of a body: c = G - P, its central inertia in world axes. `square`: m |c|^2.
+    SixInertia(const S& mass, const Vector3Of<S>& c, const Block& central, const S& square) : SixInertia() {
         const Vector3Of<S> mc = c * mass;
-        const S square = dot<S>(c, mc);
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t j = i; j < 3; ++j)
                 a_[i][j] = central[i][j] + ((i == j ? square : S(0.0)) - c[at(i)] * mc[at(j)]);
@@ -101,6 +110,22 @@ public:
             }
     }
 
+    /// The same where the motion is a turn about one of the axes it is given in, or a slide along one: what is left
+    /// meets nothing along that, to the last digit.
+    void release(const Wrench<S>& u, const Wrench<S>& scaled, const Twist<S>& motion) {
+        release(u, scaled);
+        const int turn = only_one(motion.turn), move = only_one(motion.move);
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (turn >= 0 && move == nothing) {
+                const auto i = static_cast<std::size_t>(turn);
+                a_[std::min(i, j)][std::max(i, j)] = b_[i][j] = S(0.0);
+            } else if (move >= 0 && turn == nothing) {
+                const auto i = static_cast<std::size_t>(move);
+                d_[std::min(i, j)][std::max(i, j)] = b_[j][i] = S(0.0);
+            }
+        }
+    }
+
     /// About another point, r from it to this one.
     SixInertia about(const Vector3Of<S>& r) const {
         SixInertia result;
@@ -122,6 +147,15 @@ public:
     }
 
 private:
+    static constexpr int nothing = -1, several = -2;
+    /// Of a vector the only component that is not zero.
+    static int only_one(const Vector3Of<S>& v) {
+        int found = nothing;
+        for (int k = 0; k < 3; ++k)
+            if (!is_nothing(v[k])) found = found == nothing ? k : several;
+        return found;
+    }
+
     static Eigen::Index at(std::size_t i) { return static_cast<Eigen::Index>(i); }
     const S& a(std::size_t i, std::size_t j) const { return i <= j ? a_[i][j] : a_[j][i]; }
     const S& d(std::size_t i, std::size_t j) const { return i <= j ? d_[i][j] : d_[j][i]; }

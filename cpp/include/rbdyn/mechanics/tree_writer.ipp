@@ -141,8 +141,13 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         const Moving<S>& m = moving_[at(i)];
         const Vector3Of<S> c = m.to_world(exactly<S>(n.center));
         Wrench<S> w;
-        w.force = m.bias_at(c) * exactly<S>(n.mass);
-        w.moment = cross<S>(c, w.force);
+        const S mass = exactly<S>(n.mass);
+        w.force = m.bias_at(c) * mass;
+        // c x (omega x (omega x c)) = (omega.c) (c x omega), nothing where it turns in the plane of c
+        if (is_nothing(dot<S>(m.omega, c)))
+            w.moment = cross<S>(c, Vector3Of<S>((m.bias + cross<S>(m.bias_turn, c)) * mass));
+        else
+            w.moment = cross<S>(c, w.force);
         if (!n.is_point) {
             const auto inertia = tree_.inertia_of<S>(i, m);
             const auto times = [&](const Vector3Of<S>& a) {

@@ -1,8 +1,6 @@
 // A hinge or a slide whose coordinate is a function of time: its velocity is none of the tree's own.
 #pragma once
 
-#include <cmath>
-
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
@@ -23,12 +21,11 @@ struct DrivenLaw : Held {
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S& t) const {
-        using std::cos, std::sin;
         Moving<S> child = carry(parent);
         const Vector3Of<S> e = parent.to_world(exactly<S>(axis));
         const S q = way(t), v = rate(t), a = rate.rate(t);
         if (turns) {
-            child.axes = turned_about<S>(parent.axes, axis, cos(q), sin(q));
+            turn_axes<S>(child, parent, axis, q);
             add_turn<S>(child, e, v, a);
         } else {
             add_slide<S>(child, parent, e, q, v, a);

@@ -1,8 +1,6 @@
 // Motion along a plane of the parent: the body's origin along x and y, and a turn about x cross y.
 #pragma once
 
-#include <cmath>
-
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
@@ -20,13 +18,12 @@ struct PlanarLaw : Held {
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S* q, const S* v) const {
-        using std::cos, std::sin;
         Moving<S> child = carry(parent);
         const Vector3Of<S> ex = parent.to_world(exactly<S>(x)), ey = parent.to_world(exactly<S>(y)),
                            e = parent.to_world(exactly<S>(normal));
         add_slide<S>(child, parent, ex, q[0], v[0], S(0.0));
         add_slide<S>(child, parent, ey, q[1], v[1], S(0.0));
-        child.axes = turned_about<S>(parent.axes, normal, cos(q[2]), sin(q[2]));
+        turn_axes<S>(child, parent, normal, q[2]);
         add_turn<S>(child, e, v[2], S(0.0));
         child.joint = {{none<S>(), ex}, {none<S>(), ey}, {e, none<S>()}};
         return child;

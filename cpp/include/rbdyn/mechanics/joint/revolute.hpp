@@ -1,8 +1,6 @@
 // A hinge: R = R_parent R(axis, psi), omega = omega_parent + e psi'.
 #pragma once
 
-#include <cmath>
-
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
@@ -20,10 +18,9 @@ struct RevoluteLaw : Held {
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S* q, const S* v) const {
-        using std::cos, std::sin;
         Moving<S> child = carry(parent);
         const Vector3Of<S> e = parent.to_world(exactly<S>(axis));
-        child.axes = turned_about<S>(parent.axes, axis, cos(q[0]), sin(q[0]));
+        turn_axes<S>(child, parent, axis, q[0]);
         add_turn<S>(child, e, v[0], S(0.0));
         child.joint = {{e, none<S>()}};
         return child;

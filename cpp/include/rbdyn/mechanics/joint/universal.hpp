@@ -1,8 +1,6 @@
 // Two hinges and a massless cross: R = R_parent R(first, a) R(second, b).
 #pragma once
 
-#include <cmath>
-
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
@@ -20,12 +18,11 @@ struct UniversalLaw : Held {
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S* q, const S* v) const {
-        using std::cos, std::sin;
         Moving<S> child = carry(parent);
         const Vector3Of<S> e1 = parent.to_world(exactly<S>(first));
-        child.axes = turned_about<S>(parent.axes, first, cos(q[0]), sin(q[0]));
+        turn_axes<S>(child, parent, first, q[0]);
         const Vector3Of<S> e2 = child.to_world(exactly<S>(second));
-        child.axes = turned_about<S>(child.axes, second, cos(q[1]), sin(q[1]));
+        turn_axes<S>(child, child, second, q[1]);
         add_turn<S>(child, e1, v[0], S(0.0));
         add_turn<S>(child, e2, v[1], S(0.0));
         child.joint = {{e1, none<S>()}, {e2, none<S>()}};
