@@ -24,6 +24,7 @@
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
+#include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
@@ -103,7 +104,7 @@ private:
     /// What is made for equations, and kept.
     struct Workshop {
         Workshop(const Equations& equations, int order);
-        SeriesEvaluator series;
+        BorrowedSeries series;
         HiddenTerms hidden;
         std::vector<int> looked_at;  // slots, beside the state's and the rates'
     };

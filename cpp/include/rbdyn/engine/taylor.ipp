@@ -45,7 +45,7 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
     if (equations_ != &equations) {
         equations_ = &equations;
         Workshop& workshop = workshop_for(equations);
-        series_ = &workshop.series;
+        series_ = &*workshop.series;
         hidden_ = &workshop.hidden;
         looked_at_ = &workshop.looked_at;
         scales_.resize(x.size());

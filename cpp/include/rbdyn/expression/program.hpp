@@ -19,6 +19,7 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
 
@@ -108,6 +109,9 @@ public:
     /// The same for given parameters; none if more than sums, products, quotients and roots of them are wanted.
     [[gnu::cold]] std::optional<std::vector<DoubleDouble>> exact_weights(std::span<const double> parameters) const;
 
+    /// What runs it in series, free to be borrowed.
+    const KeptSeries& kept_series() const { return kept_series_; }
+
     /// The program's instructions, one a line.
     std::string text() const;
 
@@ -129,6 +133,7 @@ private:
     std::vector<Call> calls_;
     std::vector<DoubleDouble> constants_;  // initial contents of the scalars
     std::vector<ScalarStep> scalar_steps_;
+    KeptSeries kept_series_;
 };
 
 /// Turns a recorded graph into a Program. One use, one object.

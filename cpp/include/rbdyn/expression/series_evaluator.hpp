@@ -25,6 +25,9 @@ public:
     SeriesEvaluator& operator=(const SeriesEvaluator&) = delete;
 
     const Program& program() const { return *program_; }
+    /// As if it were new.
+    void renew();
+    std::size_t bytes() const { return storage_.size() * sizeof(double) + lanes_.size() * sizeof(lanes_[0]); }
     /// Doubles from one slot's coefficients to the next one's.
     int stride() const { return stride_; }
 

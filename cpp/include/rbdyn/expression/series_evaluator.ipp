@@ -30,6 +30,11 @@ RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_or
     resolve();
 }
 
+RBDYN_INLINE void SeriesEvaluator::renew() {
+    std::fill(storage_.begin(), storage_.end(), 0.0);
+    run_ = widest();
+}
+
 RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
     program_->set_parameters(parameters, scalars_, rounding);
     const auto weight = [&](const Schedule::Weighted& w) {

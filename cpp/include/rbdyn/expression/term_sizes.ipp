@@ -13,7 +13,10 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE TermSizes::TermSizes(const SeriesEvaluator& series, int order, int depth)
-    : series_(series), program_(series.program()), order_(order), depth_(depth) {}
+    : series_(series), program_(series.program()), order_(order), depth_(depth) {
+    constexpr std::size_t usual = 16;
+    known_.reserve(usual);
+}
 
 RBDYN_INLINE TermSizes::Sizes TermSizes::own(int slot) const {
     Sizes s{};

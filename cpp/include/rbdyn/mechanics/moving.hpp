@@ -7,11 +7,13 @@
 // Conventions: everything is seen from the world, but for points of bodies.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <initializer_list>
 #include <memory>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_vector.hpp"
@@ -36,6 +38,28 @@ struct Twist {
     Vector3Of<S> turn = none<S>(), move = none<S>();
 };
 
+/// What a unit velocity of each of a joint's own adds, six at most. They are kept in place, for they are made anew
+/// again and again where contacts close and open.
+template <class S>
+class JointTwists {
+public:
+    static constexpr std::size_t most = 6;
+
+    JointTwists() = default;
+    JointTwists(std::initializer_list<Twist<S>> all) {
+        for (const Twist<S>& one : all) push_back(one);
+    }
+    void push_back(const Twist<S>& one) { all_[count_++] = one; }
+
+    std::size_t size() const { return count_; }
+    const Twist<S>& operator[](std::size_t k) const { return all_[k]; }
+    const Twist<S>& front() const { return all_[0]; }
+
+private:
+    std::array<Twist<S>, most> all_;
+    std::size_t count_ = 0;
+};
+
 /// Axes that are those of another body, or the world's, turned about one axis of theirs by one angle.
 template <class S>
 struct TurnedAxes {
@@ -50,7 +74,7 @@ struct Moving {
     AxesOf<S> axes{Vector3Of<S>(S(1.0), S(0.0), S(0.0)), Vector3Of<S>(S(0.0), S(1.0), S(0.0)),
                    Vector3Of<S>(S(0.0), S(0.0), S(1.0))};
     Vector3Of<S> omega = none<S>(), bias_turn = none<S>();
-    std::vector<Twist<S>> joint;                  // what a unit velocity of each of its joint's own adds
+    JointTwists<S> joint;                         // what a unit velocity of each of its joint's own adds
     std::shared_ptr<const TurnedAxes<S>> turned;  // as a recorded motion has it, if its axes are; else none
 
     Vector3Of<S> to_world(const Vector3Of<S>& a) const {

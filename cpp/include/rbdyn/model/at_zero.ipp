@@ -11,6 +11,7 @@
 
 #include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/series_sizes.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -48,7 +49,8 @@ RBDYN_INLINE double size_of_terms(const Mode& mode, double t, std::span<const do
     f(t, x);
     double sum = f.magnitude(output);
     if (!program.has_calls()) {
-        SeriesEvaluator value(program, 0);
+        const BorrowedSeries borrowed(program, 0);
+        SeriesEvaluator& value = *borrowed;
         value.set_parameters(mode.parameters);
         value.begin(t, 1.0);
         for (std::size_t i = 0; i < x.size(); ++i) value.set_input(static_cast<int>(i), 0, x[i]);

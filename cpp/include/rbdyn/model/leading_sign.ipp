@@ -13,6 +13,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/model/equations.hpp"
@@ -70,23 +71,29 @@ RBDYN_INLINE int by_values(const Mode& mode, double t, std::span<const double> x
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros) {
-    constexpr int order = 24;
+    // most are told by their first coefficients
+    constexpr int few = 4, most = 24;
     const Program& program = mode.equations->program;
     if (program.has_calls()) return leading::by_values(mode, t, x, output, known_zeros > 0);
-    SeriesEvaluator series(program, order);
+    const BorrowedSeries borrowed(program, most);
+    SeriesEvaluator& series = *borrowed;
     series.set_parameters(mode.parameters);
     series.begin(t, 1.0);
     for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
-    for (int k = 0; k <= order; ++k) {
-        series.advance(k);
-        if (k < order)
-            for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
+    int done = -1;
+    for (const int order : {few, most}) {
+        for (int k = done + 1; k <= order; ++k) {
+            series.advance(k);
+            if (k < most)
+                for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
+        }
+        const double* g = series.output(output);
+        const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::all)(program.output(output));
+        for (int k = std::max(known_zeros, done + 1); k <= order; ++k)
+            if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
+                return g[k] > 0.0 ? 1 : -1;
+        done = order;
     }
-    const double* g = series.output(output);
-    const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::all)(program.output(output));
-    for (int k = known_zeros; k <= order; ++k)
-        if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
-            return g[k] > 0.0 ? 1 : -1;
     return 0;
 }
 

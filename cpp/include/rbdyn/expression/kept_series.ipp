@@ -1,0 +1,47 @@
+// Definitions of rbdyn/expression/kept_series.hpp.
+#pragma once
+
+#include "rbdyn/expression/kept_series.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE KeptSeries::KeptSeries() : shelf_(std::make_shared<Shelf>()) {}
+RBDYN_INLINE KeptSeries::KeptSeries(const KeptSeries&) : KeptSeries() {}
+RBDYN_INLINE KeptSeries& KeptSeries::operator=(const KeptSeries& other) {
+    if (this != &other) shelf_ = std::make_shared<Shelf>();
+    return *this;
+}
+RBDYN_INLINE KeptSeries::~KeptSeries() = default;
+
+RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order)
+    : shelf_(program.kept_series().shelf_), order_(order) {
+    {
+        const std::lock_guard lock(shelf_->mutex);
+        const auto found = std::find_if(shelf_->free.begin(), shelf_->free.end(),
+                                        [&](const KeptSeries::Kept& kept) { return kept.order == order; });
+        if (found != shelf_->free.end()) {
+            series_ = std::move(found->series);
+            shelf_->free.erase(found);
+        }
+    }
+    if (series_)
+        series_->renew();
+    else
+        series_ = std::make_unique<SeriesEvaluator>(program, order);
+}
+
+RBDYN_INLINE BorrowedSeries::~BorrowedSeries() {
+    if (series_->bytes() > KeptSeries::most_bytes) return;
+    const std::lock_guard lock(shelf_->mutex);
+    if (shelf_->free.size() < KeptSeries::most) shelf_->free.push_back({order_, std::move(series_)});
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
