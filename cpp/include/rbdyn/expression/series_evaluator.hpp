@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -36,7 +37,7 @@ public:
     /// Starts at time t with a unit of time; state coefficients are given with set_input().
     void begin(double t, double unit);
 
-    void set_input(int variable, int order, double value) { slot(variable).set(order, value); }
+    void set_input(int variable, int order, double value) { row(variable)[order] = value; }
 
     /// Gives the inputs their coefficient k + 1 if output i is the derivative of input i.
     void integrate(int k);
@@ -78,15 +79,10 @@ private:
     // instructions with their series found once
     struct ResolvedTerm {
         const double* series;
-        int weight;
-    };
-    /// A constant and multiples of slots; weight -1: no constant.
-    struct Linear {
-        int weight;
-        const ResolvedTerm *first, *last;
+        std::ptrdiff_t weight;
     };
     struct Motion {
-        series::View input;
+        double* input;
         const double* rate;
     };
     struct Step {
@@ -98,24 +94,42 @@ private:
         double value;
         const Program::Call* call;
     };
-    /// A combination that is one lane of a sum.
-    struct Lane {
+    /// A combination that is a constant: its higher coefficients are zero for good.
+    struct Constant {
         series::View out;
+        int weight;
+    };
+    /// One that is a lane of a sum.
+    struct Lane {
+        double* out;
         const double* sum;
     };
-    /// One that has a linear part, and lanes or none.
-    struct Combination {
-        series::View out;
-        Linear linear;
+    /// One of multiples of slots alone, one or more.
+    struct Linear {
+        double* out;
+        const ResolvedTerm *first, *last;
+    };
+    /// Any other: a constant (weight -1: none), multiples of slots, lanes of a sum.
+    struct Mixed {
+        double* out;
+        int weight;
+        const ResolvedTerm *first, *last;
         const double *lane, *lane_end;
     };
-    struct Stage {
+    /// Sums of products and the combinations they are in.
+    struct Sums {
         const series::LaneSeries *series, *series_end;
         const series::LaneSpread *spread, *spread_end;
         series::LaneSum *sum, *sum_end;
         const Lane *lane, *lane_end;
-        const Combination *combination, *combination_end;
-        const Step *step, *step_end;
+        const Mixed *mixed, *mixed_end;
+    };
+    /// What is computed one after the other, all of one kind. Series are written forwards; those of which the backward
+    /// copy is read are copied.
+    enum class Kind : std::uint8_t { copies, sums, linear, mixed, steps };
+    struct Block {
+        Kind kind;
+        const void *first, *last;
     };
 
     series::View slot(int index);
@@ -129,14 +143,19 @@ private:
     void run(int first, int last, bool integrates);
     template <class Lanes>
     void advance_in(std::ptrdiff_t k);
-    double linear(const Linear& part, std::ptrdiff_t k) const;
+    double linear(const ResolvedTerm* first, const ResolvedTerm* last, double sum, std::ptrdiff_t k) const;
+    void mixed(const Mixed* first, const Mixed* last, std::ptrdiff_t k) const;
 
     /// Whether a slot has grown beyond the largest double, or nearly so; it is infinite then.
     bool overflows();
     /// What has is as good as constant to all that divides by it.
-    static void flatten(const series::View& out, int k) {
-        if (out.forward != nullptr && std::isinf(out[0])) out.set(k, 0.0);
+    static void flatten(double* out, std::ptrdiff_t k) {
+        if (out != nullptr && std::isinf(out[0])) out[k] = 0.0;
     }
+    static void flatten(const series::View& out, std::ptrdiff_t k) {
+        if (out.forward != nullptr && std::isinf(out[0])) out.set(static_cast<int>(k), 0.0);
+    }
+    static void flatten(const Block& block, std::ptrdiff_t k);
 
     /// Coefficient k of the slots of an instruction that is no combination.
     template <class Lanes>
@@ -151,9 +170,12 @@ private:
 
     void resolve();
 
-    Linear linear_part(const Instruction& i);
+    const ResolvedTerm* add_terms(const Instruction& i);
 
     Step step(const Instruction& i);
+
+    /// Slots of which the backward copy is read, and that no step writes.
+    static std::vector<int> read_backwards(const Program& program);
 
     const Program* program_;
     int top_, stride_;
@@ -161,9 +183,13 @@ private:
     std::vector<double> storage_;
     std::vector<double> scalars_;
     std::vector<int> valuations_;
-    std::vector<Stage> stages_;
+    std::vector<Block> blocks_;
+    std::vector<Constant> constants_;
+    std::vector<series::View> copies_;
+    std::vector<Sums> sums_;
     std::vector<Lane> lane_outputs_;
-    std::vector<Combination> combinations_;
+    std::vector<Linear> linear_;
+    std::vector<Mixed> with_sums_, mixed_;
     std::vector<Step> steps_;
     std::vector<Motion> motion_;
     bool may_overflow_ = false, overflows_ = false;
@@ -179,7 +205,7 @@ private:
 
 inline void SeriesEvaluator::integrate(int k) {
     const double factor = unit_ / (k + 1);
-    for (const auto& [input, rate] : motion_) input.set(k + 1, rate[k] * factor);
+    for (const auto& [input, rate] : motion_) input[k + 1] = rate[k] * factor;
 }
 
 inline bool SeriesEvaluator::is_finite(int k) const {

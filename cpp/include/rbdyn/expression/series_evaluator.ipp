@@ -65,32 +65,62 @@ RBDYN_INLINE SeriesEvaluator::Run SeriesEvaluator::widest() {
     return &plain;
 }
 
-RBDYN_INLINE_LANES double SeriesEvaluator::linear(const Linear& part, std::ptrdiff_t k) const {
+RBDYN_INLINE_LANES double SeriesEvaluator::linear(const ResolvedTerm* first, const ResolvedTerm* last, double sum,
+                                                  std::ptrdiff_t k) const {
     const double* w = scalars_.data();
-    double sum = k == 0 && part.weight >= 0 ? w[part.weight] : 0.0;
-    for (const ResolvedTerm *t = part.first, *end = part.last; t != end; ++t) sum += w[t->weight] * t->series[k];
+    for (; first != last; ++first) sum += w[first->weight] * first->series[k];
     return sum;
+}
+
+RBDYN_INLINE_LANES void SeriesEvaluator::mixed(const Mixed* first, const Mixed* last, std::ptrdiff_t k) const {
+    for (const Mixed* c = first; c != last; ++c) {
+        double sum = k == 0 && c->weight >= 0 ? scalars_[static_cast<std::size_t>(c->weight)] : 0.0;
+        sum = linear(c->first, c->last, sum, k);
+        for (const double *lane = c->lane, *end = c->lane_end; lane != end; ++lane) sum += *lane;
+        c->out[k] = sum;
+    }
 }
 
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::advance_in(std::ptrdiff_t k) {
-    for (const Stage& stage : stages_) {
-        if (stage.sum != stage.sum_end)
-            series::lanes::advance(stage.series, stage.series_end, stage.spread, stage.spread_end, stage.sum,
-                                   stage.sum_end, k);
-        for (const Lane *lane = stage.lane, *end = stage.lane_end; lane != end; ++lane) lane->out.set(k, *lane->sum);
-        for (const Combination *c = stage.combination, *end = stage.combination_end; c != end; ++c) {
-            double sum = linear(c->linear, k);
-            for (const double *lane = c->lane, *last = c->lane_end; lane != last; ++lane) sum += *lane;
-            c->out.set(k, sum);
+    if (k == 0)
+        for (const Constant& c : constants_) c.out.set(0, scalars_[static_cast<std::size_t>(c.weight)]);
+    const bool flattens = k > 0 && overflows_;
+    for (const Block *block = blocks_.data(), *end = block + blocks_.size(); block != end; ++block) {
+        // none is empty
+        switch (block->kind) {
+            case Kind::copies: {
+                const auto *c = static_cast<const series::View*>(block->first),
+                           *last = static_cast<const series::View*>(block->last);
+                do c->last[-k] = c->forward[k];
+                while (++c != last);
+                break;
+            }
+            case Kind::sums: {
+                const Sums& s = *static_cast<const Sums*>(block->first);
+                series::lanes::advance(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end, k);
+                for (const Lane *l = s.lane, *last = s.lane_end; l != last; ++l) l->out[k] = *l->sum;
+                mixed(s.mixed, s.mixed_end, k);
+                break;
+            }
+            case Kind::linear: {
+                const auto *c = static_cast<const Linear*>(block->first),
+                           *last = static_cast<const Linear*>(block->last);
+                do c->out[k] = linear(c->first, c->last, 0.0, k);
+                while (++c != last);
+                break;
+            }
+            case Kind::mixed:
+                mixed(static_cast<const Mixed*>(block->first), static_cast<const Mixed*>(block->last), k);
+                break;
+            case Kind::steps: {
+                const auto *s = static_cast<const Step*>(block->first), *last = static_cast<const Step*>(block->last);
+                do compute<Lanes>(*s, static_cast<int>(k));
+                while (++s != last);
+                break;
+            }
         }
-        for (const Step *step = stage.step, *end = stage.step_end; step != end; ++step)
-            compute<Lanes>(*step, static_cast<int>(k));
-        if (k == 0 || !overflows_) continue;
-        for (const Lane* lane = stage.lane; lane != stage.lane_end; ++lane) flatten(lane->out, k);
-        for (const Combination* c = stage.combination; c != stage.combination_end; ++c) flatten(c->out, k);
-        for (const Step* step = stage.step; step != stage.step_end; ++step)
-            for (const series::View& out : {step->out, step->out2}) flatten(out, k);
+        if (flattens) flatten(*block, k);
     }
     if (k == 0 && may_overflow_) overflows_ = overflows();
 }
@@ -112,6 +142,29 @@ __attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::wide(SeriesEv
     series.run<series::Four>(first, last, integrates);
 }
 #endif
+
+RBDYN_INLINE void SeriesEvaluator::flatten(const Block& block, std::ptrdiff_t k) {
+    const auto each = [k](const auto* first, const void* last) {
+        for (; first != last; ++first) flatten(first->out, k);
+    };
+    switch (block.kind) {
+        case Kind::copies:
+            for (const auto* c = static_cast<const series::View*>(block.first); c != block.last; ++c) flatten(*c, k);
+            break;
+        case Kind::sums: {
+            const Sums& s = *static_cast<const Sums*>(block.first);
+            each(s.lane, s.lane_end);
+            each(s.mixed, s.mixed_end);
+            break;
+        }
+        case Kind::linear: each(static_cast<const Linear*>(block.first), block.last); break;
+        case Kind::mixed: each(static_cast<const Mixed*>(block.first), block.last); break;
+        case Kind::steps:
+            each(static_cast<const Step*>(block.first), block.last);
+            for (const auto* s = static_cast<const Step*>(block.first); s != block.last; ++s) flatten(s->out2, k);
+            break;
+    }
+}
 
 RBDYN_INLINE bool SeriesEvaluator::may_overflow(const Program& program) {
     return std::ranges::any_of(program.instructions(), [](const Instruction& i) {
@@ -151,8 +204,8 @@ RBDYN_INLINE_LANES void SeriesEvaluator::compute(const Step& i, int k) {
             }
             double* slope = i.slope;
             slope[k] = k * a[k];
-            const double s_k = series::integral_of_slope<Lanes>(slope, cosine, k);
-            cosine.set(k, -series::integral_of_slope<Lanes>(slope, out, k));
+            const auto [s_k, c_k] = series::integrals_of_slope<Lanes>(slope, cosine, out, k);
+            cosine.set(k, -c_k);
             out.set(k, s_k);
             break;
         }
@@ -165,8 +218,8 @@ RBDYN_INLINE_LANES void SeriesEvaluator::compute(const Step& i, int k) {
                 cosine.set(0, std::cosh(a[0]));
                 break;
             }
-            const double s_k = series::integral_of_slope<Lanes>(slope, cosine, k);
-            cosine.set(k, series::integral_of_slope<Lanes>(slope, out, k));
+            const auto [s_k, c_k] = series::integrals_of_slope<Lanes>(slope, cosine, out, k);
+            cosine.set(k, c_k);
             out.set(k, s_k);
             break;
         }
@@ -275,12 +328,12 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);
     terms_.reserve(terms);
     // what points into a list comes after the list is whole
-    const auto row = static_cast<std::size_t>(top_ + 1);
-    lanes_.resize(schedule.series.size() * row);
+    const auto length = static_cast<std::size_t>(top_ + 1);
+    lanes_.resize(schedule.series.size() * length);
     std::vector<std::pair<std::size_t, std::size_t>> before{{0, 0}};  // each: so many with weights, so many spread
     for (std::size_t i = 0; i < schedule.series.size(); ++i) {
         const Schedule::Series& s = schedule.series[i];
-        series::LaneValues* const values = lanes_.data() + i * row;
+        series::LaneValues* const values = lanes_.data() + i * length;
         if (s[0].scalar == Schedule::one && std::count(s.begin(), s.end(), s[0]) == Schedule::lanes) {
             lane_spreads_.push_back({coefficients(s[0].slot), values});
         } else {
@@ -292,51 +345,109 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         before.emplace_back(lane_series_.size(), lane_spreads_.size());
     }
     for (const auto& [x, y] : schedule.products)
-        lane_products_.push_back({lanes_.data() + x * row, lanes_.data() + y * row});
+        lane_products_.push_back({lanes_.data() + x * length, lanes_.data() + y * length});
     for (const auto& [first, last] : schedule.sums)
         lane_sums_.push_back(
             {lane_products_.data() + first, lane_products_.data() + last, series::Quad{}, series::Quad{}});
-    std::vector<std::array<std::size_t, 3>> ends{{0, 0, 0}};
+    // where each stage's begin, by kind; a copy comes after the stage that writes its series, those of inputs first
+    const std::vector<int> backwards = read_backwards(*program_);
+    const auto add_copies = [&](int from, int to) {
+        for (int one = from; one < to; ++one)
+            if (std::binary_search(backwards.begin(), backwards.end(), one)) copies_.push_back(slot(one));
+    };
+    struct Counts {
+        std::size_t copies, sums, lanes, with_sums, linear, mixed, steps;
+    };
+    const auto counts = [&]() -> Counts {
+        return {copies_.size(), sums_.size(),  lane_outputs_.size(), with_sums_.size(),
+                linear_.size(), mixed_.size(), steps_.size()};
+    };
+    std::vector<Counts> ends{counts()};
+    add_copies(0, program_->inputs() + 1);
+    ends.push_back(counts());
     for (const Schedule::Stage& stage : schedule.stages) {
+        if (stage.sums.first != stage.sums.last) {
+            const auto [series_from, spread_from] = before[stage.series.first];
+            const auto [series_to, spread_to] = before[stage.series.last];
+            sums_.push_back({lane_series_.data() + series_from, lane_series_.data() + series_to,
+                             lane_spreads_.data() + spread_from, lane_spreads_.data() + spread_to,
+                             lane_sums_.data() + stage.sums.first, lane_sums_.data() + stage.sums.last, nullptr,
+                             nullptr, nullptr, nullptr});
+        }
         for (std::size_t i = stage.combinations.first; i < stage.combinations.last; ++i) {
             const Schedule::Combination& c = schedule.combinations[i];
             const double* sum = reinterpret_cast<const double*>(&lane_sums_[c.sum].sum) + c.first_lane;
-            if (c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0)
-                lane_outputs_.push_back({slot(c.instruction->out), sum});
-            else
-                combinations_.push_back({slot(c.instruction->out), linear_part(*c.instruction), sum, sum + c.lanes});
+            double* const out = row(c.instruction->out);
+            if (c.lanes == 1 && c.instruction->terms == 0 && c.instruction->weight < 0) {
+                lane_outputs_.push_back({out, sum});
+            } else {
+                const ResolvedTerm* const first = add_terms(*c.instruction);
+                with_sums_.push_back(
+                    {out, c.instruction->weight, first, terms_.data() + terms_.size(), sum, sum + c.lanes});
+            }
+            add_copies(c.instruction->out, c.instruction->out + 1);
         }
         for (std::size_t i = stage.others.first; i < stage.others.last; ++i) {
             const Instruction& other = *schedule.others[i];
-            if (other.code == Code::combine)
-                combinations_.push_back({slot(other.out), linear_part(other), nullptr, nullptr});
-            else
+            if (other.code != Code::combine) {
                 steps_.push_back(step(other));
+                continue;
+            }
+            if (other.terms == 0) {
+                if (other.weight >= 0) constants_.push_back({slot(other.out), other.weight});
+                continue;
+            }
+            const ResolvedTerm* const first = add_terms(other);
+            if (other.weight < 0)
+                linear_.push_back({row(other.out), first, terms_.data() + terms_.size()});
+            else
+                mixed_.push_back(
+                    {row(other.out), other.weight, first, terms_.data() + terms_.size(), nullptr, nullptr});
+            add_copies(other.out, other.out + 1);
         }
-        ends.push_back({lane_outputs_.size(), combinations_.size(), steps_.size()});
+        ends.push_back(counts());
     }
-    for (std::size_t i = 0; i < schedule.stages.size(); ++i) {
-        const auto& [series, sums, combinations, others] = schedule.stages[i];
-        const auto &from = ends[i], &to = ends[i + 1];
-        const auto [series_from, spread_from] = before[series.first];
-        const auto [series_to, spread_to] = before[series.last];
-        stages_.push_back({lane_series_.data() + series_from, lane_series_.data() + series_to,
-                           lane_spreads_.data() + spread_from, lane_spreads_.data() + spread_to,
-                           lane_sums_.data() + sums.first, lane_sums_.data() + sums.last,
-                           lane_outputs_.data() + from[0], lane_outputs_.data() + to[0], combinations_.data() + from[1],
-                           combinations_.data() + to[1], steps_.data() + from[2], steps_.data() + to[2]});
+    // of sums, combinations and steps, then copies
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+        const Counts &from = ends[i], &to = ends[i + 1];
+        const auto add = [&](Kind kind, const auto& list, std::size_t Counts::*count) {
+            if (from.*count != to.*count) blocks_.push_back({kind, list.data() + from.*count, list.data() + to.*count});
+        };
+        for (std::size_t s = from.sums; s < to.sums; ++s) {
+            sums_[s].lane = lane_outputs_.data() + from.lanes;
+            sums_[s].lane_end = lane_outputs_.data() + to.lanes;
+            sums_[s].mixed = with_sums_.data() + from.with_sums;
+            sums_[s].mixed_end = with_sums_.data() + to.with_sums;
+        }
+        add(Kind::sums, sums_, &Counts::sums);
+        add(Kind::linear, linear_, &Counts::linear);
+        add(Kind::mixed, mixed_, &Counts::mixed);
+        add(Kind::steps, steps_, &Counts::steps);
+        add(Kind::copies, copies_, &Counts::copies);
     }
-    for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) motion_.push_back({slot(i), output(i)});
+    for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) motion_.push_back({row(i), output(i)});
     may_overflow_ = may_overflow(*program_);
 }
 
-RBDYN_INLINE SeriesEvaluator::Linear SeriesEvaluator::linear_part(const Instruction& i) {
+RBDYN_INLINE const SeriesEvaluator::ResolvedTerm* SeriesEvaluator::add_terms(const Instruction& i) {
     const ResolvedTerm* first = terms_.data() + terms_.size();
     for (int j = 0; j < i.terms; ++j) {
         const Term& t = program_->terms(i)[j];
         terms_.push_back({slot(t.slot).forward, t.weight});
     }
-    return {i.weight, first, terms_.data() + terms_.size()};
+    return first;
+}
+
+RBDYN_INLINE std::vector<int> SeriesEvaluator::read_backwards(const Program& program) {
+    std::vector<int> slots;
+    for (const Instruction& i : program.instructions()) {
+        if (i.code == Code::norm) slots.insert(slots.end(), {i.a, i.b, i.c});
+        if (i.code == Code::logarithm) slots.push_back(i.a);
+        if (i.code == Code::angle) slots.push_back(i.c);
+    }
+    std::sort(slots.begin(), slots.end());
+    slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+    return slots;
 }
 
 RBDYN_INLINE SeriesEvaluator::Step SeriesEvaluator::step(const Instruction& i) {

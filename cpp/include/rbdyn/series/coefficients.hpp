@@ -10,6 +10,8 @@
 // processor, whatever the width of its registers.
 #pragma once
 
+#include <utility>
+
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/series/lanes.hpp"
 
@@ -27,6 +29,27 @@ RBDYN_INLINE_LANES double dot(const double* a, const double* b, int n) {
     }
     for (; j < n; ++j) sum += a[j] * b[j];
     return sum;
+}
+
+/// The same for two b in one pass, each with the bits it has alone.
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES std::pair<double, double> dots(const double* a, const double* b, const double* c, int n) {
+    double first = 0.0, second = 0.0;
+    int j = 0;
+    if (n >= 4) {
+        Lanes by_b(a, b), by_c(a, c);
+        for (j = 4; j + 4 <= n; j += 4) {
+            by_b.add(a + j, b + j);
+            by_c.add(a + j, c + j);
+        }
+        first = by_b.sum();
+        second = by_c.sum();
+    }
+    for (; j < n; ++j) {
+        first += a[j] * b[j];
+        second += a[j] * c[j];
+    }
+    return {first, second};
 }
 
 /// A view of one series: coefficient k is forward[k] and last[-k].
@@ -75,6 +98,15 @@ template <class Lanes = FourByTwo>
 RBDYN_INLINE_LANES double integral_of_slope(const double* slope, const View& b, int k) {
     if (k == 1) return slope[1] * b[0];
     return (slope[k] * b[0] + slope[1] * b[k - 1] + dot<Lanes>(slope + 2, b.from(k - 2), k - 2)) / k;
+}
+
+/// The same for two b.
+template <class Lanes = FourByTwo>
+RBDYN_INLINE_LANES std::pair<double, double> integrals_of_slope(const double* slope, const View& b, const View& c,
+                                                                int k) {
+    if (k == 1) return {slope[1] * b[0], slope[1] * c[0]};
+    const auto [by_b, by_c] = dots<Lanes>(slope + 2, b.from(k - 2), c.from(k - 2), k - 2);
+    return {(slope[k] * b[0] + slope[1] * b[k - 1] + by_b) / k, (slope[k] * c[0] + slope[1] * c[k - 1] + by_c) / k};
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::series
