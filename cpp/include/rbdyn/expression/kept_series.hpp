@@ -32,7 +32,7 @@ private:
         std::mutex mutex;
         std::vector<Kept> free;
     };
-    static constexpr std::size_t most = 2;               // that are free
+    static constexpr std::size_t most = 4;  // that are free: an engine's, and of those that look at a start
     static constexpr std::size_t most_bytes = 1U << 18;  // of one
 
     std::shared_ptr<Shelf> shelf_;
