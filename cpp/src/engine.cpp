@@ -6,6 +6,7 @@
 #include "rbdyn/engine/engine.ipp"
 #include "rbdyn/engine/guard_fit.ipp"
 #include "rbdyn/engine/motion_scales.ipp"
+#include "rbdyn/engine/near_singular.ipp"
 #include "rbdyn/engine/piece_guards.ipp"
 #include "rbdyn/engine/refined_taylor.ipp"
 #include "rbdyn/engine/stiff_taylor.ipp"

@@ -205,14 +205,13 @@ struct Windows {
     std::vector<ConstraintHandle> loops;
 };
 
-TEST_P(Loops, windows_of_four_bars_move_until_they_lie_in_one_line) {
+TEST_P(Loops, windows_of_four_bars_go_on_through_the_positions_where_they_lie_in_one_line) {
     const Case reference("m_n_four_bar");
     const Windows windows(reference);
-    const Trajectory run = simulate(windows.scene, {.until = 0.6875, .error = error()});
+    const Trajectory run = simulate(windows.scene, {.until = reference.until, .error = error()});
     double actual = 0.0;
     for (const json& s : reference.samples()) {
         const double t = number(s["t"]);
-        if (t > run.end()) continue;
         const auto see = [&](const Vector3& value, const json& right) {
             actual = std::max(actual, (value - figures::vector(right)).norm() / 40.0);
         };
@@ -225,30 +224,18 @@ TEST_P(Loops, windows_of_four_bars_move_until_they_lie_in_one_line) {
             see(run[windows.loops[k]].force(t), s["closure_force_on_couplers_at_right_end"][k]);
         }
     }
-    expect("m_n_four_bar", run, actual, Gaps(run, windows.loops), 1e-13);
-}
-
-TEST_P(Loops, windows_of_four_bars_go_on_through_the_positions_where_they_lie_in_one_line) {
-    GTEST_SKIP()
-        << "rows that lose their rank where all rods lie in one line are not passed yet: the run is certain up "
-           "to that time only";
-    const Case reference("m_n_four_bar");
-    const Windows windows(reference);
-    const Trajectory run = simulate(windows.scene, {.until = reference.until, .error = error()});
-    double actual = 0.0;
-    for (const json& s : reference.samples()) {
-        const double t = number(s["t"]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            actual = std::max(actual, std::abs(run[windows.rods[k]].angle(t) - number(s["theta"])));
-            actual = std::max(actual, std::abs(run[windows.rods[k]].rate(t) - number(s["theta_rate"])) / 6.0);
-        }
+    // both rows of windows lie in one line at the same times
+    std::size_t flat = 0;
+    for (int k = 0; k < 1000; ++k) {
+        const auto height = [&](int i) { return std::cos(run[windows.rods[0]].angle(run.end() * i / 1000)); };
+        flat += height(k) * height(k + 1) < 0.0 ? 1 : 0;
     }
+    EXPECT_GE(flat, 10u);
+    EXPECT_EQ(run.events().times("singular").size(), 2 * flat);
     expect("m_n_four_bar", run, actual, Gaps(run, windows.loops), 1e-13);
 }
 
 TEST_P(Loops, a_stiff_governor_swings_as_it_should) {
-    if (error() < 1e-6)
-        GTEST_SKIP() << "the estimate of the error does not fall below 1.6e-9 here, though the true error is 4e-13";
     const Case reference("m_flyball_governor");
     Scene scene({0, 0, -reference.parameter("g")});
     const double thin = reference.parameter("cross_section"), mass = reference.parameter("rod_and_shaft_mass"),
@@ -278,7 +265,16 @@ TEST_P(Loops, a_stiff_governor_swings_as_it_should) {
                                         slider.point({side * out, 0, 0}), rods.back().point({side * 0.5, 0, 0})));
     }
     const double until = setting("RBDYN_TEST_GOVERNOR", 0) > 0 ? reference.until : 1.0;
-    const Trajectory run = simulate(scene, {.until = until, .error = error()});
+    // torques of a hundredth of a newton metre beside springs of 8e5 N/m: positions in doubles leave them 10 digits
+    constexpr double told = 1e-9;
+    std::optional<Trajectory> reached;
+    try {
+        reached = simulate(scene, {.until = until, .error = error()});
+    } catch (const AccuracyError& e) {
+        ASSERT_LT(error(), told) << e.what();
+        reached = e.run;
+    }
+    const Trajectory& run = *reached;
     double actual = 0.0, force = 0.0, force_size = 0.0;
     for (const json& s : reference.samples()) {
         const double t = number(s["t"]);
@@ -297,7 +293,11 @@ TEST_P(Loops, a_stiff_governor_swings_as_it_should) {
         }
     }
     if (table()) std::cout << "   spring force " << force << " of " << force_size << '\n';
-    expect("m_flyball_governor", run, std::max(actual, force / force_size), Gaps(run, {}), 1e-11);
+    actual = std::max(actual, force / force_size);
+    if (error() >= told) return expect("m_flyball_governor", run, actual, Gaps(run, {}), 1e-11);
+    print("m_flyball_governor", error(), run, actual, Gaps(run, {}));
+    EXPECT_LE(*run.error(), told);
+    EXPECT_LE(actual, 1e-11);
 }
 
 INSTANTIATE_TEST_SUITE_P(of_rods, Loops, testing::Values(1e-6, 1e-9, 1e-12),

@@ -96,6 +96,10 @@ inline DoubleDouble pow(const DoubleDouble& x, double n) {
     return exp(n * log(x));
 }
 
+inline DoubleDouble pow(const DoubleDouble& x, const DoubleDouble& n) {
+    return n.lo == 0.0 ? pow(x, n.hi) : exp(n * log(x));
+}
+
 /// The angle of the point (x, y).
 inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
     const double once = std::atan2(y.hi, x.hi);

@@ -22,12 +22,14 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/engine/near_singular.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -92,6 +94,7 @@ protected:
     std::span<const double> low_before() const { return start_low_; }
     std::span<const double> parameters() const { return parameters_; }
     Program::Rounding rounding() const { return rounding_; }
+    bool is_wide() const { return is_wide_; }
     double tolerance() const { return std::exp2(log_tolerance_); }
     /// Of the step that is begun.
     double limit() const { return limit_; }
@@ -106,7 +109,9 @@ private:
         Workshop(const Equations& equations, int order);
         BorrowedSeries series;
         HiddenTerms hidden;
-        std::vector<int> looked_at;  // slots, beside the state's and the rates'
+        NearSingular singular;
+        std::unique_ptr<WideSeries> wide = nullptr;  // made where it is needed
+        std::vector<int> looked_at;                  // slots, beside the state's and the rates'
     };
 
     void set_parameters();
@@ -118,6 +123,11 @@ private:
 
     /// Takes the rest of coefficients that were computed side by side.
     void complete();
+
+    /// The length of a step near a place where constraints lose rank, expanded anew where doubles lose digits there.
+    double near_singular_length(double length, double span);
+    /// Expands a step with 32 digits.
+    void expand_widely();
 
     /// The longest step, in units, whose estimated local error is the tolerance times the scale of the motion.
     double step_length(double span);
@@ -158,6 +168,8 @@ private:
     const Equations* equations_ = nullptr;
     SeriesEvaluator* series_ = nullptr;
     const HiddenTerms* hidden_ = nullptr;
+    Workshop* workshop_ = nullptr;
+    bool is_wide_ = false;  // the step has been expanded with 32 digits
     const std::vector<int>* looked_at_ = nullptr;
     const SeriesAbreast* abreast_ = nullptr;  // has the rest of its coefficients; null: there is none
     int lane_ = 0;

@@ -17,12 +17,14 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
+#include "rbdyn/engine/near_singular.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
+#include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/piece.hpp"
@@ -47,6 +49,7 @@ RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<cons
         Workshop& workshop = workshop_for(equations);
         series_ = &*workshop.series;
         hidden_ = &workshop.hidden;
+        workshop_ = &workshop;
         looked_at_ = &workshop.looked_at;
         scales_.resize(x.size());
         scales_.follow(equations.groups);
@@ -95,6 +98,8 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     if (!series_->is_finite(0)) return StepStatus::not_finite;
     const bool is_finite = series_->is_finite(order_ - 1);
     double length = is_finite ? step_length(span) * unevenness() : 0.0;
+    is_wide_ = false;
+    if (is_finite && !workshop_->singular.none()) length = near_singular_length(length, span);
     natural_ = length;
     const bool is_unlimited = natural_ * unit_ > 0x1p32 * span;
     if (length * unit_ > span) length = span / unit_;
@@ -152,6 +157,10 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
         const Instant sum = exact_sum(x_[index], increment + low_[index]);
         x_[index] = sum.hi;
         low_[index] = sum.lo;
+        if (!is_wide_) continue;
+        const DoubleDouble exact = workshop_->wide->input(i, piece_.length);
+        x_[index] = exact.hi;
+        low_[index] = exact.lo;
     }
     t_ = end;
     hold(h);
@@ -243,7 +252,10 @@ RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
 }
 
 RBDYN_INLINE TaylorEngine::Workshop::Workshop(const Equations& equations, int order)
-    : series(equations.program, order), hidden(equations.program, order), looked_at(hidden.slots()) {
+    : series(equations.program, order),
+      hidden(equations.program, order),
+      singular(equations),
+      looked_at(hidden.slots()) {
     for (const Guard& guard : equations.guards)
         if (guard.output >= 0) looked_at.push_back(equations.program.output(guard.output));
     std::sort(looked_at.begin(), looked_at.end());
@@ -275,6 +287,32 @@ RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
 RBDYN_INLINE void TaylorEngine::complete() {
     if (abreast_ != nullptr) abreast_->give_all(lane_, *series_, has_guards());
     abreast_ = nullptr;
+}
+
+RBDYN_INLINE void TaylorEngine::expand_widely() {
+    if (!workshop_->wide) workshop_->wide = std::make_unique<WideSeries>(equations_->program, order_);
+    std::vector<DoubleDouble> x(x_.size());
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = DoubleDouble(exact_sum(x_[i], low_[i]));
+    if (projection_) projection_->refine(x, t_.hi);
+    workshop_->wide->set_parameters(parameters_);
+    workshop_->wide->expand(t_.hi, unit_, x);
+    workshop_->wide->give(*series_);
+    abreast_ = nullptr;
+    is_wide_ = true;
+}
+
+RBDYN_INLINE double TaylorEngine::near_singular_length(double length, double span) {
+    const NearSingular& singular = workshop_->singular;
+    const double most = span / unit_;
+    auto places = singular.places(*series_, order_, std::min(length, most));
+    if (NearSingular::loses_digits(places, std::min(length, most)) && !equations_->program.has_calls()) {
+        expand_widely();
+        if (!series_->is_finite(order_ - 1)) return length;
+        length = singular.told(*series_, order_, step_length(span) * unevenness(), log_tolerance_);
+        places = singular.places(*series_, order_, std::min(length, most));
+    }
+    const double clear = NearSingular::clear_of(places, std::min(length, most), length >= most);
+    return clear < most ? clear : length;
 }
 
 RBDYN_INLINE double TaylorEngine::step_length(double span) {

@@ -13,6 +13,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -207,10 +208,14 @@ void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scal
     scalars.clear();
     scalars.reserve(constants_.size());
     const auto rounded = [rounding](T hi, T lo) {
-        const T nearest = hi + lo, rest = lo - (nearest - hi);
-        if (rounding == Rounding::nearest || rest == T(0)) return nearest;
-        const T beyond = std::numeric_limits<T>::infinity();
-        return std::nextafter(nearest, rest > T(0) ? beyond : -beyond);
+        if constexpr (std::is_floating_point_v<T>) {
+            const T nearest = hi + lo, rest = lo - (nearest - hi);
+            if (rounding == Rounding::nearest || rest == T(0)) return nearest;
+            const T beyond = std::numeric_limits<T>::infinity();
+            return std::nextafter(nearest, rest > T(0) ? beyond : -beyond);
+        } else {
+            return hi + lo;  // all their digits
+        }
     };
     for (const DoubleDouble& c : constants_) scalars.push_back(rounded(static_cast<T>(c.hi), static_cast<T>(c.lo)));
     const auto count = static_cast<std::size_t>(parameters_);

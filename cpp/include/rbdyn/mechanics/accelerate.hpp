@@ -187,6 +187,24 @@ public:
         return u;
     }
 
+    /// What J M^-1 J^T of a row would be if nothing in it cancelled: its rounding is a part of this, also where bodies
+    /// cannot move against each other and all of it cancels.
+    double extent(const Row<double>& row) const {
+        double sum = 0.0;
+        for (const auto& [end, wrench] : {std::pair(row.a, row.on_a), std::pair(row.b, row.on_b)}) {
+            const double force = wrench.force.norm();
+            double moment = wrench.moment.norm();
+            for (int i = end; i >= 0; i = bodies_[at(i)].parent) {
+                for (int k = 0; k < velocities(i); ++k) {
+                    const double one = twist(i, k).move.norm() * force + twist(i, k).turn.norm() * moment;
+                    sum += one * one * steps_[at(first_[at(i)] + k)].inverse;
+                }
+                moment += arm(i).norm() * force;
+            }
+        }
+        return sum;
+    }
+
     /// L^-1 of a unit of force along one velocity.
     Sparse driving(int body, int k) const {
         Sparse u{{first_[at(body)] + k, S(1.0)}};

@@ -126,8 +126,13 @@ public:
               const std::vector<Moving<double>>& all)
         : tree_(tree), accelerate_(accelerate<double>(tree, all)) {
         const auto every = conditions.rows<double>(tree, all);
-        for (const int r : rows) responses_.push_back(accelerate_.response(every[static_cast<std::size_t>(r)]));
+        for (const int r : rows) {
+            responses_.push_back(accelerate_.response(every[static_cast<std::size_t>(r)]));
+            extents_.push_back(accelerate_.extent(every[static_cast<std::size_t>(r)]));
+        }
     }
+    /// Of each row what counts as nothing: the square of rounding, where bodies cannot move against each other.
+    double nothing(std::size_t row) const { return 1e-26 * extents_[row]; }
     std::vector<std::vector<double>> matrix() const {
         std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
         for (std::size_t i = 0; i < a.size(); ++i)
@@ -147,6 +152,7 @@ private:
     const Tree& tree_;
     Accelerate<double> accelerate_;
     std::vector<Sparse> responses_;
+    std::vector<double> extents_;
 };
 
 }  // namespace closing
@@ -181,6 +187,8 @@ public:
           closed_(std::move(closed)) {}
 
     void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
+
+    void refine(std::vector<DoubleDouble>& x, double t) const override;
 
 private:
     std::shared_ptr<const Tree> tree_;

@@ -19,13 +19,14 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
                                                const std::vector<int>& candidates,
                                                const std::vector<Moving<double>>& all, std::size_t first,
                                                double rounding) {
-    auto a = closing::Responses(tree, conditions, candidates, all).matrix();
+    const closing::Responses responses(tree, conditions, candidates, all);
+    auto a = responses.matrix();
     const std::size_t n = a.size();
     std::vector<double> own(n);
     double nothing = 0.0;
     for (std::size_t i = 0; i < n; ++i) nothing = std::max(nothing, 1e-26 * a[i][i]);
     // between bodies that cannot move against each other a row does nothing, but for the square of rounding
-    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i] > nothing ? a[i][i] : 0.0;
+    for (std::size_t i = 0; i < n; ++i) own[i] = a[i][i] > std::max(nothing, responses.nothing(i)) ? a[i][i] : 0.0;
     std::vector<int> chosen;
     std::vector<bool> is_used(n, false);
     // Cholesky's decomposition, the row next that keeps most of itself; what is left of dependent ones is rounding
@@ -61,7 +62,8 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
     if (held - rows.begin() == conditions.constraint_rows()) return result;
     std::vector<int> every(at(conditions.rows()));
     for (int r = 0; r < conditions.rows(); ++r) every[at(r)] = r;
-    const auto a = closing::Responses(tree, conditions, every, all).matrix();
+    const closing::Responses responses(tree, conditions, every, all);
+    const auto a = responses.matrix();
     std::vector<std::vector<double>> used;
     double most = 0.0;
     for (const int r : rows) {
@@ -70,7 +72,9 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
         most = std::max(most, a[at(r)][at(r)]);
     }
     for (int r = 0; r < conditions.constraint_rows(); ++r) {
-        if (std::binary_search(rows.begin(), rows.end(), r) || a[at(r)][at(r)] <= 1e-24 * most) continue;
+        if (std::binary_search(rows.begin(), rows.end(), r) ||
+            a[at(r)][at(r)] <= std::max(1e-24 * most, responses.nothing(at(r))))
+            continue;
         std::vector<double> b;
         for (const int other : rows) b.push_back(a[at(other)][at(r)]);
         const std::vector<double> parts = solve_definite<double>(used, b);
@@ -142,6 +146,14 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
     }
     for (std::size_t i = 0; i < x.size(); ++i)
         if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);
+}
+
+RBDYN_INLINE void TreeProjection::refine(std::vector<DoubleDouble>& x, double t) const {
+    closing::normalize<DoubleDouble>(*tree_, x);
+    // of contacts the rows of velocities are not those of gaps
+    if (rows_.empty() || rows_ != closed_ || rows_.back() >= conditions_->constraint_rows()) return;
+    constexpr int passes = 6;
+    close(*tree_, *conditions_, rows_, t, x, passes);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::mechanics

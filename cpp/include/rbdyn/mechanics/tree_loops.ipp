@@ -224,6 +224,30 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
     write.outside(std::move(guard), drives);
 }
 
+RBDYN_INLINE std::optional<Acting> TreeModel::acting_near_singular(const Mode& mode, double t,
+                                                                   std::span<const double> x) const {
+    if (first_pivots_.empty() || mode.equations == nullptr || rows_in(mode) != rows_) return std::nullopt;
+    // of a pivot, and of what it is left of: doubles have 13 digits of a force there, and 10
+    constexpr double small = 1e-2, least = 1e-6;
+    std::vector<double> pivots;
+    const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, moving(t, x));
+    const auto matrix = responses.matrix();
+    mechanics::solve_definite<double>(matrix, std::vector<double>(rows_.size(), 0.0), &pivots);
+    bool is_near = false;
+    for (std::size_t j = 0; j < pivots.size(); ++j)
+        is_near = is_near || !(pivots[j] > std::max(small * first_pivots_[j], least * matrix[j][j]));
+    if (!is_near) return std::nullopt;
+    std::vector<DoubleDouble> there(x.begin(), x.end());
+    mechanics::closing::normalize<DoubleDouble>(*tree_, there);
+    mechanics::close(*tree_, *conditions_, rows_, t, there);
+    // at the place itself nothing says which branch it is
+    const auto closed = mechanics::closing::moving<DoubleDouble>(*tree_, t, there);
+    const double open =
+        mechanics::closing::largest(mechanics::closing::chosen(conditions_->gaps<DoubleDouble>(*tree_, closed), rows_));
+    if (!(open <= 1e-24 * size_of(moving(t, x)))) return std::nullopt;
+    return acting_widely(mode, t, there);
+}
+
 RBDYN_INLINE std::string TreeModel::opened(double t, std::span<const double> x) const {
     const auto all = moving(t, x);
     int widest = 0;
@@ -268,8 +292,20 @@ RBDYN_INLINE std::string TreeModel::locked(double t, std::span<const double> x) 
     const auto all = moving(t, x);
     constexpr double small = 1e-5;  // of the square of a row
     const std::vector<int> clear = mechanics::independent_rows(*tree_, *conditions_, rows_, all, 0, small);
-    if (clear.size() == rows_.size()) return {};
     std::string names;
+    if (clear.size() == rows_.size()) {
+        // a row that is none any more by itself: a rod across the one slide it drives
+        std::vector<double> pivots;
+        const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
+        mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &pivots);
+        for (const mechanics::Condition& c : conditions_->all())
+            for (std::size_t j = 0; j < std::min(pivots.size(), first_pivots_.size()); ++j)
+                if (rows_[j] >= c.first && rows_[j] < c.first + c.rows() && pivots[j] < small * first_pivots_[j]) {
+                    names += (names.empty() ? "" : ", ") + c.name;
+                    break;
+                }
+        return names;
+    }
     const auto loose = mechanics::dependences(*tree_, *conditions_, clear, all);
     for (const mechanics::Condition& c : conditions_->all()) {
         const auto is_in = [&](const std::vector<double>& one) {

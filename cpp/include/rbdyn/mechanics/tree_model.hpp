@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_state.hpp"
+#include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/point_laws.hpp"
@@ -296,6 +298,9 @@ private:
     /// How far the bodies and the ends of constraints are from each other [m].
     double size_of(const std::vector<mechanics::Moving<double>>& all) const;
     /// Guards what the used rows alone do not hold, and their independence.
+    /// What acts where constraints all but lose rank: of the nearest state that satisfies them to 32 digits, for forces
+    /// there are known to the rounding of the state over the square of the distance. None elsewhere.
+    std::optional<Acting> acting_near_singular(const Mode& mode, double t, std::span<const double> x) const;
     void guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const;
     /// Why no motion goes on where a constraint opens.
     std::string opened(double t, std::span<const double> x) const;

@@ -146,7 +146,8 @@ RBDYN_INLINE std::vector<mechanics::Moving<double>> TreeModel::moving(double t, 
 
 RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, std::span<const double> x) const {
     const Within state(mode, t, x, Within::unseen);
-    const auto acting = acting_in(mode, 0, 0, state.t, state.x);
+    std::optional<Acting> acting = acting_near_singular(mode, state.t, state.x);
+    if (!acting) acting = acting_in(mode, 0, 0, state.t, state.x);
     if (!acting) return {*tree_, moving(t, x)};
     const std::span<const double> values(acting->values);
     return {*tree_, *conditions_, *exerted_, rows_in(mode), moving(state.t, state.x), values.subspan(at(variables()))};

@@ -15,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/model/hybrid.hpp"
@@ -42,5 +43,8 @@ private:
 
 /// At a state of a mode; none where the laws at the state say it all.
 std::optional<Acting> acting_in(const Mode& mode, int bodies, int couplings, double t, std::span<const double> x);
+
+/// The same of a state of 32 digits, in as many, where no side or sign is to be chosen.
+[[gnu::cold]] std::optional<Acting> acting_widely(const Mode& mode, double t, std::span<const DoubleDouble> x);
 
 }  // namespace rbdyn::inline RBDYN_FORM

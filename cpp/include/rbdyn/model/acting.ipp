@@ -3,11 +3,13 @@
 
 #include "rbdyn/model/acting.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
@@ -41,6 +43,21 @@ RBDYN_INLINE std::optional<Acting> acting_in(const Mode& mode, int bodies, int c
     Acting result{static_cast<int>(x.size()), bodies, couplings, {}};
     result.values.reserve(static_cast<std::size_t>(program.outputs()));
     for (int i = 0; i < program.outputs(); ++i) result.values.push_back(values.output(i));
+    return result;
+}
+
+RBDYN_INLINE std::optional<Acting> acting_widely(const Mode& mode, double t, std::span<const DoubleDouble> x) {
+    if (mode.equations == nullptr || mode.equations->acting == nullptr) return std::nullopt;
+    const Program& program = *mode.equations->acting;
+    if (program.has_calls() || !program.switches().empty()) return std::nullopt;
+    const std::vector<DoubleDouble> parameters(mode.parameters.begin(), mode.parameters.end());
+    Evaluator<DoubleDouble> values(program, parameters);
+    values(t, x);
+    Acting result{static_cast<int>(x.size()), 0, 0, {}};
+    for (int i = 0; i < program.outputs(); ++i) {
+        result.values.push_back(static_cast<double>(values.output(i)));
+        if (!std::isfinite(result.values.back())) return std::nullopt;
+    }
     return result;
 }
 

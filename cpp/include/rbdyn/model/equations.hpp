@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/numbers.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -100,6 +101,8 @@ public:
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
     /// time since it was moved last [s]; `t`: the time it is at.
     virtual void apply(std::span<double> x, std::span<double> low, double step, double t) const = 0;
+    /// Moves a state of 32 digits to where constraints hold, with as many.
+    virtual void refine(std::vector<DoubleDouble>& x, double t) const;
     /// Whether it adds what rounded constants of the equations leave out.
     virtual bool makes_up_for_rounding() const;
 };

@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
 
@@ -18,6 +20,8 @@ RBDYN_INLINE double least_share(double wanted, double size) {
     constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
     return std::min(1.0, std::max(wanted, rounding * std::max(size, 1.0) / wanted));
 }
+
+RBDYN_INLINE void Projection::refine(std::vector<DoubleDouble>& /*x*/, double /*t*/) const {}
 
 RBDYN_INLINE bool Projection::makes_up_for_rounding() const { return false; }
 
