@@ -29,4 +29,5 @@
 #include "rbdyn/expression/series_sizes.ipp"
 #include "rbdyn/expression/term_sizes.ipp"
 #include "rbdyn/expression/time_function.ipp"
+#include "rbdyn/expression/wavefront.ipp"
 #include "rbdyn/expression/wide_series.ipp"

@@ -43,6 +43,10 @@ public:
     struct Stage {
         Range series, sums, combinations, others;
     };
+    /// What comes with a sum: the series it lays out, those of them that no sum before it has, and its combinations.
+    struct Part {
+        Range series, combinations;
+    };
 
     explicit Schedule(const Program& program);
 
@@ -50,6 +54,7 @@ public:
     std::vector<Series> series;
     std::vector<Product> products;
     std::vector<Range> sums;  // of products
+    std::vector<Part> parts;  // one for each
     std::vector<Combination> combinations;
     std::vector<const Instruction*> others;
 

@@ -84,6 +84,7 @@ RBDYN_INLINE void Schedule::share_lanes(std::vector<const Instruction*>& group) 
         if (load(most) > 1) ++width[most];
     }
     std::array<std::vector<ProductTerm>, lanes> waiting;
+    Part part{{series.size(), 0}, {combinations.size(), 0}};
     std::size_t lane = 0;
     for (std::size_t i = 0; i < group.size(); ++i) {
         combinations.push_back({group[i], sums.size(), static_cast<int>(lane), width[i]});
@@ -95,6 +96,9 @@ RBDYN_INLINE void Schedule::share_lanes(std::vector<const Instruction*>& group) 
     while (std::any_of(waiting.begin(), waiting.end(), [](const auto& w) { return !w.empty(); }))
         products.push_back(next_product(waiting));
     sums.push_back({first, products.size()});
+    part.series.last = series.size();
+    part.combinations.last = combinations.size();
+    parts.push_back(part);
     group.clear();
 }
 

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/product_sums.hpp"
 
@@ -84,6 +86,7 @@ private:
     struct Motion {
         double* input;
         const double* rate;
+        double* last;  // of its backward copy, if that is read
     };
     struct Step {
         Code code;
@@ -143,6 +146,12 @@ private:
     void run(int first, int last, bool integrates);
     template <class Lanes>
     void advance_in(std::ptrdiff_t k);
+    template <class Lanes>
+    void advance_blocks(const Block* block, const Block* end, std::ptrdiff_t k);
+    /// All orders, one behind the other.
+    template <class Lanes>
+    void sweep(int orders);
+    void set_constants();
     double linear(const ResolvedTerm* first, const ResolvedTerm* last, double sum, std::ptrdiff_t k) const;
     void mixed(const Mixed* first, const Mixed* last, std::ptrdiff_t k) const;
 
@@ -192,6 +201,8 @@ private:
     std::vector<Mixed> with_sums_, mixed_;
     std::vector<Step> steps_;
     std::vector<Motion> motion_;
+    std::unique_ptr<const Wavefront> wavefront_;  // of a program that is larger than the caches
+    std::vector<std::size_t> first_block_;        // by stage, after those of the inputs; then the end
     bool may_overflow_ = false, overflows_ = false;
     std::vector<ResolvedTerm> terms_;
     std::vector<series::LaneValues> lanes_;
@@ -205,7 +216,7 @@ private:
 
 inline void SeriesEvaluator::integrate(int k) {
     const double factor = unit_ / (k + 1);
-    for (const auto& [input, rate] : motion_) input[k + 1] = rate[k] * factor;
+    for (const Motion& m : motion_) m.input[k + 1] = m.rate[k] * factor;
 }
 
 inline bool SeriesEvaluator::is_finite(int k) const {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/lanes.hpp"
 #include "rbdyn/series/product_sums.hpp"
@@ -81,12 +83,21 @@ RBDYN_INLINE_LANES void SeriesEvaluator::mixed(const Mixed* first, const Mixed* 
     }
 }
 
+RBDYN_INLINE void SeriesEvaluator::set_constants() {
+    for (const Constant& c : constants_) c.out.set(0, scalars_[static_cast<std::size_t>(c.weight)]);
+}
+
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::advance_in(std::ptrdiff_t k) {
-    if (k == 0)
-        for (const Constant& c : constants_) c.out.set(0, scalars_[static_cast<std::size_t>(c.weight)]);
+    if (k == 0) set_constants();
+    advance_blocks<Lanes>(blocks_.data(), blocks_.data() + blocks_.size(), k);
+    if (k == 0 && may_overflow_) overflows_ = overflows();
+}
+
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, const Block* end, std::ptrdiff_t k) {
     const bool flattens = k > 0 && overflows_;
-    for (const Block *block = blocks_.data(), *end = block + blocks_.size(); block != end; ++block) {
+    for (; block != end; ++block) {
         // none is empty
         switch (block->kind) {
             case Kind::copies: {
@@ -122,11 +133,32 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_in(std::ptrdiff_t k) {
         }
         if (flattens) flatten(*block, k);
     }
-    if (k == 0 && may_overflow_) overflows_ = overflows();
+}
+
+template <class Lanes>
+RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
+    set_constants();
+    const Block* const blocks = blocks_.data();
+    // of inputs
+    advance_blocks<Lanes>(blocks, blocks + first_block_.front(), 0);
+    const int count = static_cast<int>(wavefront_->chunks.size());
+    for (int front = 0; front < count + orders - 1; ++front)
+        for (int k = std::max(0, front - count + 1); k < std::min(orders, front + 1); ++k) {
+            const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(front - k)];
+            advance_blocks<Lanes>(blocks + first_block_[chunk.stages.first], blocks + first_block_[chunk.stages.last],
+                                  k);
+            const double factor = unit_ / (k + 1);
+            for (std::size_t i = chunk.inputs.first; i < chunk.inputs.last; ++i) {
+                const Motion& m = motion_[i];
+                m.input[k + 1] = m.rate[k] * factor;
+                if (m.last != nullptr) m.last[-(k + 1)] = m.input[k + 1];
+            }
+        }
 }
 
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::run(int first, int last, bool integrates) {
+    if (integrates && first == 0 && wavefront_ != nullptr) return sweep<Lanes>(last);
     for (int k = first; k < last; ++k) {
         advance_in<Lanes>(k);
         if (integrates) integrate(k);
@@ -323,7 +355,16 @@ RBDYN_INLINE_LANES void SeriesEvaluator::norm(const Step& i, const series::View&
 }
 
 RBDYN_INLINE void SeriesEvaluator::resolve() {
-    const Schedule schedule(*program_);
+    Schedule schedule(*program_);
+    may_overflow_ = may_overflow(*program_);
+    // what fits the caches is at hand anyway; who has to see all of order 0 first has to see all
+    constexpr std::size_t large = 0x1p20;
+    const std::size_t size = sizeof(double) * storage_.size() +
+                             sizeof(series::LaneValues) * schedule.series.size() * static_cast<std::size_t>(top_ + 1);
+    if (size > large && !may_overflow_) {
+        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_);
+        if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
+    }
     std::size_t terms = 0;
     for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);
     terms_.reserve(terms);
@@ -410,6 +451,7 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     // of sums, combinations and steps, then copies
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
         const Counts &from = ends[i], &to = ends[i + 1];
+        if (i > 0) first_block_.push_back(blocks_.size());
         const auto add = [&](Kind kind, const auto& list, std::size_t Counts::*count) {
             if (from.*count != to.*count) blocks_.push_back({kind, list.data() + from.*count, list.data() + to.*count});
         };
@@ -425,8 +467,12 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         add(Kind::steps, steps_, &Counts::steps);
         add(Kind::copies, copies_, &Counts::copies);
     }
-    for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) motion_.push_back({row(i), output(i)});
-    may_overflow_ = may_overflow(*program_);
+    first_block_.push_back(blocks_.size());
+    for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) {
+        const int input = wavefront_ == nullptr ? i : wavefront_->inputs[static_cast<std::size_t>(i)];
+        const bool is_copied = std::binary_search(backwards.begin(), backwards.end(), input);
+        motion_.push_back({row(input), output(input), is_copied ? slot(input).last : nullptr});
+    }
 }
 
 RBDYN_INLINE const SeriesEvaluator::ResolvedTerm* SeriesEvaluator::add_terms(const Instruction& i) {

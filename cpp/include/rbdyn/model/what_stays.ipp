@@ -22,7 +22,7 @@ namespace rbdyn::inline RBDYN_FORM::staying {
 
 RBDYN_INLINE void follow(const Recorder& r, const std::vector<Expression>& rates, std::vector<bool>& stays) {
     const auto at = [](std::int32_t i) { return static_cast<std::size_t>(i); };
-    std::vector<bool> known(at(r.size()));
+    std::vector<bool> known(at(r.size()), true);
     const auto is_zero = [&](std::int32_t node) { return known[at(node)] && r.value(node) == 0.0; };
     const auto is_known = [&](const Node& n) {
         switch (n.operation) {
@@ -44,16 +44,45 @@ RBDYN_INLINE void follow(const Recorder& r, const std::vector<Expression>& rates
             if (operand >= 0 && !known[at(operand)]) return false;
         return true;
     };
-    for (bool has_changed = true; has_changed;) {
+    // what is made of each node, one list after the other; of an input it stands for, and of a rate it is
+    std::vector<std::int32_t> first(at(r.size()) + 1, 0), users;
+    const auto each_operand = [&](auto&& take) {
+        for (std::int32_t n = 0; n < r.size(); ++n)
+            for (const std::int32_t operand : r.node(n).operands())
+                if (operand >= 0) take(operand, n);
+    };
+    each_operand([&](std::int32_t operand, std::int32_t) { ++first[at(operand) + 1]; });
+    for (std::int32_t n = 0; n < r.size(); ++n) first[at(n) + 1] += first[at(n)];
+    users.resize(at(first.back()));
+    std::vector<std::int32_t> next = first;
+    each_operand([&](std::int32_t operand, std::int32_t user) { users[at(next[at(operand)]++)] = user; });
+    std::vector<std::vector<std::size_t>> rates_of(at(r.size()));
+    std::vector<std::vector<std::int32_t>> inputs_of(stays.size());
+    for (std::size_t i = 0; i < rates.size(); ++i)
+        if (!rates[i].is_constant()) rates_of[at(rates[i].node())].push_back(i);
+    for (std::int32_t n = 0; n < r.size(); ++n)
+        if (r.node(n).operation == Operation::input) inputs_of[at(r.node(n).a)].push_back(n);
+    // each node is looked at when one of its operands has changed, so that the whole is linear in their number
+    std::vector<std::int32_t> waiting;
+    const auto look = [&](std::int32_t n) {
+        if (!known[at(n)] || is_known(r.node(n))) return;
+        known[at(n)] = false;
+        waiting.push_back(n);
+    };
+    const auto move = [&](std::size_t i) {
+        if (!stays[i]) return;
+        stays[i] = false;
+        for (const std::int32_t n : inputs_of[i]) look(n);
+    };
+    for (std::int32_t n = 0; n < r.size(); ++n) look(n);
+    for (std::size_t i = 0; i < rates.size(); ++i)
+        if (!rates[i].is_zero() && (rates[i].is_constant() || !is_zero(rates[i].node()))) move(i);
+    while (!waiting.empty()) {
         Interruption::point();
-        has_changed = false;
-        for (std::int32_t n = 0; n < r.size(); ++n) known[at(n)] = is_known(r.node(n));
-        for (std::size_t i = 0; i < rates.size(); ++i) {
-            const Expression& rate = rates[i];
-            if (!stays[i] || rate.is_zero() || (!rate.is_constant() && is_zero(rate.node()))) continue;
-            stays[i] = false;
-            has_changed = true;
-        }
+        const std::int32_t n = waiting.back();
+        waiting.pop_back();
+        for (std::int32_t k = first[at(n)]; k < first[at(n) + 1]; ++k) look(users[at(k)]);
+        for (const std::size_t i : rates_of[at(n)]) move(i);
     }
 }
 

@@ -1,0 +1,178 @@
+// Definitions of rbdyn/expression/wavefront.hpp.
+#pragma once
+
+#include "rbdyn/expression/wavefront.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/schedule.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace wavefronts {
+
+inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Inputs whose derivatives are outputs.
+inline int moving(const Program& program) { return std::min(program.inputs(), program.outputs()); }
+
+/// Calls take(slot) for all that an instruction reads.
+template <class Take>
+void reads(const Program& program, const Instruction& i, const Take& take) {
+    for (const int slot : {i.a, i.b, i.c})
+        if (slot >= 0) take(slot);
+    for (int t = 0; t < i.terms; ++t) take(program.terms(i)[t].slot);
+    for (int p = 0; p < i.products; ++p) {
+        take(program.products(i)[p].a);
+        take(program.products(i)[p].b);
+    }
+    if (i.code != Code::call) return;
+    for (const int slot : program.calls()[at(i.extra)].arguments) take(slot);
+}
+
+/// The same for all that it writes.
+template <class Take>
+void writes(const Program& program, const Instruction& i, const Take& take) {
+    for (const int slot : {i.out, i.out2})
+        if (slot >= 0) take(slot);
+    if (i.code != Code::call) return;
+    for (const int slot : program.calls()[at(i.extra)].results) take(slot);
+}
+
+}  // namespace wavefronts
+
+RBDYN_INLINE Wavefront::Wavefront(const Program& program, Schedule& schedule, int order) {
+    std::vector<Part> row = parts_of(program, schedule);
+    std::stable_sort(row.begin(), row.end(), [](const Part& a, const Part& b) { return a.key < b.key; });
+    const std::size_t length = std::max(reach(program, schedule, row), shortest);
+    if (part_at_work * length * wavefronts::at(order + 1) < row.size()) cut(row, length, schedule);
+}
+
+RBDYN_INLINE std::vector<Wavefront::Part> Wavefront::parts_of(const Program& program, const Schedule& schedule) {
+    using wavefronts::at;
+    std::vector<Part> parts;
+    std::vector<std::uint32_t> of_slot(at(program.slots()), 0), of_series(schedule.series.size(), 0);
+    const auto needed = [&](const Instruction& i) {
+        auto key = static_cast<std::uint32_t>(&i - program.instructions().data());
+        wavefronts::reads(program, i, [&](int slot) { key = std::max(key, of_slot[at(slot)]); });
+        return key;
+    };
+    const auto give = [&](const Instruction& i, std::uint32_t key) {
+        wavefronts::writes(program, i, [&](int slot) { of_slot[at(slot)] = key; });
+    };
+    for (std::uint32_t n = 0; n < schedule.stages.size(); ++n) {
+        const Schedule::Stage& stage = schedule.stages[n];
+        for (std::size_t s = stage.sums.first; s < stage.sums.last; ++s) {
+            const auto& [series, combinations] = schedule.parts[s];
+            std::uint32_t key = 0;
+            for (std::size_t c = combinations.first; c < combinations.last; ++c)
+                key = std::max(key, needed(*schedule.combinations[c].instruction));
+            // a series that another sum has laid out comes with that
+            for (std::size_t p = schedule.sums[s].first; p < schedule.sums[s].last; ++p)
+                for (const std::size_t x : {schedule.products[p].x, schedule.products[p].y})
+                    key = std::max(key, of_series[x]);
+            std::fill(of_series.begin() + static_cast<std::ptrdiff_t>(series.first),
+                      of_series.begin() + static_cast<std::ptrdiff_t>(series.last), key);
+            for (std::size_t c = combinations.first; c < combinations.last; ++c)
+                give(*schedule.combinations[c].instruction, key);
+            parts.push_back({Part::Kind::sum, n, static_cast<std::uint32_t>(s), key});
+        }
+        for (std::size_t i = stage.others.first; i < stage.others.last; ++i) {
+            const std::uint32_t key = needed(*schedule.others[i]);
+            give(*schedule.others[i], key);
+            parts.push_back({Part::Kind::other, n, static_cast<std::uint32_t>(i), key});
+        }
+    }
+    const auto last = static_cast<std::uint32_t>(schedule.stages.size());
+    for (int i = 0; i < wavefronts::moving(program); ++i) {
+        // a rate that is an input itself is where the rate of that one is
+        int rate = program.output(i);
+        if (rate < wavefronts::moving(program)) rate = program.output(rate);
+        parts.push_back({Part::Kind::input, last, static_cast<std::uint32_t>(i), of_slot[at(rate)]});
+    }
+    return parts;
+}
+
+RBDYN_INLINE std::size_t Wavefront::reach(const Program& program, const Schedule& schedule,
+                                          const std::vector<Part>& row) {
+    using wavefronts::at;
+    std::vector<std::size_t> made(at(wavefronts::moving(program)), 0);
+    for (std::size_t place = 0; place < row.size(); ++place)
+        if (row[place].kind == Part::Kind::input) made[row[place].index] = place;
+    std::size_t most = 0;
+    for (std::size_t place = 0; place < row.size(); ++place) {
+        const Part& part = row[place];
+        const auto read = [&](int slot) {
+            if (at(slot) < made.size() && made[at(slot)] > place) most = std::max(most, made[at(slot)] - place);
+        };
+        if (part.kind == Part::Kind::input) read(program.output(static_cast<int>(part.index)));
+        if (part.kind == Part::Kind::other) wavefronts::reads(program, *schedule.others[part.index], read);
+        if (part.kind != Part::Kind::sum) continue;
+        const Schedule::Range& combinations = schedule.parts[part.index].combinations;
+        for (std::size_t c = combinations.first; c < combinations.last; ++c)
+            wavefronts::reads(program, *schedule.combinations[c].instruction, read);
+    }
+    return most;
+}
+
+RBDYN_INLINE void Wavefront::cut(const std::vector<Part>& row, std::size_t length, Schedule& schedule) {
+    const std::vector<Schedule::Series> series = std::exchange(schedule.series, {});
+    const std::vector<Schedule::Product> products = std::exchange(schedule.products, {});
+    const std::vector<Schedule::Range> sums = std::exchange(schedule.sums, {});
+    const std::vector<Schedule::Part> of_sums = std::exchange(schedule.parts, {});
+    const std::vector<Schedule::Combination> combinations = std::exchange(schedule.combinations, {});
+    const std::vector<const Instruction*> others = std::exchange(schedule.others, {});
+    schedule.stages.clear();
+    std::vector<std::size_t> place_of(series.size(), 0);
+    const auto take_sum = [&](std::size_t s) {
+        Schedule::Part part{{schedule.series.size(), 0}, {schedule.combinations.size(), 0}};
+        for (std::size_t i = of_sums[s].series.first; i < of_sums[s].series.last; ++i) {
+            place_of[i] = schedule.series.size();
+            schedule.series.push_back(series[i]);
+        }
+        for (std::size_t i = of_sums[s].combinations.first; i < of_sums[s].combinations.last; ++i) {
+            schedule.combinations.push_back(combinations[i]);
+            schedule.combinations.back().sum = schedule.sums.size();
+        }
+        const std::size_t first = schedule.products.size();
+        for (std::size_t i = sums[s].first; i < sums[s].last; ++i)
+            schedule.products.push_back({place_of[products[i].x], place_of[products[i].y]});
+        schedule.sums.push_back({first, schedule.products.size()});
+        part.series.last = schedule.series.size();
+        part.combinations.last = schedule.combinations.size();
+        schedule.parts.push_back(part);
+    };
+    std::vector<Part> here;
+    for (std::size_t from = 0; from < row.size(); from += length) {
+        const std::size_t to = std::min(from + length, row.size());
+        here.assign(row.begin() + static_cast<std::ptrdiff_t>(from), row.begin() + static_cast<std::ptrdiff_t>(to));
+        std::stable_sort(here.begin(), here.end(), [](const Part& a, const Part& b) { return a.stage < b.stage; });
+        Chunk chunk{{schedule.stages.size(), 0}, {inputs.size(), 0}};
+        for (std::size_t i = 0; i < here.size();) {
+            Schedule::Stage stage{{schedule.series.size(), 0},
+                                  {schedule.sums.size(), 0},
+                                  {schedule.combinations.size(), 0},
+                                  {schedule.others.size(), 0}};
+            for (const std::uint32_t n = here[i].stage; i < here.size() && here[i].stage == n; ++i) {
+                if (here[i].kind == Part::Kind::sum) take_sum(here[i].index);
+                if (here[i].kind == Part::Kind::other) schedule.others.push_back(others[here[i].index]);
+                if (here[i].kind == Part::Kind::input) inputs.push_back(static_cast<int>(here[i].index));
+            }
+            stage.series.last = schedule.series.size();
+            stage.sums.last = schedule.sums.size();
+            stage.combinations.last = schedule.combinations.size();
+            stage.others.last = schedule.others.size();
+            schedule.stages.push_back(stage);
+        }
+        chunk.stages.last = schedule.stages.size();
+        chunk.inputs.last = inputs.size();
+        chunks.push_back(chunk);
+    }
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
