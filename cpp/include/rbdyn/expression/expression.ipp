@@ -4,6 +4,7 @@
 #include "rbdyn/expression/expression.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -119,8 +120,7 @@ RBDYN_INLINE std::uint64_t Recorder::identity(std::int32_t index) {
             // the sign of a switch goes by its argument, a number of the user's by its formula, not by the order of
             // recording
             if (n.operation == Operation::parameter)
-                for (const Switch& s : switches_)
-                    if (s.parameter == n.a) h = s.id;
+                if (const Switch* s = switch_of(n.a)) h = s->id;
             if (number >= 0) h = Numbers::active()->identity(number);
         } else {
             for (const std::int32_t operand : operands)
@@ -214,16 +214,16 @@ RBDYN_INLINE Expression Recorder::sign(const Expression& x, const std::string& n
     if (x.is_constant()) return x.is_negative() ? -1.0 : 1.0;
     if (purpose_ == Purpose::function) return record({Operation::sign, x.node(), -1, -1, name_index(name)});
     if (const auto above = weight(x, name)) return 2.0 * *above - 1.0;
-    for (const Switch& known : switches_)
-        if (!known.is_norm && known.argument == x.node()) return parameter(known.parameter);
+    if (const auto known = sign_of_node_.find(x.node()); known != sign_of_node_.end())
+        return parameter(switches_[at(known->second)].parameter);
     const int index = new_parameter();
     if (follows_) {
         parameter_values_.resize(at(index) + 1, 0.0);
         parameter_values_[at(index)] = followed(x.node()) < 0.0 ? -1.0 : 1.0;
     }
     const auto [argument, orientation] = surface(x.node());
-    switches_.push_back(
-        {x.node(), index, false, name, tag, subject_, identity(x.node()), identity(argument), orientation});
+    sign_of_node_.emplace(x.node(), static_cast<int>(switches_.size()));
+    add({x.node(), index, false, name, tag, subject_, identity(x.node()), identity(argument), orientation});
     return parameter(index);
 }
 
@@ -249,25 +249,34 @@ RBDYN_INLINE Expression Recorder::norm(const Expression& x, const Expression& y,
         });
     Node node{Operation::norm, node_of(x), node_of(y), node_of(z)};
     if (purpose_ == Purpose::function) return record(node);
-    for (const Switch& known : switches_) {
-        const Node& other = this->node(known.argument);
-        if (known.is_norm && other.a == node.a && other.b == node.b && other.c == node.c) return {this, known.argument};
-    }
+    const std::array<std::int32_t, 3> key{node.a, node.b, node.c};
+    if (const auto known = norms_.find(key); known != norms_.end()) return {this, known->second};
     node.d = new_parameter();
     const Expression result(this, intern(node));
     const std::uint64_t id = identity(result.node());
-    switches_.push_back({result.node(), node.d, true, name, tag, subject_, id, id, 1});
+    norms_.emplace(key, result.node());
+    add({result.node(), node.d, true, name, tag, subject_, id, id, 1});
     return result;
+}
+
+RBDYN_INLINE void Recorder::add(const Switch& one) {
+    if (at(one.parameter) >= switch_of_parameter_.size()) switch_of_parameter_.resize(at(one.parameter) + 1, -1);
+    switch_of_parameter_[at(one.parameter)] = static_cast<std::int32_t>(switches_.size());
+    switches_.push_back(one);
+}
+
+RBDYN_INLINE const Switch* Recorder::switch_of(std::int32_t parameter) const {
+    const std::int32_t index = at(parameter) < switch_of_parameter_.size() ? switch_of_parameter_[at(parameter)] : -1;
+    return index < 0 ? nullptr : &switches_[at(index)];
 }
 
 RBDYN_INLINE bool Recorder::is_locked_positive(std::int32_t index) const {
     if (purpose_ != Purpose::model) return false;
     const Node& n = node(index);
     if (n.operation == Operation::multiply)
-        for (const Switch& s : switches_)
-            for (const auto& [a, b] : {std::pair{n.a, n.b}, std::pair{n.b, n.a}})
-                if (!s.is_norm && a == s.argument && node(b).operation == Operation::parameter &&
-                    node(b).a == s.parameter)
+        for (const auto& [a, b] : {std::pair{n.a, n.b}, std::pair{n.b, n.a}})
+            if (node(b).operation == Operation::parameter)
+                if (const Switch* s = switch_of(node(b).a); s != nullptr && !s->is_norm && a == s->argument)
                     return true;
     if (branches_.empty()) return false;
     const auto [argument, orientation] = surface(index);
@@ -292,9 +301,8 @@ RBDYN_INLINE std::optional<Expression> Recorder::over_multiple(const Expression&
     if (n.operation != Operation::multiply) return std::nullopt;
     for (const auto& [x, factor] : {std::pair{n.a, n.b}, std::pair{n.b, n.a}}) {
         const Node& f = node(factor);
-        const bool is_sign = f.operation == Operation::parameter &&
-                             std::any_of(switches_.begin(), switches_.end(),
-                                         [&](const Switch& s) { return !s.is_norm && s.parameter == f.a; });
+        const Switch* known = f.operation == Operation::parameter ? switch_of(f.a) : nullptr;
+        const bool is_sign = known != nullptr && !known->is_norm;
         if (!is_sign && f.operation != Operation::constant) continue;
         if (const auto rest = without(a.node(), x)) return *rest / Expression(this, factor);
     }

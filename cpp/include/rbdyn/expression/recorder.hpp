@@ -1,6 +1,7 @@
 // Holds the nodes of one recorded function (expression.hpp).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -165,6 +166,9 @@ private:
     /// The node whose zeros are those of another, which is a multiple of it, and the sign of the factor.
     std::pair<std::int32_t, int> surface(std::int32_t index) const;
     long choose(Branch branch, long by_state);
+    void add(const Switch& one);
+    /// The switch that a parameter is the sign or the start flag of; none: null.
+    const Switch* switch_of(std::int32_t parameter) const;
     /// A product without one of its factors; none if it has no such factor.
     std::optional<Expression> without(std::int32_t product, std::int32_t factor);
 
@@ -174,6 +178,9 @@ private:
     std::vector<std::int32_t> index_;  // nodes by what they are: 2^bits places, at least half of them empty (-1)
     int bits_ = 0;
     std::vector<Switch> switches_;
+    std::vector<std::int32_t> switch_of_parameter_;              // -1: none
+    std::map<std::array<std::int32_t, 3>, std::int32_t> norms_;  // by what they are of
+    std::map<std::int32_t, int> sign_of_node_;                   // its switch
     std::vector<Branch> branches_;
     std::vector<Call> calls_;
     std::vector<Parameter> cells_;

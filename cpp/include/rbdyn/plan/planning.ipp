@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -83,15 +84,18 @@ RBDYN_INLINE Placement view_of(const Scene& scene) {
 
 RBDYN_INLINE std::vector<std::string> guards_of(const SceneModel& scene_model) {
     std::vector<std::string> lines;
+    std::set<std::string> known;  // of a long chain there are as many as it has masses
+    const auto say = [&](std::string line) {
+        if (known.insert(line).second) lines.push_back(std::move(line));
+    };
     if (scene_model.special() == nullptr) {
         std::vector<double> x = scene_model.start(0.0);
         for (const Guard& guard : scene_model.begin(0.0, x).equations->guards) {
             const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
-            const std::string line = is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
-                                     : is_loop                    ? guard.name + ", where no motion goes on"
-                                     : guard.is_watched()         ? "\"" + guard.name + "\" (watch)"
-                                                                  : guard.name + " through zero (switch)";
-            if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+            say(is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
+                : is_loop                    ? guard.name + ", where no motion goes on"
+                : guard.is_watched()         ? "\"" + guard.name + "\" (watch)"
+                                             : guard.name + " through zero (switch)");
         }
         return lines;
     }
@@ -124,7 +128,7 @@ RBDYN_INLINE std::vector<std::string> guards_of(const SceneModel& scene_model) {
                     [[fallthrough]];
                 default: line += guard.name + " through zero (switch)"; break;
             }
-            if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+            say(std::move(line));
         }
     }
     return lines;
