@@ -1,6 +1,7 @@
 // Compiled once: what integrates them, and the series it is made of.
 #include "exported.hpp"
 
+#include "rbdyn/engine/band.ipp"
 #include "rbdyn/engine/closed_form.ipp"
 #include "rbdyn/engine/dop853.ipp"
 #include "rbdyn/engine/engine.ipp"

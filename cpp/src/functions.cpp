@@ -27,6 +27,7 @@
 #include "rbdyn/expression/series_abreast.ipp"
 #include "rbdyn/expression/series_evaluator.ipp"
 #include "rbdyn/expression/series_sizes.ipp"
+#include "rbdyn/expression/state_jacobian.ipp"
 #include "rbdyn/expression/term_sizes.ipp"
 #include "rbdyn/expression/time_function.ipp"
 #include "rbdyn/expression/wavefront.ipp"

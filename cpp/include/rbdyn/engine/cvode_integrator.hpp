@@ -5,17 +5,20 @@
 
 #include <cstddef>
 #include <exception>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/engine/band.hpp"
 #include "rbdyn/engine/cvode_vector.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/state_jacobian.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -38,7 +41,7 @@ public:
     /// Begins anew from y; the clock at zero.
     void restart(Instant t, double first_step);
 
-    JacobianEvaluator evaluator;
+    Evaluator<double> evaluator;
     std::exception_ptr thrown;  // by a function of the user's, kept while CVODE's own frames are left
     SeriesEvaluator series;
     HiddenAhead ahead;
@@ -66,16 +69,25 @@ private:
     static int linear_system(sunrealtype t, N_Vector y, N_Vector, SUNMatrix, sunbooleantype is_good,
                              sunbooleantype* is_new, sunrealtype gamma, void* data, N_Vector, N_Vector, N_Vector);
 
-    double& lu(int i, int j) { return lu_[static_cast<std::size_t>(i * n + j)]; }
+    /// What BDF needs: the Jacobian, and room for I - gamma J, in a band if that is narrow.
+    void prepare_linear_algebra(const Program& program);
 
     /// LU in place with row exchanges; false if singular.
-    bool factorise();
+    bool factorise() { return band_ ? band_->factorise() : factorise_all(); }
+    bool factorise_all();
 
     void substitute(const double* b, double* x);
+    void substitute_all(double* x);
+
+    double& lu(int i, int j) { return lu_[static_cast<std::size_t>(i * n + j)]; }
 
     Work& work_;
-    std::vector<double> jacobian_, lu_;  // by rows
+    std::optional<StateJacobian> jacobian_;  // of BDF
+    std::vector<double> lu_;                 // by rows
     std::vector<int> pivots_;
+    std::optional<BandMatrix> band_;
+    std::vector<int> place_;  // of variables in the band
+    std::vector<double> in_band_;
 };
 
 }  // namespace cvode

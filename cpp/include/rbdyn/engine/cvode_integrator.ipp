@@ -12,12 +12,14 @@
 #include <utility>
 
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/engine/band.hpp"
 #include "rbdyn/engine/cvode_vector.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/state_jacobian.hpp"
 #include "rbdyn/model/equations.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::cvode {
@@ -33,10 +35,7 @@ RBDYN_INLINE Integrator::Integrator(const Equations& equations, bool stiff, int 
       y(owned(new_vector(n, context))),
       derivative(owned(new_vector(n, context))),
       memory(owned(CVodeCreate(stiff ? CV_BDF : CV_ADAMS, context))),
-      work_(work),
-      jacobian_(static_cast<std::size_t>(n * n)),
-      lu_(jacobian_.size()),
-      pivots_(static_cast<std::size_t>(n)) {
+      work_(work) {
     void* m = memory.get();
 #if SUNDIALS_VERSION_MAJOR < 7
     CVodeSetErrHandlerFn(
@@ -52,6 +51,7 @@ RBDYN_INLINE Integrator::Integrator(const Equations& equations, bool stiff, int 
     if (stiff) {
         nonlinear_ = owned(SUNNonlinSol_Newton(y.get(), context));
         CVodeSetNonlinearSolver(m, nonlinear_.get());
+        prepare_linear_algebra(equations.program);
         // CVODE asks for a Jacobian every 50 steps or so and for 1.1 right-hand sides a step; a matrix-embedded
         // solver with a new Jacobian each step asks for 1.7 and is 15 percent slower on a pendulum already
         matrix_ = owned(SUNMatNewEmpty(context));
@@ -75,6 +75,7 @@ RBDYN_INLINE Integrator::Integrator(const Equations& equations, bool stiff, int 
 
 RBDYN_INLINE void Integrator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
     evaluator.set_parameters(parameters, rounding);
+    if (jacobian_) jacobian_->set_parameters(parameters, rounding);
     series.set_parameters(parameters, rounding);
     ahead.set_parameters(parameters, rounding);
     guards.set_parameters(parameters, rounding);
@@ -119,21 +120,52 @@ RBDYN_INLINE int Integrator::linear_system(sunrealtype t, N_Vector y, N_Vector, 
     if (!is_good) {
         try {
             ++self.work_.jacobians;
-            self.evaluator.differentiate((self.origin + t).hi, self.span_of(y));
+            self.jacobian_->differentiate((self.origin + t).hi, self.span_of(y));
         } catch (...) {
             self.thrown = std::current_exception();
             return -1;
         }
-        double* entry = self.jacobian_.data();
-        for (int i = 0; i < self.n; ++i)
-            for (int j = 0; j < self.n; ++j) check += 0.0 * (*entry++ = self.evaluator.derivative(i, j));
+        for (const double entry : self.jacobian_->entries()) check += 0.0 * entry;
     }
-    for (std::size_t k = 0; k < self.lu_.size(); ++k) self.lu_[k] = -gamma * self.jacobian_[k];
-    for (int i = 0; i < self.n; ++i) self.lu(i, i) += 1.0;
+    if (self.band_) {
+        self.band_->clear();
+        for (int i = 0; i < self.n; ++i) {
+            const int row = self.place_[static_cast<std::size_t>(i)];
+            const std::span<const int> columns = self.jacobian_->columns(i);
+            const std::span<const double> entries = self.jacobian_->entries(i);
+            for (std::size_t k = 0; k < columns.size(); ++k)
+                (*self.band_)(row, self.place_[static_cast<std::size_t>(columns[k])]) = -gamma * entries[k];
+            (*self.band_)(row, row) += 1.0;
+        }
+        return check == 0.0 ? 0 : 1;
+    }
+    std::fill(self.lu_.begin(), self.lu_.end(), 0.0);
+    for (int i = 0; i < self.n; ++i) {
+        const std::span<const int> columns = self.jacobian_->columns(i);
+        const std::span<const double> entries = self.jacobian_->entries(i);
+        for (std::size_t k = 0; k < columns.size(); ++k) self.lu(i, columns[k]) = -gamma * entries[k];
+        self.lu(i, i) += 1.0;
+    }
     return check == 0.0 ? 0 : 1;
 }
 
-RBDYN_INLINE bool Integrator::factorise() {
+RBDYN_INLINE void Integrator::prepare_linear_algebra(const Program& program) {
+    jacobian_.emplace(program);
+    const auto size = static_cast<std::size_t>(n);
+    if (jacobian_->is_sparse()) {
+        BandOrder order = BandOrder::of(jacobian_->rows(), jacobian_->columns());
+        if (BandMatrix::pays(n, order.width)) {
+            band_.emplace(n, order.width);
+            place_ = std::move(order.place);
+            in_band_.resize(size);
+            return;
+        }
+    }
+    lu_.resize(size * size);
+    pivots_.resize(size);
+}
+
+RBDYN_INLINE bool Integrator::factorise_all() {
     for (int k = 0; k < n; ++k) {
         int pivot = k;
         for (int i = k + 1; i < n; ++i)
@@ -151,7 +183,16 @@ RBDYN_INLINE bool Integrator::factorise() {
 }
 
 RBDYN_INLINE void Integrator::substitute(const double* b, double* x) {
-    std::copy(b, b + n, x);
+    if (!band_) {
+        std::copy(b, b + n, x);
+        return substitute_all(x);
+    }
+    for (std::size_t i = 0; i < place_.size(); ++i) in_band_[static_cast<std::size_t>(place_[i])] = b[i];
+    band_->solve(in_band_);
+    for (std::size_t i = 0; i < place_.size(); ++i) x[i] = in_band_[static_cast<std::size_t>(place_[i])];
+}
+
+RBDYN_INLINE void Integrator::substitute_all(double* x) {
     for (int k = 0; k < n; ++k) std::swap(x[k], x[pivots_[static_cast<std::size_t>(k)]]);
     for (int i = 1; i < n; ++i)
         for (int j = 0; j < i; ++j) x[i] -= lu(i, j) * x[j];

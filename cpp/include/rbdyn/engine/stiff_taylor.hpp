@@ -80,7 +80,7 @@ private:
     /// Now and then: whether BDF is quicker than the series, which else take over.
     bool is_worth_it();
     /// How many steps of the series take as long as one of BDF.
-    double price() const;
+    double price();
     Stiffness& stiffness_of(const Equations& equations);
     /// What BDF has done since this was asked last.
     void take_work();

@@ -95,12 +95,13 @@ RBDYN_INLINE Stiffness& StiffTaylorEngine::stiffness_of(const Equations& equatio
     return *known_.back().second;
 }
 
-RBDYN_INLINE double StiffTaylorEngine::price() const {
+RBDYN_INLINE double StiffTaylorEngine::price() {
     // ns, within a third on ten scenes of 2 to 400 variables: guards and Newton's equations are what BDF pays for,
     // instructions and orders what a series does
     const double n = mode_->variables(), guards = static_cast<double>(mode_->guards.size()),
-                 instructions = static_cast<double>(mode_->program.instructions().size());
-    return (700.0 + 1000.0 * guards + 150.0 * n + 4.0 * n * n) /
+                 instructions = static_cast<double>(mode_->program.instructions().size()),
+                 solving = stiffness_of(*mode_).solving();
+    return (700.0 + 1000.0 * guards + 150.0 * n + 4.0 * solving) /
            (300.0 + 9.0 * instructions * TaylorEngine::guard_order());
 }
 

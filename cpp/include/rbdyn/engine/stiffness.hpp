@@ -15,8 +15,8 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
-#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/state_jacobian.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
@@ -41,6 +41,8 @@ public:
     double reach() const { return reach_; }
     /// |lambda| at a state [1/s]: by some iterations of the Jacobian there on the fast part known so far.
     double rate(double t, std::span<const double> x);
+    /// Entries that a step of BDF goes through to solve its equations.
+    double solving() const;
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -50,8 +52,9 @@ private:
     void apply(std::span<const double> v, std::span<double> out) const;
 
     const Equations& equations_;
-    JacobianEvaluator jacobian_;
+    StateJacobian jacobian_;
     double reach_ = 0.0;
+    mutable double solving_ = 0.0;  // once it is asked for
     std::vector<double> entries_, scale_, fast_;
 };
 

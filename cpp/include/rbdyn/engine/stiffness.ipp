@@ -11,8 +11,9 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/engine/band.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
-#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/state_jacobian.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
@@ -56,16 +57,29 @@ RBDYN_INLINE Stiffness::Stiffness(const Equations& equations)
 
 RBDYN_INLINE void Stiffness::differentiate(double t, std::span<const double> x) {
     jacobian_.differentiate(t, x);
-    const int n = equations_.variables();
-    entries_.resize(at(n * n));
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-            entries_[at(i * n + j)] = jacobian_.derivative(i, j) * (scale_[at(j)] / scale_[at(i)]);
+    entries_.assign(jacobian_.entries().begin(), jacobian_.entries().end());
+    double* entry = entries_.data();
+    for (int i = 0; i < jacobian_.size(); ++i)
+        for (const int j : jacobian_.columns(i)) *entry++ *= scale_[at(j)] / scale_[at(i)];
 }
 
 RBDYN_INLINE void Stiffness::apply(std::span<const double> v, std::span<double> out) const {
-    for (std::size_t i = 0; i < v.size(); ++i)
-        out[i] = stiffness::dot(std::span(entries_).subspan(i * v.size(), v.size()), v);
+    const double* entry = entries_.data();
+    for (int i = 0; i < jacobian_.size(); ++i) {
+        double sum = 0.0;
+        for (const int j : jacobian_.columns(i)) sum += *entry++ * v[at(j)];
+        out[at(i)] = sum;
+    }
+}
+
+RBDYN_INLINE double Stiffness::solving() const {
+    if (solving_ > 0.0) return solving_;
+    const int n = jacobian_.size();
+    solving_ = static_cast<double>(n) * n;
+    if (!jacobian_.is_sparse()) return solving_;
+    const int width = BandOrder::of(jacobian_.rows(), jacobian_.columns()).width;
+    if (BandMatrix::pays(n, width)) solving_ = static_cast<double>(BandMatrix::size(n, width));
+    return solving_;
 }
 
 RBDYN_INLINE bool Stiffness::may_rule(const Piece& step, const Equations& equations, const MotionScales& scales) {

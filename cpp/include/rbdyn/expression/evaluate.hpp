@@ -75,10 +75,8 @@ public:
     /// The sum of the sizes of the terms that make up an output: its rounding is epsilon times this, or a little more.
     T magnitude(int index) const {
         using std::abs;
-        const int slot = program_->output(index);
-        for (const Instruction& i : program_->instructions())
-            if (i.out == slot && i.code == Code::combine) return magnitude(i);
-        return abs(output(index));
+        const Instruction* i = program_->maker(program_->output(index));
+        return i != nullptr && i->code == Code::combine ? magnitude(*i) : abs(output(index));
     }
     T switch_value(int index) const { return slots_[static_cast<std::size_t>(program_->switch_output(index))]; }
     /// What an instruction read or wrote.

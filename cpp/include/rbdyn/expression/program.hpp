@@ -85,6 +85,11 @@ public:
     /// The norm that an output, also of a switch, is; none if it is something else.
     const Instruction* norm(int index) const;
     const std::vector<Instruction>& instructions() const { return instructions_; }
+    /// The one whose first result a slot is; none of inputs and time.
+    const Instruction* maker(int slot) const {
+        const int index = maker_[static_cast<std::size_t>(slot)];
+        return index < 0 ? nullptr : &instructions_[static_cast<std::size_t>(index)];
+    }
     const Term* terms(const Instruction& i) const { return terms_.data() + i.first_term; }
     const ProductTerm* products(const Instruction& i) const { return products_.data() + i.first_product; }
 
@@ -127,6 +132,7 @@ private:
     int inputs_ = 0, outputs_ = 0, parameters_ = 0, slots_ = 0, states_ = 0;
     bool uses_time_ = false;
     std::vector<Instruction> instructions_;
+    std::vector<int> maker_;  // by slot
     std::vector<Term> terms_;
     std::vector<ProductTerm> products_;
     std::vector<int> output_slots_;

@@ -22,9 +22,8 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE const Instruction* Program::norm(int index) const {
-    for (const Instruction& i : instructions_)
-        if (i.code == Code::norm && i.out == output(index)) return &i;
-    return nullptr;
+    const Instruction* i = maker(output(index));
+    return i != nullptr && i->code == Code::norm ? i : nullptr;
 }
 
 RBDYN_INLINE std::optional<std::vector<DoubleDouble>> Program::exact_weights(std::span<const double> parameters) const {
@@ -68,6 +67,9 @@ RBDYN_INLINE void Lowering::run(std::span<const Expression> outputs) {
     mark(all);
     for (const Expression& out : all) p_.output_slots_.push_back(slot_of(r_.node_of(out)));
     p_.parameters_ = r_.parameters();
+    p_.maker_.assign(static_cast<std::size_t>(p_.slots_), -1);
+    for (std::size_t k = 0; k < p_.instructions_.size(); ++k)
+        p_.maker_[static_cast<std::size_t>(p_.instructions_[k].out)] = static_cast<int>(k);
 }
 
 RBDYN_INLINE int Lowering::ByNode::operator[](std::int32_t n) const {
