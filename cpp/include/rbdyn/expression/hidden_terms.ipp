@@ -175,8 +175,9 @@ RBDYN_INLINE double HiddenTerms::shortened(const SeriesEvaluator& series, const 
     constexpr int most_times = 320;
     for (const Item& item : items) {
         double held = length;
-        for (int k = 0; k < most_times && !holds(series, item, held); ++k) held *= shorter;
-        if (holds(series, item, held)) length = held;
+        bool is_held = holds(series, item, held);
+        for (int k = 0; k < most_times && !is_held; ++k) is_held = holds(series, item, held *= shorter);
+        if (is_held) length = held;
     }
     return length;
 }
