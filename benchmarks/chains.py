@@ -1,9 +1,9 @@
 """Chains of n bodies: what a mass and a step cost as n grows.
 
 Springs of a length in space and hinged links, the first body kicked, and springs of which every other one is 1e6
-times as stiff. Microseconds of processor time: of the plan per body, of an integration at a local tolerance per body and step,
-of simulate(error=1e-9) beside one such integration, of energy(t); and the peak of memory by then. Numbers of bodies can
-be given: chains.py 10 1000.
+times as stiff. Microseconds of processor time: of the plan per body; of an integration at a local tolerance, per body
+and step; of simulate(error=1e-9) beside one such integration; of energy(t); and the peak of memory by then. Numbers of
+bodies can be given: chains.py 10 1000.
 """
 
 import resource
@@ -15,7 +15,7 @@ import rbdyn as rb
 
 UNTIL, SIZES, HINGED, STIFF = 1.0, (10, 100, 1000, 10000, 100000), (10, 100, 1000), (10, 100, 1000, 4000)
 # until when a chain of n links is followed: its time goes with the length of a link
-HINGED_UNTIL = 0.2
+HINGED_UNTIL = 0.02
 
 
 def seconds(call):
@@ -85,7 +85,7 @@ def table(name, sizes, make, *options, **more):
 def main():
     table("springs of a length, in space", SIZES, springs, UNTIL)
     table("hinged in a plane", HINGED, lambda n: links(n, "revolute"), HINGED_UNTIL)
-    table("on ball joints, in space", HINGED, lambda n: links(n, "spherical"), 0.1 * HINGED_UNTIL, error=None)
+    table("on ball joints, in space", HINGED, lambda n: links(n, "spherical"), 0.2 * HINGED_UNTIL, error=None)
     if "cvode-bdf" in rb.engines():
         stiff = {"rtol": 1e-6, "error": None}
         for engine in ("cvode-bdf", "auto"):
