@@ -10,7 +10,6 @@ import resource
 import sys
 import time
 
-import numpy as np
 import rbdyn as rb
 
 UNTIL, SIZES, HINGED, STIFF = 1.0, (10, 100, 1000, 10000, 100000), (10, 100, 1000), (10, 100, 1000, 4000)
@@ -62,12 +61,14 @@ def measured(n, scene, until, engine="auto", rtol=1e-10, error=1e-9):
         return rb.simulate(scene, until, rtol=rtol, engine=engine, keep="end")
 
     once, run = min((seconds(integrate) for _ in range(2)), key=lambda pair: pair[0])
-    judged = seconds(lambda: rb.simulate(scene, until, error=error, keep="end"))[0] / once if error else np.nan
+    judged = "-"
+    if error is not None:
+        judged = f"{seconds(lambda: rb.simulate(scene, until, error=error, keep='end'))[0] / once:.1f}"
     energy, _ = seconds(lambda: run.energy(until))
     steps = run.statistics.steps
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(
-        f"| {n} | {1e6 * planned / n:.0f} | {steps} | {1e6 * once / n / steps:.2f} | {judged:.1f} | {1e3 * energy:.2f} "
+        f"| {n} | {1e6 * planned / n:.0f} | {steps} | {1e6 * once / n / steps:.2f} | {judged} | {1e3 * energy:.2f} "
         f"| {memory:.0f} |",
         flush=True,
     )
