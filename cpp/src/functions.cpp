@@ -12,7 +12,7 @@
 #include "rbdyn/expression/given.ipp"
 #include "rbdyn/expression/gradient.ipp"
 #include "rbdyn/expression/hidden_terms.ipp"
-#include "rbdyn/expression/kept_series.ipp"
+#include "rbdyn/expression/borrowed_series.ipp"
 #include "rbdyn/expression/node.ipp"
 #include "rbdyn/expression/numbers.ipp"
 #include "rbdyn/expression/own_function.ipp"

@@ -6,7 +6,7 @@
 
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/expression.hpp"
-#include "rbdyn/expression/kept_series.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"

@@ -25,7 +25,7 @@
 #include "rbdyn/engine/near_singular.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
-#include "rbdyn/expression/kept_series.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"

@@ -112,8 +112,6 @@ public:
 
     /// The weights with all their digits; none if they depend on parameters.
     const std::vector<DoubleDouble>* exact_weights() const { return scalar_steps_.empty() ? &constants_ : nullptr; }
-    /// The same for given parameters; none if more than sums, products, quotients and roots of them are wanted.
-    [[gnu::cold]] std::optional<std::vector<DoubleDouble>> exact_weights(std::span<const double> parameters) const;
 
     /// What runs it in series, free to be borrowed.
     const KeptSeries& kept_series() const { return kept_series_; }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <sstream>
 #include <string>
@@ -24,29 +23,6 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE const Instruction* Program::norm(int index) const {
     const Instruction* i = maker(output(index));
     return i != nullptr && i->code == Code::norm ? i : nullptr;
-}
-
-RBDYN_INLINE std::optional<std::vector<DoubleDouble>> Program::exact_weights(std::span<const double> parameters) const {
-    std::vector<DoubleDouble> scalars = constants_;
-    const auto count = static_cast<std::size_t>(parameters_);
-    const auto at = [&](int i) -> const DoubleDouble& { return scalars[static_cast<std::size_t>(i)]; };
-    for (const ScalarStep& s : scalar_steps_) {
-        const auto index = static_cast<std::size_t>(s.a);
-        DoubleDouble out;
-        switch (s.operation) {
-            case Operation::parameter:
-                out = parameters[index];
-                if (parameters.size() > count) out += parameters[count + index];
-                break;
-            case Operation::add: out = at(s.a) + at(s.b); break;
-            case Operation::multiply: out = at(s.a) * at(s.b); break;
-            case Operation::divide: out = at(s.a) / at(s.b); break;
-            case Operation::square_root: out = sqrt(at(s.a)); break;
-            default: return std::nullopt;
-        }
-        scalars[static_cast<std::size_t>(s.out)] = out;
-    }
-    return scalars;
 }
 
 RBDYN_INLINE Lowering::Lowering(Recorder& recorder, Program& program, int inputs) : r_(recorder), p_(program) {

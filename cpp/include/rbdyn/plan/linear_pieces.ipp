@@ -14,10 +14,12 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/closed_form/linear_block.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
+#include "rbdyn/expression/program.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/points.hpp"
@@ -47,17 +49,24 @@ RBDYN_INLINE std::string LinearPieces::name() const { return first_->name(); }
 
 namespace rbdyn::inline RBDYN_FORM::planning {
 
+/// The weights that a program has for its parameters, with all their digits.
+inline std::vector<DoubleDouble> exact_weights(const Program& program, std::span<const double> parameters) {
+    const std::vector<DoubleDouble> wide(parameters.begin(), parameters.end());
+    std::vector<DoubleDouble> result;
+    program.set_parameters<DoubleDouble>(wide, result);
+    return result;
+}
+
 RBDYN_INLINE std::shared_ptr<const LinearMotion> linear_in_mode(const Equations& equations,
                                                                 std::span<const double> parameters, Instant t,
                                                                 std::span<const double> x,
                                                                 std::span<const double> low) {
     // what holds for a first step alone changes the formula after it
     if (!equations.start_flags.empty() || equations.program.uses_time()) return nullptr;
-    const auto weights = equations.program.exact_weights(parameters);
-    if (!weights) return nullptr;
+    const std::vector<DoubleDouble> weights = exact_weights(equations.program, parameters);
     std::vector<DoubleDouble> wide(x.begin(), x.end());
     for (std::size_t i = 0; i < low.size(); ++i) wide[i] += low[i];
-    const auto system = forced_system(equations.program, *weights, std::move(wide));
+    const auto system = forced_system(equations.program, weights, std::move(wide));
     if (!system) return nullptr;
     const LinearSystem whole = system->begun(DoubleDouble(t));
     if (!whole.is_finite() || whole.is_polynomial()) return nullptr;
@@ -69,9 +78,7 @@ RBDYN_INLINE std::shared_ptr<const LinearMotion> linear_in_mode(const Equations&
 
 RBDYN_INLINE bool keeps_its_mode(const LinearMotion& motion, const Mode& mode) {
     const Equations& e = *mode.equations;
-    const auto weights = e.program.exact_weights(mode.parameters);
-    if (!weights) return false;
-    const auto outputs = linear_outputs(e.program, *weights);
+    const auto outputs = linear_outputs(e.program, exact_weights(e.program, mode.parameters));
     // what is nearer than that may be rounding
     constexpr double apart = 1e-6;
     return std::ranges::all_of(e.guards, [&](const Guard& g) {

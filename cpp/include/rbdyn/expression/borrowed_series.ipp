@@ -1,32 +1,31 @@
-// Definitions of rbdyn/expression/kept_series.hpp.
+// Definitions of rbdyn/expression/kept_series.hpp and rbdyn/expression/borrowed_series.hpp.
 #pragma once
 
-#include "rbdyn/expression/kept_series.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 
 #include <algorithm>
 #include <memory>
 #include <mutex>
 #include <utility>
 
+#include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE KeptSeries::KeptSeries() : shelf_(std::make_shared<Shelf>()) {}
-RBDYN_INLINE KeptSeries::KeptSeries(const KeptSeries&) : KeptSeries() {}
 RBDYN_INLINE KeptSeries& KeptSeries::operator=(const KeptSeries& other) {
     if (this != &other) shelf_ = std::make_shared<Shelf>();
     return *this;
 }
-RBDYN_INLINE KeptSeries::~KeptSeries() = default;
 
 RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order)
     : shelf_(program.kept_series().shelf_), order_(order) {
     {
         const std::lock_guard lock(shelf_->mutex);
         const auto found = std::find_if(shelf_->free.begin(), shelf_->free.end(),
-                                        [&](const KeptSeries::Kept& kept) { return kept.order == order; });
+                                        [&](const KeptSeries::Shelf::Kept& kept) { return kept.order == order; });
         if (found != shelf_->free.end()) {
             series_ = std::move(found->series);
             shelf_->free.erase(found);
@@ -39,9 +38,9 @@ RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order)
 }
 
 RBDYN_INLINE BorrowedSeries::~BorrowedSeries() {
-    if (series_->bytes() > KeptSeries::most_bytes) return;
+    if (series_->bytes() > KeptSeries::Shelf::most_bytes) return;
     const std::lock_guard lock(shelf_->mutex);
-    if (shelf_->free.size() < KeptSeries::most) shelf_->free.push_back({order_, std::move(series_)});
+    if (shelf_->free.size() < KeptSeries::Shelf::most) shelf_->free.push_back({order_, std::move(series_)});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,45 @@
+// An evaluator of a program's series that is borrowed from those that are kept.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/kept_series.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+struct KeptSeries::Shelf {
+    struct Kept {
+        int order;
+        std::unique_ptr<SeriesEvaluator> series;
+    };
+    static constexpr std::size_t most = 4;  // that are free: an engine's, and of those that look at a start
+    static constexpr std::size_t most_bytes = 1U << 18;  // of one
+
+    std::mutex mutex;
+    std::vector<Kept> free;
+};
+
+/// One of them, as if it were new, until this goes.
+class BorrowedSeries {
+public:
+    BorrowedSeries(const Program& program, int order);
+    BorrowedSeries(const BorrowedSeries&) = delete;
+    BorrowedSeries& operator=(const BorrowedSeries&) = delete;
+    ~BorrowedSeries();
+
+    SeriesEvaluator& operator*() const { return *series_; }
+    SeriesEvaluator* operator->() const { return series_.get(); }
+
+private:
+    std::shared_ptr<KeptSeries::Shelf> shelf_;
+    int order_;
+    std::unique_ptr<SeriesEvaluator> series_;
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM
