@@ -1,8 +1,12 @@
-// Friction in hinges and slides.
+// Friction in hinges, in slides and on rails.
 //
 // What of the whole reaction R of a joint lies across its axis presses. Where the joint moves, s = +-1 the sign of its
 // rate, friction is -s T along it, T = k |R|: a force of a slide, k = mu, and a torque of a hinge, k = mu r with the
 // radius r of its pin. At rest it is whatever rest needs up to that. The torque of the reaction presses nothing.
+//
+// A bead on a rail is a slide on a curve: its axis is the tangent t = r'/|r'|, its rate the slip |r'| w - V, V(t) the
+// speed of the rail's surface along itself. What presses is taken along n_1 = e x t/|e x t| and n_2 = t x n_1, e a
+// direction that no tangent of the curve has (foot.hpp), so on a plane curve all of it is along n_1, with a sign.
 //
 // R depends on the accelerations, and with them on the friction of all joints, R_i = R0_i - sum_j s_j R1_ij T_j. With
 // the directions e_i = R_i/|R_i| that is linear, T_i = k_i e_i . R_i, and taking e_i anew from the solution is Newton's
@@ -14,7 +18,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,8 +29,11 @@
 #include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
+#include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/given.hpp"
+#include "rbdyn/expression/time_function.hpp"
 #include "rbdyn/mechanics/accelerate.hpp"
+#include "rbdyn/mechanics/joint/rail.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -33,7 +42,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace mechanics {
 
-/// A hinge or a slide with friction.
+/// A hinge, a slide or a rail with friction.
 struct RoughJoint {
     std::string name;  // of its body
     int body = -1, parent = -1;
@@ -41,10 +50,46 @@ struct RoughJoint {
     bool turns = false;
     Given mu_static = 0.0, mu_dynamic = 0.0, radius = 1.0;  // of its pin [m]; of a slide 1
     std::array<Vector3Of<DoubleDouble>, 2> across_in{};     // two directions across its axis, the parent's axes
+    std::optional<RailLaw> rail = std::nullopt;             // of a bead; across_in is then e in the curve's coordinates
+    TimeFunction drive = 0.0;                               // of a rail: V [m/s]
+    bool is_alone = false;  // nothing that friction in joints does changes what presses it
+
+    /// |r'| of a rail, else 1: what its rate is by its coordinate's.
+    template <class S>
+    S pace(const std::vector<Moving<S>>& all) const {
+        using std::sqrt;
+        if (!rail) return S(1.0);
+        const Vector3Of<S>& along = all[static_cast<std::size_t>(body)].joint.front().move;
+        return sqrt(dot<S>(along, along));
+    }
+    /// The rate that it slides with: the slip of a rail.
+    template <class S>
+    S slip(const S& t, const std::vector<Moving<S>>& all, const S& rate) const {
+        if (!rail) return rate;
+        const S speed = pace<S>(all) * rate;
+        return drive.is_zero() ? speed : S(speed - drive(t));
+    }
+    /// Of a rail: |r'| w' where it carries its bead along, V' - (r'.r''/|r'|) w^2.
+    template <class S>
+    S carried(const S& t, const S* positions, const S& rate, const std::vector<Moving<S>>& all) const {
+        if (!rail) return S(0.0);
+        const CurvePoint<S> c = rail->curve->at<S>(positions[q], Placement{});
+        const S bend = c.first_dot_second * (rate * rate) / pace<S>(all);
+        return drive.is_constant() ? S(-bend) : S(drive.rate(t) - bend);
+    }
 
     template <class S>
-    std::array<Vector3Of<S>, 2> across(const std::vector<Moving<S>>& all) const {
+    std::array<Vector3Of<S>, 2> across(const S& t, const std::vector<Moving<S>>& all) const {
         const Vector3Of<S> x = exactly<S>(across_in[0]), y = exactly<S>(across_in[1]);
+        if (rail) {
+            using std::sqrt;
+            const Vector3Of<S> e = rail->turned<S>(t, x);
+            const Vector3Of<S>& along = all[static_cast<std::size_t>(body)].joint.front().move;
+            const Vector3Of<S> first =
+                cross<S>(parent < 0 ? e : all[static_cast<std::size_t>(parent)].to_world(e), along);
+            const Vector3Of<S> unit = first * (S(1.0) / sqrt(dot<S>(first, first)));
+            return {unit, cross<S>(along, unit) * (S(1.0) / pace<S>(all))};
+        }
         if (parent < 0) return {x, y};
         const Moving<S>& m = all[static_cast<std::size_t>(parent)];
         return {m.to_world(x), m.to_world(y)};
@@ -91,8 +136,9 @@ public:
     using Sparse = typename Accelerate<S>::Sparse;
 
     FrictionResponse(const Tree& tree, const std::vector<RoughJoint>& joints, const Accelerate<S>& accelerate,
-                     const std::vector<Moving<S>>& all, const std::vector<Row<S>>& constraints)
+                     const S& t, const std::vector<Moving<S>>& all, const std::vector<Row<S>>& constraints)
         : tree_(tree), joints_(joints), accelerate_(accelerate), all_(all), constraints_(constraints) {
+        for (const RoughJoint& joint : joints) axes_.push_back(joint.across(t, all));
         for (const Row<S>& row : constraints) held_.push_back(accelerate.response(row));
         for (const Sparse& one : held_) {
             used_.emplace_back();
@@ -100,6 +146,8 @@ public:
         }
         for (const RoughJoint& joint : joints) {
             along_.push_back(accelerate.driving(joint.body, 0));
+            if (joint.rail)
+                for (const S pace = joint.pace(all); auto& [n, one] : along_.back()) one *= pace;
             std::vector<S> u(static_cast<std::size_t>(accelerate.freedoms()), S(0.0));
             for (const auto& [n, one] : along_.back()) u[static_cast<std::size_t>(n)] = one;
             multipliers_.push_back(hold(u));
@@ -109,12 +157,12 @@ public:
             const auto spread = accelerate.spread(driven_[j]).bodies;
             for (std::size_t i = 0; i < joints.size(); ++i) {
                 if (j == 0) loads_.emplace_back();
-                loads_[i].push_back(load(i, spread, multipliers_[j]));
+                loads_[i].push_back(joints[i].is_alone ? Load{S(0.0), S(0.0)} : load(i, spread, multipliers_[j]));
             }
         }
     }
 
-    /// The acceleration of joint i by a unit of friction in j.
+    /// The acceleration of joint i, |r'| w' of a rail, by a unit of friction in j.
     S acceleration(std::size_t i, std::size_t j) const { return accelerate_.along(along_[i], driven_[j]); }
     /// The same of i by itself, were there no constraints.
     S alone(std::size_t i) const { return accelerate_.between(along_[i], along_[i]); }
@@ -142,8 +190,7 @@ public:
         return across(i, sum);
     }
     Load across(std::size_t i, const Vector3Of<S>& force) const {
-        const auto axes = joints_[i].across(all_);
-        return {dot<S>(axes[0], force), dot<S>(axes[1], force)};
+        return {dot<S>(axes_[i][0], force), dot<S>(axes_[i][1], force)};
     }
     /// Whether a body hangs on another one, or is it.
     bool carries(int on, int body) const {
@@ -167,6 +214,7 @@ private:
     const Accelerate<S>& accelerate_;
     const std::vector<Moving<S>>& all_;
     const std::vector<Row<S>>& constraints_;
+    std::vector<std::array<Vector3Of<S>, 2>> axes_;
     std::vector<Sparse> held_, along_;
     std::vector<std::vector<S>> used_, driven_, multipliers_;
     std::vector<std::vector<Load>> loads_;

@@ -35,6 +35,7 @@ inline JointLaw of(const Free&, const Scene::Body& body) {
 inline JointLaw of(const Rail& rail, const Scene::Body&) {
     RailLaw law;
     law.curve = rail.curve();
+    law.motion = rail.motion();
     return law;
 }
 inline JointLaw of(const Spherical& joint, const Scene::Body&) {

@@ -15,10 +15,13 @@
 #include <vector>
 
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/curve/axes.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/foot.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/joint/held.hpp"
+#include "rbdyn/mechanics/joint/rail.hpp"
 #include "rbdyn/mechanics/joint_friction.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
@@ -27,16 +30,40 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
+namespace tree_joints {
+
+/// Whether what a body is joined to moves by itself alone and it carries nothing: its own friction changes none of what
+/// presses it, nor does that of others.
+inline bool is_alone(const Scene& scene, const Tree& tree, int body) {
+    if (!scene.constraints().empty()) return false;
+    for (int i = tree.node(body).parent; i >= 0; i = tree.node(i).parent)
+        if (tree.node(i).joint.velocities() > 0) return false;
+    return std::none_of(tree.nodes().begin(), tree.nodes().end(), [&](const Node& n) { return n.parent == body; });
+}
+
+}  // namespace tree_joints
+
 RBDYN_INLINE std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree& tree) {
     std::vector<RoughJoint> result;
     for (int i = 0; i < tree.size(); ++i) {
         const Joint& joint = scene.bodies()[static_cast<std::size_t>(i)].joint;
-        const auto friction = friction_in(joint);
+        const Rail* rail = std::get_if<Rail>(&joint);
+        const auto friction = rail != nullptr ? friction_on(*rail) : friction_in(joint);
         if (!friction) continue;
         const Node& n = tree.node(i);
         RoughJoint one{n.name, i, n.parent, n.q, n.v};
         one.mu_static = friction->mu_static;
         one.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
+        if (rail != nullptr) {
+            one.rail = *n.joint.as<RailLaw>();
+            one.drive = rail->drive();
+            const Curve& curve = *one.rail->curve;
+            one.across_in[0] =
+                curves::turned<DoubleDouble>(curve.placement().exact_axes(), widened(Foot::direction_aside(curve)));
+            one.is_alone = tree_joints::is_alone(scene, tree, i);
+            result.push_back(std::move(one));
+            continue;
+        }
         Vector3Of<DoubleDouble> axis{};
         if (const Revolute* hinge = std::get_if<Revolute>(&joint)) {
             one.turns = true;
@@ -68,7 +95,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
         const auto all = conditions_.rows<S>(tree_, moving_);
         for (const int r : rows_) constraints.push_back(all[at(r)]);
     }
-    const FrictionResponse<S> response(tree_, joints_, tree, moving_, constraints);
+    const FrictionResponse<S> response(tree_, joints_, tree, r_.time(), moving_, constraints);
     using Load = FrictionResponse<S>::Load;
     std::vector<std::size_t> held, sliding;
     for (std::size_t i = 0; i < n; ++i) {
@@ -105,7 +132,11 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
         for (const std::size_t i : held) b.push_back(-acceleration(i));
         return solve_definite<S>(a, std::move(b));
     };
-    const std::vector<S> first = holding([&](std::size_t i) { return response.acceleration(i, u); });
+    const std::vector<S> first = holding([&](std::size_t i) {
+        const S acceleration = response.acceleration(i, u);
+        if (!joints_[i].rail) return acceleration;
+        return S(acceleration - joints_[i].carried(r_.time(), q_.data(), v_[at(joints_[i].v)], moving_));
+    });
     for (std::size_t h = 0; h < held.size(); ++h) {
         friction[held[h]] = first[h];
         for (std::size_t i = 0; i < n; ++i)
@@ -124,7 +155,8 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
     }
     // T = k e . R, the directions of those that turn taken anew
     const auto is_turning = [&](std::size_t i) { return joint_state::has(joint_states_[i], joint_state::veering); };
-    const bool turns = std::any_of(sliding.begin(), sliding.end(), is_turning);
+    const bool turns = std::any_of(sliding.begin(), sliding.end(),
+                                   [&](std::size_t i) { return is_turning(i) && !joints_[i].is_alone; });
     const auto direction = [](const Load& r) {
         const S inverse = S(1.0) / sqrt(r[0] * r[0] + r[1] * r[1]);
         return Load{r[0] * inverse, r[1] * inverse};
@@ -170,9 +202,14 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
     return said;
 }
 
-RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) const {
+RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) {
     using namespace joint_state;
     const recording::WideFolding all_digits;
+    for (const RoughJoint& joint : joints_) {
+        if (joint.drive.is_constant()) continue;
+        const int place = write.output(joint.drive(r_.time()));
+        if (surfaces_ < 0) surfaces_ = place;
+    }
     for (std::size_t i = 0; i < joints_.size(); ++i) {
         const RoughJoint& joint = joints_[i];
         const signed char state = joint_states_[i];
@@ -181,20 +218,24 @@ RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) const {
             write.guard({.kind = kind,
                          .subject = joint.body,
                          .joint = static_cast<int>(i),
-                         .name = what + " the joint of " + joint.name,
+                         .name = what + (joint.rail ? " the rail of " : " the joint of ") + joint.name,
                          .renews = renews},
                         value);
         };
         const S square = said[1] * said[1] + said[2] * said[2];
         if (state == held) {
-            write.rate(joint.q) = S(0.0);
-            write.rate(tree_.positions() + joint.v) = S(0.0);
+            if (joint.drive.is_zero()) {
+                write.rate(joint.q) = S(0.0);
+                write.rate(tree_.positions() + joint.v) = S(0.0);
+            } else {
+                write.rate(joint.q) = joint.drive(r_.time()) / joint.pace(moving_);
+            }
             const S k = joint.mu_static.in<S>() * joint.radius.in<S>();
             guard(EventKind::slip, "friction in", k * k * square - said[0] * said[0]);
         }
         if (!is_sliding(state)) continue;
         const Pressed& p = pressed_[i];
-        const S speed = v_[at(joint.v)] * S(static_cast<double>(sign(state)));
+        const S speed = joint.slip(r_.time(), moving_, v_[at(joint.v)]) * S(static_cast<double>(sign(state)));
         // what starts from rest has no speed yet
         guard(EventKind::stick, "rate of", has(state, from_rest) ? speed + p.least_rate : speed, false);
         if (has(state, from_rest)) guard(EventKind::switching, "start of", S(2.0) * p.least_rate - speed);
@@ -318,12 +359,17 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     values(t, x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, state.moving);
     const auto constraints = constraints_of(conditions_->rows<double>(*tree_, state.moving));
-    const mechanics::FrictionResponse<double> response(*tree_, joints_, accelerate, state.moving, constraints);
+    const mechanics::FrictionResponse<double> response(*tree_, joints_, accelerate, t, state.moving, constraints);
     tree_joints::Rubbing rubbing;
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
         rubbing.acceleration.push_back(values.output(tree_->positions() + joint.v));
+        if (joint.rail) {
+            double& one = rubbing.acceleration.back();
+            const double rate = x[at(tree_->positions() + joint.v)];
+            one = joint.pace(state.moving) * one - joint.carried(t, x.data(), rate, state.moving);
+        }
         rubbing.load.push_back(response.across(i, body.reaction.force));
         rubbing.load_size.push_back(body.effort.force.norm());
         rubbing.noise.push_back(1e-14 * (joint.turns ? body.effort.moment.norm() : body.effort.force.norm()));
@@ -336,8 +382,10 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     }
     std::vector<int> sign(n, 0);
     std::vector<std::size_t> resting;
+    std::vector<double> slip;
+    for (std::size_t i = 0; i < n; ++i) slip.push_back(slip_of(before, mode, static_cast<int>(i), t, x));
     for (std::size_t i = 0; i < n; ++i) {
-        const double rate = x[at(tree_->positions() + joints_[i].v)];
+        const double rate = slip[i];
         sign[i] = rate > 0.0 ? 1 : rate < 0.0 ? -1 : 0;
         // what starts from rest has its sign from what it started with
         const signed char was = before.slip[at(first_joint()) + i];
@@ -423,18 +471,18 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     }
     const double length = size_of(state.moving);
     for (std::size_t i = 0; i < n; ++i) {
-        double& rate = x[at(tree_->positions() + joints_[i].v)];
+        const double rate = slip[i];
         if (sign[i] == 0) {
             first[static_cast<std::ptrdiff_t>(i)] = held;
-            rate = 0.0;
+            carry(mode, static_cast<int>(i), t, x);
             continue;
         }
         const bool begins = rate == 0.0 || std::find(resting.begin(), resting.end(), i) != resting.end() ||
                             has(before.slip[at(first_joint()) + i], from_rest);
         mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
         const double size = std::max(std::abs(rubbing.acceleration[i]), std::abs(answer.acceleration[i]));
-        memory.least_rate =
-            0x1p-43 * std::max({std::abs(rate), std::sqrt(size * (joints_[i].turns ? 1.0 : length)), 1e-250});
+        memory.least_rate = 0x1p-43 * std::max({std::abs(rate), std::sqrt(size * (joints_[i].turns ? 1.0 : length)),
+                                                std::abs(surface_speed(mode, static_cast<int>(i), t, x)), 1e-250});
         memory.least_load = std::max(0x1p-43 * rubbing.load_size[i], 1e-280);
         const double pressing = answer.pressing(i);
         signed char now = slides;
@@ -449,6 +497,50 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         first[static_cast<std::ptrdiff_t>(i)] = now;
     }
     choose(mode, t, x, {}, true);
+}
+
+RBDYN_INLINE double TreeModel::surface_speed(const Mode& mode, int joint, double t, std::span<const double> x) const {
+    const mechanics::RoughJoint& rough = joints_[at(joint)];
+    if (rough.drive.is_constant() || mode.equations == nullptr || mode.equations->pulls < 0) return rough.drive(t);
+    int place = mode.equations->pulls;
+    for (int i = 0; i < joint; ++i) place += joints_[at(i)].drive.is_constant() ? 0 : 1;
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    return values.output(place);
+}
+
+RBDYN_INLINE double TreeModel::slip_of(const Mode& before, const Mode& mode, int joint, double t,
+                                       std::span<const double> x) const {
+    const mechanics::RoughJoint& rough = joints_[at(joint)];
+    const double rate = x[at(tree_->positions() + rough.v)];
+    if (!rough.rail) return rate;
+    const double speed = rough.pace(moving(t, x)) * rate;
+    if (rough.drive.is_zero()) return speed;
+    const double now = surface_speed(mode, joint, t, x);
+    // what is carried goes on as it did, but where its surface jumps
+    if (before.slip[at(first_joint() + joint)] == mechanics::joint_state::held) {
+        const double jump = now - surface_speed(before, joint, t, x);
+        return std::abs(jump) <= 1e-10 * std::abs(now) ? 0.0 : -jump;
+    }
+    return std::abs(speed - now) <= 4.0 * epsilon * std::max(std::abs(speed), std::abs(now)) ? 0.0 : speed - now;
+}
+
+RBDYN_INLINE void TreeModel::carry(const Mode& mode, int joint, double t, std::span<double> x) const {
+    const mechanics::RoughJoint& rough = joints_[at(joint)];
+    double& rate = x[at(tree_->positions() + rough.v)];
+    rate = rough.drive.is_zero() ? 0.0 : surface_speed(mode, joint, t, x) / rough.pace(moving(t, x));
+}
+
+RBDYN_INLINE bool TreeModel::surfaces_jump(const Mode& mode, const Mode& after, double t,
+                                           std::span<const double> x) const {
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
+        if (joints_[at(i)].drive.is_constant()) continue;
+        const double was = surface_speed(mode, i, t, x), is = surface_speed(after, i, t, x);
+        // what differs by the rounding of the time has a corner, no jump
+        if (std::abs(is - was) > 1e-10 * std::max(std::abs(is), std::abs(was))) return true;
+    }
+    return false;
 }
 
 RBDYN_INLINE bool TreeModel::joints_slip(const Mode& mode, double t, std::span<const double> x) const {
@@ -479,17 +571,26 @@ RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const 
                 changes = true;
                 break;
             case EventKind::stick:
-                x[at(tree_->positions() + joints_[at(guard.joint)].v)] = 0.0;
+                carry(mode, guard.joint, t, x);
                 changes = true;
                 break;
             case EventKind::singular:
                 after.impossible = "the friction in the joint of " + joints_[at(guard.joint)].name +
                                    " grows with the load that it makes itself faster than that holds it back; a "
                                    "smaller coefficient or pin has a motion";
+                if (joints_[at(guard.joint)].rail)
+                    after.impossible = "the friction on the rail of " + joints_[at(guard.joint)].name +
+                                       " grows with the load that it makes itself faster than that holds it back; a "
+                                       "smaller coefficient has a motion";
                 return;
             case EventKind::normal_zero:
+                // that of a rail has a sign: what of it is along n_1
+                happenings.push_back(
+                    {EventKind::normal_zero,
+                     guard.subject,
+                     joints_[at(guard.joint)].rail && memory.along[0] < 0.0 ? Direction::rising : Direction::falling,
+                     {}});
                 for (double& part : memory.along) part = -part;
-                happenings.push_back({EventKind::normal_zero, guard.subject, Direction::falling, {}});
                 break;
             default:
                 if (guard.name.starts_with("start")) {

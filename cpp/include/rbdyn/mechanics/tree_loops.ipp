@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -26,6 +27,7 @@
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/model/rail_singular.hpp"
+#include "rbdyn/scene/rigid_motion.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -99,6 +101,27 @@ inline bool may_break(const Function& f) {
 inline const mechanics::DrivenLaw* driven(const mechanics::Node& n) {
     const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>();
     return law != nullptr && !law->way.is_constant() ? law : nullptr;
+}
+
+/// A rail that moves as a function of time says.
+inline const mechanics::RailLaw* moved(const mechanics::Node& n) {
+    const mechanics::RailLaw* law = n.joint.as<mechanics::RailLaw>();
+    return law != nullptr && law->motion.present() ? law : nullptr;
+}
+/// All numbers of a placement, or of its rate.
+template <class S>
+std::array<S, 12> numbers_of(const RigidPlacement<S>& p) {
+    std::array<S, 12> all{p.row[0][0], p.row[0][1], p.row[0][2], p.row[1][0], p.row[1][1], p.row[1][2],
+                          p.row[2][0], p.row[2][1], p.row[2][2], S(0.0),      S(0.0),      S(0.0)};
+    for (int k = 0; k < 3; ++k) all[static_cast<std::size_t>(9 + k)] = p.displacement[k];
+    return all;
+}
+/// What is no number or infinite of the motion of a rail and its rates; none if nothing is.
+inline std::optional<double> not_finite(const mechanics::RailLaw& rail, double t) {
+    for (const auto& part : {rail.motion.at(t), rail.motion.rate(t), rail.motion.second(t)})
+        for (const double value : numbers_of<double>(part))
+            if (!std::isfinite(value)) return value;
+    return std::nullopt;
 }
 
 }  // namespace tree_loops
@@ -195,6 +218,13 @@ RBDYN_INLINE void TreeModel::require_finite_drives(double t) const {
                                        " at t = " + text(t) +
                                        " s; a motion is a finite function of time with finite derivatives, from where "
                                        "the scene starts");
+    for (const mechanics::Node& n : tree_->nodes())
+        if (const mechanics::RailLaw* rail = tree_loops::moved(n))
+            if (const auto value = tree_loops::not_finite(*rail, t))
+                throw InvalidInput(n.name + ": the motion of its rail, or a rate of it, is " + text(*value) +
+                                   " at t = " + text(t) +
+                                   " s; a motion is a finite function of time with finite derivatives, from where "
+                                   "the scene starts");
 }
 
 RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::span<const double> x) const {
@@ -215,8 +245,9 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
     if (!first_pivots_.empty()) tree.guard_pivots(write, first_pivots_);
     const std::vector<int> loose = tree.loose();
     if (loose.empty()) return;
-    const bool drives = std::any_of(tree_->nodes().begin(), tree_->nodes().end(),
-                                    [](const mechanics::Node& n) { return tree_loops::driven(n) != nullptr; });
+    const bool drives = std::any_of(tree_->nodes().begin(), tree_->nodes().end(), [](const mechanics::Node& n) {
+        return tree_loops::driven(n) != nullptr || tree_loops::moved(n) != nullptr;
+    });
     // where nothing but drives moves a piece may be as long as the motion
     const int samples = !drives ? 1 : variables() > 0 ? 16 : 1024;
     Guard guard{.kind = EventKind::singular, .name = "gaps of constraints"};
@@ -268,20 +299,34 @@ RBDYN_INLINE std::string TreeModel::jump_of_drives(const Mode& before, const Mod
     was(t, x);
     is(t, x);
     int place = 0;
+    double from = 0.0, to = 0.0;
+    const auto next_jumps = [&] {
+        const int a = before.equations->drives + place, b = after.equations->drives + place;
+        ++place;
+        from = was.output(a);
+        to = is.output(b);
+        const double rounding = 16.0 * epsilon * (was.size(a) + is.size(b));
+        // what differs by the rounding of numbers written with few digits is the same
+        return std::abs(to - from) > std::max(rounding, 1e-9 * std::max(std::abs(from), std::abs(to)));
+    };
     for (const mechanics::Node& n : tree_->nodes()) {
         const mechanics::DrivenLaw* law = tree_loops::driven(n);
         if (law == nullptr) continue;
         for (const bool rates : {false, true}) {
-            const int a = before.equations->drives + place, b = after.equations->drives + place;
-            ++place;
-            const double from = was.output(a), to = is.output(b),
-                         rounding = 16.0 * epsilon * (was.size(a) + is.size(b));
-            // what differs by the rounding of numbers written with few digits is the same
-            if (std::abs(to - from) <= std::max(rounding, 1e-9 * std::max(std::abs(from), std::abs(to)))) continue;
+            if (!next_jumps()) continue;
             const std::string unit = std::string(law->turns ? " rad" : " m") + (rates ? "/s" : "");
             return std::string("the ") + (rates ? "rate" : "coordinate") + " of the driven joint of " + n.name +
                    " jumps from " + text(from) + " to " + text(to) + unit + ", which takes an impulse" +
                    (rates ? "" : " that is not finite") + "; a motion has a rate that is continuous";
+        }
+    }
+    for (const mechanics::Node& n : tree_->nodes()) {
+        if (tree_loops::moved(n) == nullptr) continue;
+        for (int k = 0; k < 24; ++k) {
+            if (!next_jumps()) continue;
+            return std::string("the ") + (k < 12 ? "place" : "velocity") + " of the rail of " + n.name +
+                   " jumps, which takes an impulse" + (k < 12 ? " that is not finite" : "") +
+                   "; a motion has a rate that is continuous";
         }
     }
     return {};
@@ -329,6 +374,12 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
             for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
                 if (!std::isfinite(value))
                     return "the motion of the joint of " + n.name + ", or a rate of it, which is " + text(value);
+    for (const mechanics::Node& n : tree_->nodes())
+        if (const mechanics::RailLaw* rail = tree_loops::moved(n))
+            if (const auto value = tree_loops::not_finite(*rail, t))
+                return "the motion of the rail of " + n.name + ", or a rate of it, which is " + text(*value);
+    for (const mechanics::RoughJoint& joint : joints_)
+        if (!std::isfinite(joint.drive(t))) return "the drive of the rail of " + joint.name;
     for (const mechanics::Node& n : tree_->nodes())
         if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>())
             if (const std::string what = singular_at(*rail->curve, x[at(n.q)]); !what.empty())
@@ -396,6 +447,20 @@ RBDYN_INLINE void TreeWriter::guard_drives(EquationsWriter& write) {
                         way * way + rate * rate + 1.0);
         outputs.push_back(way);
         outputs.push_back(rate);
+    }
+    for (const Node& n : tree_.nodes()) {
+        const RailLaw* rail = tree_loops::moved(n);
+        if (rail == nullptr) continue;
+        const auto way = tree_loops::numbers_of<S>(rail->motion.at<S>(r_.time())),
+                   rate = tree_loops::numbers_of<S>(rail->motion.rate<S>(r_.time()));
+        S size(1.0);
+        for (const auto* part : {&way, &rate})
+            for (const S& one : *part) {
+                size += one * one;
+                outputs.push_back(one);
+            }
+        if (tree_loops::may_break(rail->motion.function()))
+            write.guard({.kind = EventKind::singular, .name = "the motion of the rail of " + n.name}, size);
     }
     for (const S& value : outputs) {
         const int place = write.output(value);

@@ -41,7 +41,7 @@ class TreeWriter;  // mechanics/tree_writer.hpp
 /// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
 bool needs_tree(const Scene& scene);
 
-/// Throws InvalidInput for rails that have no law in a tree: rough, one-sided, moving ones, and those that let go.
+/// Throws InvalidInput for rails that have no law in a tree: one-sided ones, and those that let go.
 void require_simple_rails(const Scene& scene);
 
 class TreeModel : public SceneModel {
@@ -282,6 +282,14 @@ private:
     void settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x, std::vector<int> breaking) const;
     void decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
                        const std::vector<int>& breaking) const;
+    /// V of a rail's surface in a mode, which knows the side of a jump [m/s].
+    double surface_speed(const Mode& mode, int joint, double t, std::span<const double> x) const;
+    /// The rate that a joint slides with in a mode that comes from another one; zero where it is that but for rounding.
+    double slip_of(const Mode& before, const Mode& mode, int joint, double t, std::span<const double> x) const;
+    /// Has a joint at rest, a bead as fast as what it lies on.
+    void carry(const Mode& mode, int joint, double t, std::span<double> x) const;
+    /// Whether the speed of a rail's surface jumps from one mode to the next.
+    bool surfaces_jump(const Mode& mode, const Mode& after, double t, std::span<const double> x) const;
     /// Whether what is held has come beyond its limit at a state, by what jumped.
     bool joints_slip(const Mode& mode, double t, std::span<const double> x) const;
     /// What follows guards of joints.

@@ -50,11 +50,10 @@ RBDYN_INLINE void require_simple_rails(const Scene& scene) {
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
         if (rail == nullptr) continue;
-        if (rail->friction() || rail->side() != RailSide::both || rail->motion().present() ||
-            rail->ends() == RailEnds::release)
+        if (rail->side() != RailSide::both || rail->ends() == RailEnds::release)
             throw InvalidInput(b.name +
-                               ": beside bodies that are joined to bodies a Rail is smooth, holds on both sides and is "
-                               "fixed in its parent in this version");
+                               ": beside bodies that are joined to bodies a Rail holds on both sides, and its ends "
+                               "stop in this version");
     }
 }
 
@@ -159,7 +158,7 @@ RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t,
     if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>()) {
         const auto all = moving(t, x);
         const CurvePoint<double> c = rail->curve->at<double>(x[at(n.q)], Placement{});
-        const Vector3 along = n.parent < 0 ? c.first : all[at(n.parent)].to_world(c.first);
+        const Vector3 along = all[at(body)].joint.front().move;
         r.u = x[at(n.q)];
         r.w = x[at(tree_->positions() + n.v)];
         r.speed = std::sqrt(c.speed_squared) * r.w;
@@ -339,10 +338,16 @@ RBDYN_INLINE bool TreeModel::touches() const {
 }
 
 RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const double> x) const {
-    const int parent = tree_->node(body).parent;
-    if (parent < 0) return Matrix3::Identity();
-    const auto all = moving(t, x);
-    return columns(all[at(parent)].axes.e1, all[at(parent)].axes.e2, all[at(parent)].axes.e3);
+    const mechanics::Node& n = tree_->node(body);
+    Matrix3 turn = Matrix3::Identity();
+    if (n.parent >= 0) {
+        const auto all = moving(t, x);
+        turn = columns(all[at(n.parent)].axes.e1, all[at(n.parent)].axes.e2, all[at(n.parent)].axes.e3);
+    }
+    const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>();
+    if (rail == nullptr || !rail->motion.present()) return turn;
+    const auto column = [&](int i) { return rail->turned<double>(t, Vector3(Vector3::Unit(i))); };
+    return turn * columns(column(0), column(1), column(2));
 }
 
 RBDYN_INLINE Mode TreeModel::undecided() const {
@@ -414,8 +419,8 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         return after;
     }
     choose(after, t, x, flipped);
-    if (joints_slip(after, t, x)) {
-        const Mode passed = after;
+    if (const bool jumps_off = surfaces_jump(mode, after, t, x); jumps_off || joints_slip(after, t, x)) {
+        const Mode passed = jumps_off ? mode : after;
         rub(passed, after, {}, t, x, happenings);
         if (!after.impossible.empty()) return after;
     }
@@ -548,6 +553,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
         });
     if (!result) return result;
     result->equations.drives = tree.drives();
+    result->equations.pulls = tree.surfaces();
     bool turns = false;
     for (int i = 0; i < bodies(); ++i) turns = turns || tree_->node(i).joint.attitude() >= 0;
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));

@@ -43,7 +43,7 @@ public:
     /// The guards of contacts: what comes to touch, what would have to pull, and what friction does next.
     void touch(EquationsWriter& write) const;
     /// What friction in joints does: what is held does not move, and the guards of what follows.
-    void rub(EquationsWriter& write) const;
+    void rub(EquationsWriter& write);
     /// The independence of the used rows of constraints: of each, what of it is independent of those before it, over
     /// what that was as the scene started.
     void guard_pivots(EquationsWriter& write, const std::vector<double>& first) const;
@@ -53,6 +53,8 @@ public:
     void guard_drives(EquationsWriter& write);
     /// The first of their outputs; -1: there are none.
     int drives() const { return drives_; }
+    /// The first output of the speeds of rails' surfaces that vary; -1: there are none.
+    int surfaces() const { return surfaces_; }
     /// The constraints that have rows which are not used and are not zero for good.
     std::vector<int> loose() const;
     /// The guards of watched functions.
@@ -122,7 +124,7 @@ private:
     std::vector<Turning> turning_;    // each resistance
     std::vector<Pressed> pressed_;    // each rough joint
     std::vector<S> q_, v_, values_, pivots_;
-    int drives_ = -1;
+    int drives_ = -1, surfaces_ = -1;
     std::vector<Moving<S>> moving_;
 };
 

@@ -116,9 +116,10 @@ struct Equations {
     std::vector<int> start_flags;  // parameters that hold for the first step after start() only, then are zero
     std::vector<std::uint64_t> sliding = {};  // the surfaces the motion slides along, by id
     int drives = -1;  // where they change in time: the first of an output a body, the speed of its rail's surface; of
-                      // a tree of two outputs a driven joint, its coordinate and the rate of that
-    int pulls =
-        -1;  // where any bead sticks: the first of an output a body, the tangential reaction rest needs, |r'| Phi_t
+                      // a tree of two outputs a driven joint, its coordinate and the rate of that, and behind them of
+                      // 24 a rail that moves, those of its placement
+    int pulls = -1;   // where any bead sticks: the first of an output a body, the tangential reaction rest needs,
+                      // |r'| Phi_t; of a tree of an output a rough rail whose drive varies, that drive
     // where a side, a sign or a weight belongs to the mode: the rates and what acts in it, for reports (acting.hpp)
     std::shared_ptr<const Program> acting = nullptr;
     std::shared_ptr<const Numbers> numbers = nullptr;  // of the user's that they hold for; none if there are none

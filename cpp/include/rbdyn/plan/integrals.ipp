@@ -111,6 +111,8 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
     }
     const bool has_friction = friction_in(b.joint).has_value();
     if (has_friction) left.energy = left.only_weight = false;
+    if (const Rail* rail = b.rail(); rail != nullptr && (rail->friction() || rail->motion().present()))
+        left.energy = left.only_weight = false;
     // what joins bodies to each other is no force from outside
     if (b.parent >= 0) return;
     if (std::holds_alternative<Universal>(b.joint) || std::holds_alternative<Cylindrical>(b.joint) ||

@@ -293,6 +293,8 @@ using Joint = std::variant<Free, Rail, Spherical, Revolute, Prismatic, Universal
 
 /// The friction in a hinge or a slide, if there is any.
 std::optional<Coulomb> friction_in(const Joint& joint);
+/// The friction of a rail, if there is any; a number of the user's counts as some.
+std::optional<Coulomb> friction_on(const Rail& rail);
 
 /// Where arc length counts from on a curve.
 double arc_length_origin(const Curve& curve);

@@ -156,13 +156,22 @@ RBDYN_INLINE bool Rail::operator==(const Rail& other) const {
            motion() == other.motion() && side() == other.side() && ends() == other.ends() && up() == other.up();
 }
 
-RBDYN_INLINE std::optional<Coulomb> friction_in(const Joint& joint) {
-    std::optional<Coulomb> friction;
-    if (const Revolute* hinge = std::get_if<Revolute>(&joint)) friction = hinge->friction;
-    if (const Prismatic* slide = std::get_if<Prismatic>(&joint)) friction = slide->friction;
+namespace joints {
+
+inline std::optional<Coulomb> unless_none(const std::optional<Coulomb>& friction) {
     const bool is_none = !friction || (friction->mu_static.is_zero() && friction->mu_dynamic.value_or(0.0).is_zero());
     return is_none ? std::nullopt : friction;
 }
+
+}  // namespace joints
+
+RBDYN_INLINE std::optional<Coulomb> friction_in(const Joint& joint) {
+    if (const Revolute* hinge = std::get_if<Revolute>(&joint)) return joints::unless_none(hinge->friction);
+    if (const Prismatic* slide = std::get_if<Prismatic>(&joint)) return joints::unless_none(slide->friction);
+    return std::nullopt;
+}
+
+RBDYN_INLINE std::optional<Coulomb> friction_on(const Rail& rail) { return joints::unless_none(rail.given_friction()); }
 
 RBDYN_INLINE void Spherical::validate() const {
     joints::require_finite("Spherical", "at", at);

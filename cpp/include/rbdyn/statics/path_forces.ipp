@@ -93,6 +93,10 @@ RBDYN_INLINE void require_timeless(const Scene& scene, int body, const std::stri
             "\"dynamic friction\")");
     const Rail* rail = scene.bodies()[static_cast<std::size_t>(body)].rail();
     if (rail == nullptr) return;
+    if (rail->friction() && needs_tree(scene))
+        throw InvalidInput(user + ": friction on the rail of " + name +
+                           " holds it in many places, which are not found beside bodies that are joined; take it away "
+                           "with without(\"static friction\", \"dynamic friction\")");
     if (rail->motion().present())
         throw InvalidInput(user + ": the rail of " + name + " moves (motion); it must be at rest");
     if (rail->friction() && !rail->drive().is_zero())

@@ -68,6 +68,8 @@ public:
         return asked([&](const auto& law) {
             if constexpr (requires { law.template move<S>(parent, t); })
                 return law.template move<S>(parent, t);
+            else if constexpr (requires { law.template move<S>(parent, t, q, v); })
+                return law.template move<S>(parent, t, q, v);
             else
                 return law.template move<S>(parent, q, v);
         });
