@@ -13,5 +13,6 @@
 #include "rbdyn/mechanics/tree_loops.ipp"
 #include "rbdyn/mechanics/tree_model.ipp"
 #include "rbdyn/mechanics/tree_observables.ipp"
+#include "rbdyn/mechanics/tree_rails.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"

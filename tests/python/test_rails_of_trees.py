@@ -450,22 +450,6 @@ def test_an_action_gives_a_bead_that_sticks_a_new_speed():
     assert run[bead].speed(kick, side="before") == 0.0 and abs(run[bead].speed(kick) - 1.0) < 1e-15
 
 
-@pytest.mark.parametrize(
-    ("rail", "why"),
-    [
-        (rb.Rail(ring, side="-"), "holds on both sides"),
-        (rb.Rail(parabola, ends="release"), None),
-        (rb.Rail(rb.Spline([[0, 0, 0], [1, 0, 0], [2, 0, 1]]), ends="release"), "its ends stop"),
-    ],
-)
-def test_rails_that_let_go_are_refused_by_name(rail, why):
-    scene = rb.Scene(gravity=[0, 0, -g])
-    post = scene.add(rb.RigidBody(1.0, [0.1, 0.1, 0.1]), rb.Revolute([0, 1, 0]))
-    scene.add(rb.Particle(0.5), rail, parent=post, parameter=0.5, name="pearl")
-    with pytest.raises(rb.InvalidInput, match=f"pearl.*{why or 'ends stop'}"):
-        rb.simulate(scene, until=1.0)
-
-
 def test_rest_with_friction_on_a_rail_of_a_body_is_refused_by_name():
     scene, _, _ = swinging_hoop(rb.Coulomb(0.5, 0.3))
     with pytest.raises(rb.InvalidInput, match="friction on the rail of bead"):

@@ -138,6 +138,7 @@
 #include "rbdyn/mechanics/tree_loops.ipp"
 #include "rbdyn/mechanics/tree_model.ipp"
 #include "rbdyn/mechanics/tree_observables.ipp"
+#include "rbdyn/mechanics/tree_rails.ipp"
 #include "rbdyn/mechanics/tree_rest.ipp"
 #include "rbdyn/mechanics/tree_rolling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"

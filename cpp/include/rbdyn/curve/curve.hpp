@@ -125,6 +125,11 @@ public:
     bool closed() const;
     /// What the parameter grows by in a round of a closed curve; 0 for one that is not closed.
     double period() const;
+    /// The form it is evaluated in, if it is that one.
+    template <class Form>
+    const Form* as() const {
+        return std::get_if<Form>(form_.get());
+    }
     /// Whether it is straight all along, and so exactly in its own axes.
     bool straight() const;
     /// Whether r' is finite and not zero everywhere, by its kind.

@@ -126,6 +126,8 @@ public:
                 Step& step = steps_[at(first_[at(i)] + k)];
                 const Wrench<S> u = felt[at(i)] * twist(i, k);
                 step.mass = power(twist(i, k), u);
+                // what moves nothing (joint/loose_rail.hpp)
+                if (is_nothing(step.mass)) continue;
                 step.inverse = S(1.0) / step.mass;
                 step.scaled.force = u.force * step.inverse;
                 step.scaled.moment = u.moment * step.inverse;
@@ -279,7 +281,7 @@ private:
 
     /// One velocity of a joint: d, 1/d, U/d.
     struct Step {
-        S mass, inverse;
+        S mass = S(0.0), inverse = S(0.0);
         Wrench<S> scaled;
     };
 

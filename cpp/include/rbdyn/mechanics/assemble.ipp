@@ -72,7 +72,7 @@ RBDYN_INLINE void put(const Tree& tree, int i, const std::vector<Moving<DoubleDo
         const auto arm = own.place - origin - parent.place;
         body.position = rounded(parent.to_body(arm) + held);
         body.velocity = rounded(parent.to_body(own.velocity_at(-origin) - parent.velocity_at(arm)));
-    } else if (const RailLaw* rail = n.joint.as<RailLaw>()) {
+    } else if (const RailLaw* rail = n.joint.rail()) {
         body.parameter = q[0].hi;
         body.parameter_rest = q[0].lo;
         body.speed = static_cast<double>(v[0] * sqrt(rail->curve->at<DoubleDouble>(q[0], Placement{}).speed_squared));

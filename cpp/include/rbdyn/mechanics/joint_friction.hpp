@@ -58,7 +58,7 @@ struct RoughJoint {
     template <class S>
     S pace(const std::vector<Moving<S>>& all) const {
         using std::sqrt;
-        if (!rail) return S(1.0);
+        if (!rail || is_gone<S>(all)) return S(1.0);
         const Vector3Of<S>& along = all[static_cast<std::size_t>(body)].joint.front().move;
         return sqrt(dot<S>(along, along));
     }
@@ -78,11 +78,19 @@ struct RoughJoint {
         return drive.is_constant() ? S(-bend) : S(drive.rate(t) - bend);
     }
 
+    /// Whether its bead flies.
+    template <class S>
+    bool is_gone(const std::vector<Moving<S>>& all) const {
+        const Twist<S>& along = all[static_cast<std::size_t>(body)].joint.front();
+        return is_nothing(Wrench<S>{along.move, along.turn});
+    }
+
     template <class S>
     std::array<Vector3Of<S>, 2> across(const S& t, const std::vector<Moving<S>>& all) const {
         const Vector3Of<S> x = exactly<S>(across_in[0]), y = exactly<S>(across_in[1]);
         if (rail) {
             using std::sqrt;
+            if (is_gone<S>(all)) return {none<S>(), none<S>()};
             const Vector3Of<S> e = rail->turned<S>(t, x);
             const Vector3Of<S>& along = all[static_cast<std::size_t>(body)].joint.front().move;
             const Vector3Of<S> first =

@@ -48,7 +48,8 @@ struct Node {
 
 class Tree {
 public:
-    [[gnu::cold]] explicit Tree(const Scene& scene);
+    /// `flying`: bodies that have left their rails.
+    [[gnu::cold]] explicit Tree(const Scene& scene, const std::vector<int>& flying = {});
 
     int size() const { return static_cast<int>(nodes_.size()); }
     const std::vector<Node>& nodes() const { return nodes_; }

@@ -3,6 +3,7 @@
 
 #include "rbdyn/mechanics/tree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <type_traits>
@@ -33,9 +34,14 @@ inline JointLaw of(const Free&, const Scene::Body& body) {
     return law;
 }
 inline JointLaw of(const Rail& rail, const Scene::Body&) {
-    RailLaw law;
-    law.curve = rail.curve();
-    law.motion = rail.motion();
+    const auto put = [&]<class Law>(Law law) {
+        law.curve = rail.curve();
+        law.motion = rail.motion();
+        return law;
+    };
+    if (!rail.may_release()) return put(RailLaw{});
+    LooseRailLaw law = put(LooseRailLaw{});
+    law.releases = rail.ends() == RailEnds::release;
     return law;
 }
 inline JointLaw of(const Spherical& joint, const Scene::Body&) {
@@ -96,7 +102,7 @@ inline JointLaw of(const Fixed& joint, const Scene::Body&) {
 
 }  // namespace laws
 
-RBDYN_INLINE Tree::Tree(const Scene& scene) : starts_(scene.bodies()) {
+RBDYN_INLINE Tree::Tree(const Scene& scene, const std::vector<int>& flying) : starts_(scene.bodies()) {
     for (const Scene::Body& b : starts_) {
         Node n;
         n.name = b.name;
@@ -104,6 +110,10 @@ RBDYN_INLINE Tree::Tree(const Scene& scene) : starts_(scene.bodies()) {
         // nothing joins a free body to a parent: it is one without
         n.parent = is_free ? -1 : b.parent;
         n.joint = std::visit([&](const auto& joint) { return laws::of(joint, b); }, b.joint);
+        if (std::find(flying.begin(), flying.end(), size()) != flying.end()) {
+            n.joint.set_flying();
+            n.parent = -1;
+        }
         if (n.parent >= 0) n.joint.shift(node(n.parent).joint.held().point);
         n.q = positions_;
         n.v = velocities_;
@@ -176,7 +186,7 @@ RBDYN_INLINE std::vector<DoubleDouble> Tree::start(double t, const std::vector<S
                 own_q[k] = place[k];
                 own_v[k] = velocity[k];
             }
-        } else if (const RailLaw* rail = n.joint.as<RailLaw>()) {
+        } else if (const RailLaw* rail = n.joint.rail()) {
             own_q[0] = {b.parameter, b.parameter_rest};
             own_v[0] = DoubleDouble(b.speed) / sqrt(rail->curve->at<DoubleDouble>(own_q[0], Placement{}).speed_squared);
         } else if (first < 0 && n.joint.positions() == 1) {
@@ -225,6 +235,11 @@ RBDYN_INLINE std::vector<VariableGroup> Tree::groups() const {
                 continue;
             }
             if (n.joint.as<FreePointLaw>() != nullptr) continue;
+            if (n.joint.as<LooseRailLaw>() != nullptr) {
+                groups.push_back({first, 1, is_position});
+                groups.push_back({first + LooseRailLaw::space, 3, is_position, 0.0, moves});
+                continue;
+            }
             for (int k = 0; k < count; ++k) groups.push_back({first + k, 1, is_position});
         }
     for (const Foot& f : feet_) groups.push_back({f.q, 1, true});
@@ -236,7 +251,9 @@ RBDYN_INLINE std::string Tree::coordinates(int body) const {
     const std::string on = node(body).parent < 0 ? "" : " on " + nodes_[at(node(body).parent)].name;
     if (joint.as<FreePointLaw>() != nullptr) return "x, y, z in the world";
     if (joint.as<FreeBodyLaw>() != nullptr) return "centre of mass x, y, z and attitude (quaternion) in the world";
-    if (const RailLaw* rail = joint.as<RailLaw>()) return "parameter u of its " + rail->curve->name() + on;
+    if (const RailLaw* rail = joint.rail())
+        return "parameter u of its " + rail->curve->name() + on +
+               (joint.as<LooseRailLaw>() != nullptr ? ", x, y, z in the world where it flies" : "");
     if (joint.as<SphericalLaw>() != nullptr) return "attitude (quaternion) in the world, held" + on;
     if (joint.as<RevoluteLaw>() != nullptr) return "angle of its hinge" + on;
     if (joint.as<PrismaticLaw>() != nullptr) return "displacement of its slide" + on;

@@ -133,6 +133,9 @@ RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch,
         if (n.joint.as<mechanics::DrivenLaw>() != nullptr)
             throw InvalidInput(user + ": its action changes " + n.name +
                                ", whose joint is driven: its motion says where it is and how fast; change others");
+        if (is_flying(mode, i))
+            throw InvalidInput(user + ": its action changes " + n.name +
+                               ", which has left its rail; beside bodies that are joined it is changed on it");
         Start words = starts::words(b.joint, b.rigid() != nullptr, b);
         tree_changes::Put put{c};
         std::visit([&](auto& start) { put(start); }, words);
@@ -146,7 +149,7 @@ RBDYN_INLINE bool TreeModel::change(const Mode& mode, const Scene::Watch& watch,
                     return b;
             },
             b.joint, words);
-        if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>(); rail != nullptr && c.parameter)
+        if (const mechanics::RailLaw* rail = n.joint.rail(); rail != nullptr && c.parameter)
             rail->curve->require_regular(*c.parameter);
         moves[at(i)] = moves[at(i)] || !put.positions.empty();
         speeds[at(i)] = speeds[at(i)] || !put.velocities.empty();
@@ -207,7 +210,14 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     const Mode as_it_was = mode;
     const bool begins = was.empty();
     if (contacts() == 0) {
-        joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
+        if (!loose_.empty()) {
+            // what flies goes on to
+            if (!begins)
+                std::copy(before.slip.begin() + first_loose(), before.slip.end(), mode.slip.begin() + first_loose());
+            settle_loose(as_it_was, mode, t, x, begins ? nullptr : &happenings);
+        } else {
+            joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
+        }
         if (!begins && mode.impossible.empty()) tell_joints(before, mode, happenings);
         return mode;
     }

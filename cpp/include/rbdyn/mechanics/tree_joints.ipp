@@ -55,7 +55,7 @@ RBDYN_INLINE std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree
         one.mu_static = friction->mu_static;
         one.mu_dynamic = friction->mu_dynamic.value_or(friction->mu_static);
         if (rail != nullptr) {
-            one.rail = *n.joint.as<RailLaw>();
+            one.rail = *n.joint.rail();
             one.drive = rail->drive();
             const Curve& curve = *one.rail->curve;
             one.across_in[0] =
@@ -270,6 +270,8 @@ struct Rubbing {
     mechanics::Square matrix;                 // accelerations by units of friction
     std::vector<std::vector<std::array<double, 2>>> by;
 
+    static constexpr int gone = 2;  // in place of a sign: its bead flies
+
     struct Answer {
         std::vector<double> friction, acceleration;
         std::vector<std::array<double, 2>> load;
@@ -295,7 +297,9 @@ struct Rubbing {
             mechanics::Square m(n, std::vector<double>(n, 0.0));
             std::vector<double> b(n);
             for (std::size_t i = 0; i < n; ++i) {
-                const double k = static_cast<double>(sign[i]) * joints[i].mu_dynamic * joints[i].radius;
+                // what has no joint has no friction
+                const double k =
+                    sign[i] == gone ? 0.0 : static_cast<double>(sign[i]) * joints[i].mu_dynamic * joints[i].radius;
                 b[i] = sign[i] == 0 ? -acceleration[i] : -k * (along[i][0] * load[i][0] + along[i][1] * load[i][1]);
                 for (std::size_t j = 0; j < n; ++j)
                     m[i][j] = sign[i] == 0
@@ -357,9 +361,10 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     Evaluator<double> values(mode.equations->program);
     values.set_parameters(mode.parameters);
     values(t, x);
-    const auto accelerate = mechanics::accelerate<double>(*tree_, state.moving);
+    const auto accelerate = mechanics::accelerate<double>(*tree_in(mode), state.moving);
     const auto constraints = constraints_of(conditions_->rows<double>(*tree_, state.moving));
-    const mechanics::FrictionResponse<double> response(*tree_, joints_, accelerate, t, state.moving, constraints);
+    const mechanics::FrictionResponse<double> response(*tree_in(mode), joints_, accelerate, t, state.moving,
+                                                       constraints);
     tree_joints::Rubbing rubbing;
     for (std::size_t i = 0; i < n; ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
@@ -386,6 +391,10 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     for (std::size_t i = 0; i < n; ++i) slip.push_back(slip_of(before, mode, static_cast<int>(i), t, x));
     for (std::size_t i = 0; i < n; ++i) {
         const double rate = slip[i];
+        if (is_flying(mode, joints_[i].body)) {
+            sign[i] = tree_joints::Rubbing::gone;
+            continue;
+        }
         sign[i] = rate > 0.0 ? 1 : rate < 0.0 ? -1 : 0;
         // what starts from rest has its sign from what it started with
         const signed char was = before.slip[at(first_joint()) + i];
@@ -472,6 +481,7 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
     const double length = size_of(state.moving);
     for (std::size_t i = 0; i < n; ++i) {
         const double rate = slip[i];
+        if (sign[i] == tree_joints::Rubbing::gone) continue;
         if (sign[i] == 0) {
             first[static_cast<std::ptrdiff_t>(i)] = held;
             carry(mode, static_cast<int>(i), t, x);
@@ -497,50 +507,6 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         first[static_cast<std::ptrdiff_t>(i)] = now;
     }
     choose(mode, t, x, {}, true);
-}
-
-RBDYN_INLINE double TreeModel::surface_speed(const Mode& mode, int joint, double t, std::span<const double> x) const {
-    const mechanics::RoughJoint& rough = joints_[at(joint)];
-    if (rough.drive.is_constant() || mode.equations == nullptr || mode.equations->pulls < 0) return rough.drive(t);
-    int place = mode.equations->pulls;
-    for (int i = 0; i < joint; ++i) place += joints_[at(i)].drive.is_constant() ? 0 : 1;
-    Evaluator<double> values(mode.equations->program);
-    values.set_parameters(mode.parameters);
-    values(t, x);
-    return values.output(place);
-}
-
-RBDYN_INLINE double TreeModel::slip_of(const Mode& before, const Mode& mode, int joint, double t,
-                                       std::span<const double> x) const {
-    const mechanics::RoughJoint& rough = joints_[at(joint)];
-    const double rate = x[at(tree_->positions() + rough.v)];
-    if (!rough.rail) return rate;
-    const double speed = rough.pace(moving(t, x)) * rate;
-    if (rough.drive.is_zero()) return speed;
-    const double now = surface_speed(mode, joint, t, x);
-    // what is carried goes on as it did, but where its surface jumps
-    if (before.slip[at(first_joint() + joint)] == mechanics::joint_state::held) {
-        const double jump = now - surface_speed(before, joint, t, x);
-        return std::abs(jump) <= 1e-10 * std::abs(now) ? 0.0 : -jump;
-    }
-    return std::abs(speed - now) <= 4.0 * epsilon * std::max(std::abs(speed), std::abs(now)) ? 0.0 : speed - now;
-}
-
-RBDYN_INLINE void TreeModel::carry(const Mode& mode, int joint, double t, std::span<double> x) const {
-    const mechanics::RoughJoint& rough = joints_[at(joint)];
-    double& rate = x[at(tree_->positions() + rough.v)];
-    rate = rough.drive.is_zero() ? 0.0 : surface_speed(mode, joint, t, x) / rough.pace(moving(t, x));
-}
-
-RBDYN_INLINE bool TreeModel::surfaces_jump(const Mode& mode, const Mode& after, double t,
-                                           std::span<const double> x) const {
-    for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
-        if (joints_[at(i)].drive.is_constant()) continue;
-        const double was = surface_speed(mode, i, t, x), is = surface_speed(after, i, t, x);
-        // what differs by the rounding of the time has a corner, no jump
-        if (std::abs(is - was) > 1e-10 * std::max(std::abs(is), std::abs(was))) return true;
-    }
-    return false;
 }
 
 RBDYN_INLINE bool TreeModel::joints_slip(const Mode& mode, double t, std::span<const double> x) const {
@@ -615,6 +581,8 @@ RBDYN_INLINE void TreeModel::tell_joints(const Mode& mode, const Mode& after,
     using namespace mechanics::joint_state;
     for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
         const signed char was = mode.slip[at(first_joint() + i)], is = after.slip[at(first_joint() + i)];
+        // what leaves its rail, or comes back to it, tells of that
+        if (was == open || is == open) continue;
         const int from = sign(was), to = sign(is);
         const Direction direction = (to != 0 ? to : -from) > 0 ? Direction::rising : Direction::falling;
         const int body = joints_[at(i)].body;

@@ -105,7 +105,7 @@ inline const mechanics::DrivenLaw* driven(const mechanics::Node& n) {
 
 /// A rail that moves as a function of time says.
 inline const mechanics::RailLaw* moved(const mechanics::Node& n) {
-    const mechanics::RailLaw* law = n.joint.as<mechanics::RailLaw>();
+    const mechanics::RailLaw* law = n.joint.rail();
     return law != nullptr && law->motion.present() ? law : nullptr;
 }
 /// All numbers of a placement, or of its rate.
@@ -381,7 +381,8 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
     for (const mechanics::RoughJoint& joint : joints_)
         if (!std::isfinite(joint.drive(t))) return "the drive of the rail of " + joint.name;
     for (const mechanics::Node& n : tree_->nodes())
-        if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>())
+        if (const mechanics::RailLaw* rail = n.joint.rail();
+            rail != nullptr && !is_flying(mode, static_cast<int>(&n - tree_->nodes().data())))
             if (const std::string what = singular_at(*rail->curve, x[at(n.q)]); !what.empty())
                 return "the rail of " + n.name + " at u = " + text(x[at(n.q)]) + ", where " + what;
     for (const mechanics::Foot& f : tree_->feet())

@@ -20,6 +20,7 @@
 #include "rbdyn/mechanics/exert.hpp"
 #include "rbdyn/mechanics/friction_cones.hpp"
 #include "rbdyn/mechanics/joint_friction.hpp"
+#include "rbdyn/mechanics/loose_rail.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_state.hpp"
 #include "rbdyn/model/acting.hpp"
@@ -41,7 +42,7 @@ class TreeWriter;  // mechanics/tree_writer.hpp
 /// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
 bool needs_tree(const Scene& scene);
 
-/// Throws InvalidInput for rails that have no law in a tree: one-sided ones, and those that let go.
+/// Throws InvalidInput for rails that let go: those that hold on one side, and those that release at their ends.
 void require_simple_rails(const Scene& scene);
 
 class TreeModel : public SceneModel {
@@ -58,7 +59,9 @@ public:
     bool touches() const override;
     bool holds_what_touches(int subject) const override;
     bool turns(int body) const override { return !tree_->node(body).is_point; }
-    int freedom() const override { return tree_->velocities() - static_cast<int>(rows_.size()); }
+    int freedom() const override {
+        return tree_->velocities() - static_cast<int>(rows_.size()) - 3 * static_cast<int>(loose_.size());
+    }
     std::vector<std::string> not_unique() const override;
     std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
     std::shared_ptr<const SceneModel> started_elsewhere(const Scene& scene, const GivenNumbers& numbers) const override;
@@ -351,6 +354,34 @@ private:
                    const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
 
     std::vector<mechanics::Moving<double>> moving(double t, std::span<const double> x) const;
+
+    // --- beads that may leave their rails (tree_rails.ipp) ---
+
+    int first_loose() const { return first_joint() + static_cast<int>(joints_.size()); }
+    void take_loose_rails();
+    /// Where beads fly they hang on nothing.
+    const std::shared_ptr<const mechanics::Tree>& tree_in(const Mode& mode) const;
+    std::vector<mechanics::Moving<double>> moving(const Mode& mode, double t, std::span<const double> x) const;
+    bool is_flying(const Mode& mode, int body) const;
+    void guard_loose(EquationsWriter& write, const mechanics::TreeWriter& tree, const Mode& mode) const;
+    /// Whether a guard is one of a bead that leaves its rail or comes back.
+    static bool loosens(const Guard& guard) {
+        return guard.contact < 0 && guard.joint < 0 &&
+               (guard.kind == EventKind::detach || guard.kind == EventKind::land ||
+                (guard.kind == EventKind::rail_end && guard.role == GuardRole::mode));
+    }
+    void release(Mode& mode, std::size_t loose, double t, std::span<double> x) const;
+    /// Puts a bead on its rail again; returns the impulse of that [N s].
+    double land(Mode& mode, std::size_t loose, double t, std::span<double> x) const;
+    /// Whether a bead comes past its curve beside the plane of it.
+    bool misses(const Mode& mode, std::size_t loose, double t, std::span<const double> x) const;
+    /// Lets a bead go that its rail would have to pull, or that moves off its end. Returns whether there is one.
+    bool let_go(Mode& mode, double t, std::span<double> x, std::vector<Happening>* happenings) const;
+    /// What joints do then, and which beads leave at once.
+    void settle_loose(const Mode& before, Mode& mode, double t, std::span<double> x,
+                      std::vector<Happening>* happenings) const;
+    void leave_or_land(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
+                       std::vector<Happening>& happenings) const;
     /// All that is known at a state of a mode.
     mechanics::TreeState look(const Mode& mode, double t, std::span<const double> x) const;
     bool has_angles(int body) const { return !tree_->node(body).is_point; }
@@ -364,9 +395,11 @@ private:
     std::shared_ptr<const mechanics::Conditions> conditions_;
     std::shared_ptr<const mechanics::Exerted> exerted_;
     std::vector<mechanics::RoughJoint> joints_;
-    std::vector<int> rows_;             // of the constraints, those that are used
-    std::vector<double> first_pivots_;  // of these, where the scene starts
-    double loosest_ = 0.0;              // the gap that constraints with other rows may have [m]
+    std::vector<mechanics::LooseRail> loose_;
+    std::vector<std::shared_ptr<const mechanics::Tree>> trees_;  // by which of the loose beads fly
+    std::vector<int> rows_;                                      // of the constraints, those that are used
+    std::vector<double> first_pivots_;                           // of these, where the scene starts
+    double loosest_ = 0.0;  // the gap that constraints with other rows may have [m]
     StateMap map_;
     std::string why_all_;
 };

@@ -50,10 +50,11 @@ RBDYN_INLINE void require_simple_rails(const Scene& scene) {
     for (const Scene::Body& b : scene.bodies()) {
         const Rail* rail = b.rail();
         if (rail == nullptr) continue;
-        if (rail->side() != RailSide::both || rail->ends() == RailEnds::release)
-            throw InvalidInput(b.name +
-                               ": beside bodies that are joined to bodies a Rail holds on both sides, and its ends "
-                               "stop in this version");
+        if (rail->may_release())
+            throw InvalidInput(
+                b.name +
+                ": where a bead may leave its rail, beside bodies that are joined, states of rest are not "
+                "found in this version; use side \"both\" and ends \"stop\"");
     }
 }
 
@@ -65,7 +66,6 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
       why_all_(!scene.contacts().empty()                        ? "what touches may move any way"
                : mechanics::rough_joints(scene, *tree_).empty() ? "bodies are joined to bodies"
                                                                 : "bodies are joined, by joints with friction") {
-    require_simple_rails(scene);
     require_finite_drives(0.0);
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
@@ -79,7 +79,8 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     // what carries others feels what these lack: they are looked at first
     for (int i = bodies() - 1; i >= 0; --i) {
         const mechanics::Node& n = tree_->node(i);
-        for (int k = 0; k < n.joint.velocities(); ++k)
+        const int used = n.joint.rail() != nullptr ? 1 : n.joint.velocities();
+        for (int k = 0; k < used; ++k)
             require(accelerate.mass(n.v + k) > 1e-28 * heaviest, n.name,
                     "inertia along velocity " + std::to_string(k + 1) + " of " + std::to_string(n.joint.velocities()) +
                         " of its joint",
@@ -88,6 +89,7 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
                     "or give it a thickness");
     }
     if (!conditions_->empty()) choose_rows();
+    take_loose_rails();
     map_ = StateMap(TreeModel::start(0.0), std::vector<bool>(at(tree_->variables()), false));
 }
 
@@ -121,9 +123,7 @@ RBDYN_INLINE std::shared_ptr<const SceneModel> TreeModel::started_elsewhere(cons
     return shares(*model) ? model : nullptr;
 }
 
-RBDYN_INLINE bool TreeModel::on_rail(int body) const {
-    return tree_->node(body).joint.as<mechanics::RailLaw>() != nullptr;
-}
+RBDYN_INLINE bool TreeModel::on_rail(int body) const { return tree_->node(body).joint.rail() != nullptr; }
 
 RBDYN_INLINE std::vector<double> TreeModel::start(double t) const {
     return mechanics::closing::nearest(exact_start(t));
@@ -147,16 +147,26 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
     const Within state(mode, t, x, Within::unseen);
     std::optional<Acting> acting = acting_near_singular(mode, state.t, state.x);
     if (!acting) acting = acting_in(mode, 0, 0, state.t, state.x);
-    if (!acting) return {*tree_, moving(t, x)};
+    if (!acting) return {*tree_in(mode), moving(mode, t, x)};
     const std::span<const double> values(acting->values);
-    return {*tree_, *conditions_, *exerted_, rows_in(mode), moving(state.t, state.x), values.subspan(at(variables()))};
+    return {*tree_in(mode),
+            *conditions_,
+            *exerted_,
+            rows_in(mode),
+            moving(mode, state.t, state.x),
+            values.subspan(at(variables()))};
 }
 
 RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t, std::span<const double> x) const {
     PointReport r = look(mode, t, x).point(body);
     const mechanics::Node& n = tree_->node(body);
-    if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>()) {
-        const auto all = moving(t, x);
+    if (is_flying(mode, body)) {
+        // where it left its rail
+        r.u = x[at(n.q)];
+        r.speed = 0.0;
+        r.reaction = Vector3::Zero();
+    } else if (const mechanics::RailLaw* rail = n.joint.rail()) {
+        const auto all = moving(mode, t, x);
         const CurvePoint<double> c = rail->curve->at<double>(x[at(n.q)], Placement{});
         const Vector3 along = all[at(body)].joint.front().move;
         r.u = x[at(n.q)];
@@ -170,7 +180,7 @@ RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t,
 RBDYN_INLINE SystemReport TreeModel::system_report(const Mode& mode, double t, std::span<const double> x,
                                                    Asked asked) const {
     const mechanics::TreeState state =
-        asked == Asked::forces ? look(mode, t, x) : mechanics::TreeState(*tree_, moving(t, x));
+        asked == Asked::forces ? look(mode, t, x) : mechanics::TreeState(*tree_in(mode), moving(mode, t, x));
     SystemReport all;
     for (int i = 0; i < bodies(); ++i) all.bodies.push_back(state.body_report(i, x));
     for (std::size_t k = 0; k < exerted_->couplings().size(); ++k) {
@@ -320,13 +330,13 @@ RBDYN_INLINE EulerAngles TreeModel::wound(int body, const Piece& piece, const Eu
     return continue_from(last.angles, motion(time).attitude);
 }
 
-RBDYN_INLINE Vector3 TreeModel::center(const Mode&, int body, double t, std::span<const double> x) const {
-    const auto all = moving(t, x);
+RBDYN_INLINE Vector3 TreeModel::center(const Mode& mode, int body, double t, std::span<const double> x) const {
+    const auto all = moving(mode, t, x);
     return all[at(body)].place + all[at(body)].to_world(exactly<double>(tree_->node(body).center));
 }
 
-RBDYN_INLINE Vector3 TreeModel::position(const Mode&, int body, double t, std::span<const double> x) const {
-    const auto all = moving(t, x);
+RBDYN_INLINE Vector3 TreeModel::position(const Mode& mode, int body, double t, std::span<const double> x) const {
+    const auto all = moving(mode, t, x);
     const mechanics::Node& n = tree_->node(body);
     if (n.is_point) return all[at(body)].place;
     return all[at(body)].place - all[at(body)].to_world(exactly<double>(n.joint.held().point));
@@ -344,7 +354,7 @@ RBDYN_INLINE Matrix3 TreeModel::rail_turn(int body, double t, std::span<const do
         const auto all = moving(t, x);
         turn = columns(all[at(n.parent)].axes.e1, all[at(n.parent)].axes.e2, all[at(n.parent)].axes.e3);
     }
-    const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>();
+    const mechanics::RailLaw* rail = n.joint.rail();
     if (rail == nullptr || !rail->motion.present()) return turn;
     const auto column = [&](int i) { return rail->turned<double>(t, Vector3(Vector3::Unit(i))); };
     return turn * columns(column(0), column(1), column(2));
@@ -355,6 +365,7 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
     mode.slip.assign(at(contacts()), flies);
     mode.slip.resize(at(first_joint()), flies);
     mode.slip.resize(at(first_joint()) + joints_.size(), mechanics::joint_state::open);
+    mode.slip.resize(at(first_loose()) + loose_.size(), 1);
     mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
@@ -371,7 +382,7 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
     std::vector<int> flipped;
-    bool touches = false, rubs = false, has_changed = false;
+    bool touches = false, rubs = false, has_changed = false, is_loose = false;
     int jumps = mode.jumps;
     std::vector<double> was;
     for (const int index : fired) {
@@ -382,6 +393,10 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         }
         if (guard.joint >= 0) {
             rubs = true;
+            continue;
+        }
+        if (loosens(guard)) {
+            is_loose = true;
             continue;
         }
         if (guard.kind == EventKind::singular) {
@@ -409,6 +424,12 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
     after.jumps = jumps;
     if (touches) {
         touch(mode, after, fired, t, x, happenings);
+        if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
+        return after;
+    }
+    if (is_loose) {
+        if (!flipped.empty()) choose(after, t, x, flipped);
+        leave_or_land(mode, after, fired, t, x, happenings);
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
@@ -454,8 +475,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                          natural = gyration > 0.0 ? std::sqrt(b.effort.force.norm() / (mass * gyration)) : 0.0;
             out.push_back({m.omega, false, 0.0, std::max(m.omega.norm(), natural), Alike::turning});
         }
-        const bool is_free =
-            n.joint.as<mechanics::FreePointLaw>() != nullptr || n.joint.as<mechanics::FreeBodyLaw>() != nullptr;
+        const bool is_free = n.joint.as<mechanics::FreePointLaw>() != nullptr ||
+                             n.joint.as<mechanics::FreeBodyLaw>() != nullptr || is_flying(mode, i);
         if (is_free || mode.equations == nullptr) continue;
         out.push_back({b.reaction.force, false, 0.0, b.effort.force.norm(), Alike::force});
         if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
@@ -521,7 +542,9 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     const recording::WideFolding all_digits;
     Recorder r;
     r.follow(state.t, state.x, {}, state.decided.forced, state.decided.sides);
-    mechanics::TreeWriter tree(r, *tree_, *conditions_, *exerted_, joints_, rows, mode.slip);
+    const mechanics::Tree& in_mode = *tree_in(mode);
+    mechanics::TreeWriter tree(r, in_mode, *conditions_, *exerted_, joints_, rows,
+                               {mode.slip.begin(), mode.slip.begin() + first_loose()});
     const int n = variables();
     const bool stands_still = holds_all(rows);
     auto result = written(
@@ -532,6 +555,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             tree.touch(write);
             tree.rub(write);
             tree.guard_drives(write);
+            guard_loose(write, tree, mode);
             if (!stands_still) {
                 tree.guard_ends(write);
                 // where a curve has no tangent there is no law of motion along it
@@ -542,14 +566,15 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
                         {.kind = EventKind::singular, .role = GuardRole::stop, .subject = body, .locator = place});
                 };
                 for (int i = 0; i < bodies(); ++i)
-                    if (const mechanics::RailLaw* rail = tree_->node(i).joint.as<mechanics::RailLaw>())
+                    if (const mechanics::RailLaw* rail = in_mode.node(i).joint.rail();
+                        rail != nullptr && !in_mode.node(i).joint.flies())
                         cusps(*rail->curve, i, tree_->node(i).q);
                 for (const mechanics::Foot& f : tree_->feet()) cusps(f.curve, f.held.body, f.q);
             }
             guard_loops(write, tree);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
-            return tree_->groups();
+            return in_mode.groups();
         });
     if (!result) return result;
     result->equations.drives = tree.drives();
@@ -558,8 +583,8 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     for (int i = 0; i < bodies(); ++i) turns = turns || tree_->node(i).joint.attitude() >= 0;
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));
     if ((turns || !rows.empty() || !closed.empty()) && !stands_still)
-        result->equations.projection = [tree = tree_, conditions = conditions_, rows, closed](std::span<const double>,
-                                                                                              std::span<const double>) {
+        result->equations.projection = [tree = tree_in(mode), conditions = conditions_, rows, closed](
+                                           std::span<const double>, std::span<const double>) {
             return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed);
         };
     return result;

@@ -41,7 +41,8 @@ RBDYN_INLINE double observed(const TreeState& now, const Exerted& exerted, const
             return 0.5 * static_cast<double>(n.mass) * p.velocity.squaredNorm() + p.spin_energy;
         case Quantity::parameter: return x[at(n.q)];
         case Quantity::speed:
-            if (const RailLaw* rail = n.joint.as<RailLaw>()) return rail->curve->first(x[at(n.q)]).norm() * velocity(0);
+            if (n.joint.flies()) return 0.0;
+            if (const RailLaw* rail = n.joint.rail()) return rail->curve->first(x[at(n.q)]).norm() * velocity(0);
             return p.velocity.norm();
         default: break;
     }

@@ -15,6 +15,7 @@
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/exert.hpp"
 #include "rbdyn/mechanics/joint_friction.hpp"
+#include "rbdyn/mechanics/loose_rail.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -49,6 +50,9 @@ public:
     void guard_pivots(EquationsWriter& write, const std::vector<double>& first) const;
     /// The ends of curves: of rails, and of those that points are held on.
     void guard_ends(EquationsWriter& write) const;
+    /// What presses a bead on its rail along the way that it pushes, |r'| times; and how high one is over its rail.
+    S pressing(const LooseRail& rail) const;
+    S height(const LooseRail& rail) const;
     /// What driven joints do, and that it is finite.
     void guard_drives(EquationsWriter& write);
     /// The first of their outputs; -1: there are none.

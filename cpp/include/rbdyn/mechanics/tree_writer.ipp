@@ -367,16 +367,20 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
 }
 
 RBDYN_INLINE void TreeWriter::guard_ends(EquationsWriter& write) const {
-    const auto guard = [&](const Curve& curve, int body, const std::string& name, const S& u) {
+    const auto guard = [&](const Curve& curve, int body, const std::string& name, const S& u, bool releases = false) {
         const Domain d = curve.domain();
         if (curve.closed()) return;
-        const Guard end{.kind = EventKind::rail_end, .role = GuardRole::stop, .subject = body, .name = name};
+        const GuardRole role = releases ? GuardRole::mode : GuardRole::stop;
+        const Guard end{.kind = EventKind::rail_end, .role = role, .subject = body, .name = name};
         if (std::isfinite(d.begin)) write.guard(end, u - S(d.begin));
         if (std::isfinite(d.end)) write.guard(end, S(d.end) - u);
     };
-    for (int i = 0; i < tree_.size(); ++i)
-        if (const RailLaw* rail = tree_.node(i).joint.as<RailLaw>())
-            guard(*rail->curve, i, "", q_[at(tree_.node(i).q)]);
+    for (int i = 0; i < tree_.size(); ++i) {
+        const JointLaw& joint = tree_.node(i).joint;
+        if (joint.rail() == nullptr || joint.flies()) continue;
+        const auto* loose = joint.as<LooseRailLaw>();
+        guard(*joint.rail()->curve, i, "", q_[at(tree_.node(i).q)], loose != nullptr && loose->releases);
+    }
     for (const Foot& f : tree_.feet()) {
         guard(f.curve, f.held.body, f.name, q_[at(f.q)]);
         if (f.curve.always_regular()) continue;
@@ -492,7 +496,7 @@ RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
         return joint_number(n.joint, o, coordinate, [&](int k) { return v_[at(n.v + k)]; });
     }
     const Vector3Of<S>* e[3] = {&m.axes.e1, &m.axes.e2, &m.axes.e3};
-    const RailLaw* rail = n.joint.as<RailLaw>();
+    const RailLaw* rail = n.joint.rail();
     switch (o.quantity) {
         case Quantity::position: return (m.place + origin)[o.component];
         case Quantity::velocity: return m.velocity_at(origin)[o.component];
@@ -505,6 +509,7 @@ RBDYN_INLINE Expression TreeWriter::observed(const Observable& o) const {
         case Quantity::reaction_torque: return reaction_alone(body).moment[o.component];
         case Quantity::parameter: return rail != nullptr ? q_[at(n.q)] : S(0.0);
         case Quantity::speed:
+            if (n.joint.flies()) return S(0.0);
             if (rail != nullptr) return sqrt(rail->curve->at<S>(q_[at(n.q)], Placement{}).speed_squared) * v_[at(n.v)];
             return length(m.velocity, std::string());
         case Quantity::kinetic_energy: {

@@ -118,7 +118,7 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
         double* own = &q[at(n.q)];
         const int turns = n.joint.attitude(), moves = turns >= 0 ? turns : n.joint.velocities();
         for (int k = 0; k < moves; ++k) own[k] += static_cast<double>(v[at(n.v + k)]);
-        if (const mechanics::RailLaw* rail = n.joint.as<mechanics::RailLaw>())
+        if (const mechanics::RailLaw* rail = n.joint.rail())
             *own = std::clamp(*own, rail->curve->domain().begin, rail->curve->domain().end);
         if (turns < 0) continue;
         Vector3 by;

@@ -13,6 +13,7 @@
 #include "rbdyn/mechanics/joint/fixed.hpp"
 #include "rbdyn/mechanics/joint/free.hpp"
 #include "rbdyn/mechanics/joint/held.hpp"
+#include "rbdyn/mechanics/joint/loose_rail.hpp"
 #include "rbdyn/mechanics/joint/planar.hpp"
 #include "rbdyn/mechanics/joint/prismatic.hpp"
 #include "rbdyn/mechanics/joint/rail.hpp"
@@ -28,7 +29,7 @@ namespace mechanics {
 class JointLaw {
 public:
     using Kind = std::variant<FreePointLaw, FreeBodyLaw, RailLaw, SphericalLaw, RevoluteLaw, PrismaticLaw, UniversalLaw,
-                              CylindricalLaw, PlanarLaw, FixedLaw, DrivenLaw>;
+                              CylindricalLaw, PlanarLaw, FixedLaw, DrivenLaw, LooseRailLaw>;
 
 private:
     /// f(law) of the law there is: as std::visit, with less to compile.
@@ -62,6 +63,14 @@ public:
     const Law* as() const {
         return std::get_if<Law>(&kind_);
     }
+
+    /// The rail of a bead, also of one that may leave it.
+    const RailLaw* rail() const {
+        const RailLaw* law = as<RailLaw>();
+        return law != nullptr ? law : as<LooseRailLaw>();
+    }
+    bool flies() const { return as<LooseRailLaw>() != nullptr && as<LooseRailLaw>()->flies; }
+    void set_flying() { std::get<LooseRailLaw>(kind_).flies = true; }
 
     template <class S>
     Moving<S> move(const Moving<S>& parent, const S& t, const S* q, const S* v) const {
