@@ -123,6 +123,20 @@ def test_watched_functions_are_found_on_it():
     assert_allclose(run.events.times("level"), series.events.times("level"), atol=1e-12)
 
 
+def test_how_far_it_is_certain_is_told():
+    scene, before = rb.Scene(), [0, 0, 0]
+    for place, speed in ((1.0, 3.0), (-0.7, -2.0)):
+        ball = scene.add(rb.Particle(1.0), position=[place, 0, 0], velocity=[speed, 0, 0])
+        scene.connect(rb.Spring(9.0, rest_length=0.5), ball, before)
+        before = ball
+    found = []
+    for engine in ("closed form", "taylor"):
+        with pytest.raises(rb.AccuracyError) as failure:
+            rb.simulate(scene, 2000.0, error=1e-11, engine=engine)
+        found.append(failure.value.certain_until)
+    assert 0.1 * found[1] < found[0] and found[0] > 10.0
+
+
 def test_a_price_list_has_it():
     price = rb.cost(Row(3, swing=12.0).scene(), 5.0, errors=[1e-6, 1e-9], engines=["closed form", "taylor"], budget=2.0)
     assert {row.engine for row in price} == {"closed form", "taylor"}

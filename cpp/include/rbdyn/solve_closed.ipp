@@ -174,7 +174,8 @@ RBDYN_INLINE Solution solve_by_modes(const HybridModel& model, const std::vector
             seen = std::max(seen, rounding_seen(model, mode, *begun[i].form, options, from, end));
             off += begun[i].form->error(end - from, options.error);
         }
-        return is_one ? seen + off : events.error + seen + off;
+        // two that went apart did so from there on
+        return is_one || t <= events.certain_until ? seen + off : events.error + seen + off;
     };
     judge(result, model, options, events, error_at);
     return result;

@@ -9,6 +9,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/program_weights.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 

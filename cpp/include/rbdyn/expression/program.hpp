@@ -5,15 +5,12 @@
 // Slots hold numbers when the program is run in doubles, whole series when it is run in Taylor coefficients.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <memory>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -205,55 +202,5 @@ private:
     std::vector<bool> parameter_used_;
     ByNode parametric_, slots_, scalars_;
 };
-
-template <class T>
-void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars, Rounding rounding) const {
-    using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
-    scalars.clear();
-    scalars.reserve(constants_.size());
-    const auto rounded = [rounding](T hi, T lo) {
-        if constexpr (std::is_floating_point_v<T>) {
-            const T nearest = hi + lo, rest = lo - (nearest - hi);
-            if (rounding == Rounding::nearest || rest == T(0)) return nearest;
-            const T beyond = std::numeric_limits<T>::infinity();
-            return std::nextafter(nearest, rest > T(0) ? beyond : -beyond);
-        } else {
-            return hi + lo;  // all their digits
-        }
-    };
-    for (const DoubleDouble& c : constants_) scalars.push_back(rounded(static_cast<T>(c.hi), static_cast<T>(c.lo)));
-    const auto count = static_cast<std::size_t>(parameters_);
-    for (const ScalarStep& s : scalar_steps_) {
-        T& out = scalars[static_cast<std::size_t>(s.out)];
-        if (s.operation == Operation::parameter) {
-            const auto index = static_cast<std::size_t>(s.a);
-            out = parameters.size() > count ? rounded(parameters[index], parameters[count + index]) : parameters[index];
-            continue;
-        }
-        const T a = scalars[static_cast<std::size_t>(s.a)];
-        const T b = s.b >= 0 ? scalars[static_cast<std::size_t>(s.b)] : T(0);
-        switch (s.operation) {
-            case Operation::add: out = a + b; break;
-            case Operation::multiply: out = a * b; break;
-            case Operation::divide: out = a / b; break;
-            case Operation::square_root: out = sqrt(a); break;
-            case Operation::norm: {
-                const T c = scalars[static_cast<std::size_t>(s.c)];
-                out = sqrt(a * a + b * b + c * c);
-                break;
-            }
-            case Operation::sine: out = sin(a); break;
-            case Operation::cosine: out = cos(a); break;
-            case Operation::hyperbolic_sine: out = sinh(a); break;
-            case Operation::hyperbolic_cosine: out = cosh(a); break;
-            case Operation::hyperbolic_tangent: out = tanh(a); break;
-            case Operation::angle: out = atan2(a, b); break;
-            case Operation::exponential: out = exp(a); break;
-            case Operation::logarithm: out = log(a); break;
-            case Operation::power: out = pow(a, T(s.value)); break;
-            default: break;
-        }
-    }
-}
 
 }  // namespace rbdyn::inline RBDYN_FORM

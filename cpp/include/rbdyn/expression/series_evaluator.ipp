@@ -15,6 +15,7 @@
 
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/program_weights.hpp"
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"

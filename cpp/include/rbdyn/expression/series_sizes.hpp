@@ -12,6 +12,7 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/program_weights.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

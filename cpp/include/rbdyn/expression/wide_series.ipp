@@ -11,6 +11,7 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/program_weights.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

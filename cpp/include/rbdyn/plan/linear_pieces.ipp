@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/closed_form/linear_block.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/program_weights.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/points.hpp"
