@@ -2,6 +2,7 @@
 #include "exported.hpp"
 
 #include "rbdyn/expression/abreast_tape.ipp"
+#include "rbdyn/expression/borrowed_series.ipp"
 #include "rbdyn/expression/callback.ipp"
 #include "rbdyn/expression/condition.ipp"
 #include "rbdyn/expression/derivative.ipp"
@@ -12,7 +13,6 @@
 #include "rbdyn/expression/given.ipp"
 #include "rbdyn/expression/gradient.ipp"
 #include "rbdyn/expression/hidden_terms.ipp"
-#include "rbdyn/expression/borrowed_series.ipp"
 #include "rbdyn/expression/node.ipp"
 #include "rbdyn/expression/numbers.ipp"
 #include "rbdyn/expression/own_function.ipp"

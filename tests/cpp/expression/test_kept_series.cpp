@@ -4,9 +4,9 @@
 #include <cstring>
 #include <vector>
 
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/expression.hpp"
-#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"

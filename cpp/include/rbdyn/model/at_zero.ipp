@@ -9,9 +9,9 @@
 #include <limits>
 #include <span>
 
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/series_sizes.hpp"
 #include "rbdyn/model/equations.hpp"

@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/rounding_sizes.hpp"
-#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
 #include "rbdyn/model/equations.hpp"
