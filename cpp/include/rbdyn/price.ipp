@@ -53,15 +53,21 @@ RBDYN_INLINE double between(double a, double b, double part) {
     return a > 0.0 && b > 0.0 ? std::exp((1.0 - part) * std::log(a) + part * std::log(b)) : part < 0.5 ? a : b;
 }
 
+RBDYN_INLINE std::string named(const CostRow& row) {
+    return row.tolerance > 0.0 ? "tolerance " + about(row.tolerance) : "no tolerance";
+}
+
+/// A row itself.
+RBDYN_INLINE Prediction as_measured(const CostRow& row) {
+    return {row.engine, row.tolerance, row.seconds, row.total, "measured at " + named(row)};
+}
+
 /// What an error costs with one engine; none if it has no row as accurate.
 RBDYN_INLINE std::optional<Prediction> predicted(const std::vector<CostRow>& ladder, double error) {
     const auto enough =
         std::find_if(ladder.begin(), ladder.end(), [&](const CostRow& row) { return row.error <= error; });
     if (enough == ladder.end()) return std::nullopt;
-    const auto named = [](const CostRow& row) {
-        return row.tolerance > 0.0 ? "tolerance " + about(row.tolerance) : std::string("no tolerance");
-    };
-    Prediction p{enough->engine, enough->tolerance, enough->seconds, enough->total, "measured at " + named(*enough)};
+    Prediction p = as_measured(*enough);
     if (enough == ladder.begin() || enough->error == error) return p;
     const CostRow& loose = *(enough - 1);
     const double part =
@@ -102,8 +108,8 @@ RBDYN_INLINE Prediction Price::predict(double error) const {
         const std::optional<Prediction> one = pricing::predicted(pricing::ladder_of(*this, row.engine), error);
         if (one && (!best || one->seconds < best->seconds)) best = one;
     }
-    if (!best) pricing::refuse_error(*this, error);
-    return *best;
+    // between rows it is not to be had: what a row has reached it has, lucky or not
+    return best ? *best : pricing::as_measured(cheapest(error));
 }
 
 RBDYN_INLINE std::vector<CostRow> Price::front() const {

@@ -76,6 +76,17 @@ TEST(Prices, of_a_lucky_row_are_not_relied_on) {
     EXPECT_LT(p.seconds, 3.0);
 }
 
+TEST(Prices, of_what_a_row_alone_has_reached_are_its_own) {
+    Price price;
+    // beyond its floor an engine gets worse again
+    price.rows = {row("a", 1e-3, 1e-6, 1.0), row("a", 1e-5, 1e-9, 2.0), row("a", 1e-7, 5e-9, 3.0)};
+    const Prediction p = price.predict(2e-9);
+    EXPECT_EQ(p.seconds, 2.0);
+    EXPECT_EQ(p.tolerance, 1e-5);
+    EXPECT_EQ(p.basis, "measured at tolerance 1e-05");
+    EXPECT_THROW((void)price.predict(9e-10), InvalidInput);
+}
+
 TEST(Prices, of_what_misses_events_are_none) {
     Price price;
     price.rows = {row("a", 1e-3, 1e-9, 1.0), row("a", 1e-5, 1e-9, 2.0)};
