@@ -90,6 +90,33 @@ TEST(FirstIntegrals, keep_the_angular_momentum_about_a_fixed_centre) {
     EXPECT_EQ(held.conserved(), Names{"energy"});
 }
 
+TEST(FirstIntegrals, that_actions_or_landings_end_are_none) {
+    for (const bool bounces : {false, true}) {
+        Scene scene(down);
+        const BodyHandle ball = scene.add(Particle{1.0}, {.position = {0.0, 0.0, 1.0}, .velocity = {1.0, 0.0, 0.0}});
+        const auto bounce = [ball](const Observe&) {
+            return std::vector{StateChange{.body = ball, .velocity = Vector3(1.0, 0.0, 2.0)}};
+        };
+        scene.watch("floor", [ball](const Now& now) { return now[ball].position()[2]; },
+                    {.direction = Direction::falling,
+                     .action = bounces ? WatchAction{WatchAction::Kind::change, bounce} : WatchAction{}});
+        const Trajectory run = simulate(scene, {.until = 0.6});
+        ASSERT_EQ(run.events().size(), 1u);
+        EXPECT_EQ(run.plan().integrals,
+                  bounces ? Names{} : Names({"energy", "momentum x", "momentum y", "angular momentum z"}));
+    }
+
+    // up the inside of a loop, and back onto it: what a bead has across its rail is lost
+    Scene carried(down);
+    const Curve loop = Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}};
+    carried.add(Particle{1.0}, Rail(loop, std::nullopt, {.side = RailSide::plus}), {.speed = 5.5});
+    const Trajectory run = simulate(carried, {.until = 3.0});
+    ASSERT_GE(run.events().size(), 2u);
+    EXPECT_EQ(run.events()[1].kind, EventKind::land);
+    EXPECT_LT(run.energy(3.0), run.energy(0.0) - 0.1);
+    EXPECT_EQ(run.plan().integrals, Names{});
+}
+
 TEST(FirstIntegrals, of_beads_and_joints_are_what_their_reactions_leave) {
     Scene scene(down);
     const Rail rail(Line{.direction = {1, 0, 0}});

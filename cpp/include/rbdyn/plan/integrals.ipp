@@ -3,6 +3,7 @@
 
 #include "rbdyn/plan/integrals.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -22,6 +23,7 @@
 #include "rbdyn/scene/rigid_motion.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/torque.hpp"
+#include "rbdyn/scene/watch.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::planning {
 
@@ -111,7 +113,9 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
     }
     const bool has_friction = friction_in(b.joint).has_value();
     if (has_friction) left.energy = left.only_weight = false;
-    if (const Rail* rail = b.rail(); rail != nullptr && (rail->friction() || rail->motion().present()))
+    // a bead that lands on its rail loses its speed across it
+    if (const Rail* rail = b.rail();
+        rail != nullptr && (rail->friction() || rail->motion().present() || rail->side() != RailSide::both))
         left.energy = left.only_weight = false;
     // what joins bodies to each other is no force from outside
     if (b.parent >= 0) return;
@@ -126,7 +130,6 @@ RBDYN_INLINE void take_joint(const Scene::Body& b, Remaining& left) {
     };
     if (const Rail* rail = b.rail()) {
         const bool is_ideal = !rail->friction() && !rail->motion().present();
-        left.energy = left.energy && is_ideal;
         left.only_weight = false;
         if (!is_ideal || !rail->curve().straight() || rail->may_release()) return left.push_anyhow();
         slides_along(rail->curve().first(b.parameter));
@@ -175,11 +178,14 @@ RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
 
 RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* body) {
     FirstIntegrals result;
-    Remaining left = remaining_of(scene);
-    if (left.energy) result.names.push_back("energy");
     const Vector3& g = scene.gravity();
     const bool has_gravity = !g.isZero(0.0);
     if (has_gravity) result.up = -direction(g);
+    // an action may change any velocity
+    const auto changes = [](const Scene::Watch& w) { return w.options.action.kind == WatchAction::Kind::change; };
+    if (std::any_of(scene.watches().begin(), scene.watches().end(), changes)) return result;
+    Remaining left = remaining_of(scene);
+    if (left.energy) result.names.push_back("energy");
     const std::string components[] = {"x", "y", "z"};
     for (int i = 0; i < 3; ++i)
         if (left.momentum[i]) result.names.push_back("momentum " + components[i]);
