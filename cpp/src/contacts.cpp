@@ -7,6 +7,7 @@
 #include "rbdyn/mechanics/friction_cones.ipp"
 #include "rbdyn/mechanics/tree_contacts.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"
+#include "rbdyn/mechanics/tree_joint_contacts.ipp"
 #include "rbdyn/mechanics/tree_rest.ipp"
 #include "rbdyn/mechanics/tree_rolling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"

@@ -40,6 +40,8 @@ struct Row {
     int a = -1, b = -1;
     Wrench<S> on_a, on_b;
     S bias = S(0.0);
+    bool is_joint = false;  // along the first velocity of a's joint, of which b is the parent
+    S pace = S(1.0);        // of that its rate
 };
 
 /// x of A x = b, A symmetric and positive definite, given by its lower half, without pivots: A = L D L^T. Rows that are
@@ -161,6 +163,11 @@ public:
     /// Of a row: L^-1 J^T, by velocity, those on the ways of its bodies to the ground.
     using Sparse = std::vector<std::pair<int, S>>;
     Sparse response(const Row<S>& row) const {
+        if (row.is_joint) {
+            Sparse along = driving(row.a, 0);
+            for (auto& [n, one] : along) one *= row.pace;
+            return along;
+        }
         Sparse u;
         int a = row.a, b = row.b;
         Wrench<S> at_a = row.on_a, at_b = row.on_b;

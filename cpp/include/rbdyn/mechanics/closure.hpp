@@ -70,7 +70,10 @@ std::vector<double> nearest(const std::vector<W>& x) {
 template <class W>
 std::vector<double> chosen(const std::vector<W>& all, const std::vector<int>& rows) {
     std::vector<double> result;
-    for (const int r : rows) result.push_back(-static_cast<double>(all[static_cast<std::size_t>(r)]));
+    // joints have no gaps
+    for (const int r : rows)
+        result.push_back(
+            static_cast<std::size_t>(r) < all.size() ? -static_cast<double>(all[static_cast<std::size_t>(r)]) : 0.0);
     return result;
 }
 /// Of something for each row what belongs to constraints.

@@ -143,6 +143,13 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
         for (int k = 0; k < tree_->velocities(); ++k)
             wide[static_cast<std::size_t>(tree_->positions() + k)] +=
                 static_cast<Real>(changes[static_cast<std::size_t>(k)]);
+        // what friction in joints holds stays where it is, to the bit
+        for (const int r : rows_)
+            if (const int body = conditions_->joint_of(r); body >= 0) {
+                const Node& n = tree_->node(body);
+                for (const int i : {n.q, tree_->positions() + n.v})
+                    wide[static_cast<std::size_t>(i)] = before[static_cast<std::size_t>(i)];
+            }
     }
     for (std::size_t i = 0; i < x.size(); ++i)
         if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);

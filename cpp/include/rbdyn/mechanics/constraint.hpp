@@ -9,8 +9,10 @@
 // A hinge is two points and two right angles with its axis, a weld two points and three, a universal joint two and one.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
@@ -65,7 +67,26 @@ public:
     /// What touches: of each one row, its gap, behind those of the constraints; behind them of each three, the velocity
     /// of what is held by friction along the world's axes.
     const std::vector<ContactLaw>& contacts() const { return contacts_; }
-    int rows() const { return first_of_resistances() + 2 * static_cast<int>(resistances_.size()); }
+    int rows() const { return joint_row(static_cast<int>(joints_.size())); }
+    /// Behind all others one of each joint that friction may hold, which has no gap.
+    int joint_row(int joint) const {
+        return first_of_resistances() + 2 * static_cast<int>(resistances_.size()) + joint;
+    }
+    /// Joints with friction: its body, and whether it turns.
+    struct Rubbing {
+        int body = -1;
+        bool turns = false;
+    };
+    /// The body whose joint a row is along; -1: it is none of a joint.
+    int joint_of(int row) const {
+        const int joint = row - joint_row(0);
+        return joint < 0 ? -1 : joints_[static_cast<std::size_t>(joint)].body;
+    }
+    void take_joints(std::vector<Rubbing> joints) {
+        joints_ = std::move(joints);
+        // smooth contacts are then solved with what is rough
+        is_rough_ = is_rough_ || (!joints_.empty() && !contacts_.empty());
+    }
     /// What resists rolling or pivoting: behind all others of each two rows, of which pivoting has one.
     const std::vector<Resistance>& resistances() const { return resistances_; }
     int resistance_row(int resistance, int k) const { return first_of_resistances() + 2 * resistance + k; }
@@ -132,6 +153,7 @@ public:
                 const Touching<S>& t = touching[static_cast<std::size_t>(r.contact)];
                 rows.push_back(k < r.rows() ? r.row(t, k) : Row<S>{t.a, t.b, {}, {}, S(0.0)});
             }
+        for (const Rubbing& joint : joints_) rows.push_back(along<S>(joint, tree, all));
         return rows;
     }
 
@@ -181,6 +203,30 @@ public:
     }
 
 private:
+    /// The acceleration of a joint that rubs, without what a rail's curve makes of it.
+    template <class S>
+    static Row<S> along(const Rubbing& joint, const Tree& tree, const std::vector<Moving<S>>& all) {
+        using std::sqrt;
+        const int parent = tree.node(joint.body).parent;
+        const Moving<S>& m = all[static_cast<std::size_t>(joint.body)];
+        const Twist<S>& motion = m.joint.front();
+        Row<S> row{joint.body, parent, {}, {}, S(0.0), true};
+        if (joint.turns) {
+            row.on_a.moment = motion.turn;
+            row.on_b.moment = -motion.turn;
+            return row;
+        }
+        // a bead that flies
+        if (is_nothing(Wrench<S>{motion.move, motion.turn})) return row;
+        row.pace = sqrt(dot<S>(motion.move, motion.move));
+        const Vector3Of<S> way = motion.move * (S(1.0) / row.pace);
+        row.on_a.force = way;
+        row.on_b.force = -way;
+        if (parent >= 0)
+            row.on_b.moment =
+                cross<S>(Vector3Of<S>(m.place - all[static_cast<std::size_t>(parent)].place), row.on_b.force);
+        return row;
+    }
     /// The two ends of a constraint.
     template <class S>
     struct Ends {
@@ -225,6 +271,7 @@ private:
 
     std::vector<ContactLaw> contacts_;
     std::vector<Resistance> resistances_;
+    std::vector<Rubbing> joints_;
     int rows_ = 0;
     bool is_rough_ = false;
 };

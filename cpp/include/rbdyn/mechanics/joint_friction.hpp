@@ -107,12 +107,15 @@ struct RoughJoint {
 /// Those of a scene. Throws InvalidInput where this version has none.
 [[gnu::cold]] std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree& tree);
 
-/// What a rough joint does in a mode, as its number in Mode::slip behind those of contacts: no friction yet, held, or
-/// it slides: forward or backward, from rest, pressed in a direction that turns, or by nothing but rounding.
+/// What a rough joint does in a mode, as its number in Mode::slip behind those of contacts: no friction yet, held,
+/// idle, for contacts hold what it would, or it slides: forward or backward, from rest, pressed in a direction that
+/// turns, or by nothing but rounding.
 namespace joint_state {
 
-inline constexpr signed char open = 0, held = 8, slides = 16, backward = 1, from_rest = 2, veering = 4, unloaded = 32;
+inline constexpr signed char open = 0, held = 8, slides = 16, backward = 1, from_rest = 2, veering = 4, unloaded = 32,
+                             idle = 64;
 
+inline bool is_at_rest(signed char state) { return state == held || state == idle; }
 inline bool is_sliding(signed char state) { return (state & slides) != 0; }
 inline bool has(signed char state, signed char what) { return is_sliding(state) && (state & what) != 0; }
 /// The sign of its rate; 0: it is at rest.
@@ -123,6 +126,7 @@ inline int sign(signed char state) { return !is_sliding(state) ? 0 : has(state, 
 /// What a mode remembers of a rough joint, behind what it does of contacts.
 struct JointMemory {
     static constexpr int numbers = 5, parameters = 4;  // of these its equations know the first ones
+    static constexpr std::size_t said = 5;             // what the equations say of it (tree_writer.hpp)
 
     double least_rate = 0.0;        // below it a rate is rounding [rad/s, m/s]
     std::array<double, 2> along{};  // the direction in which it is pressed
@@ -136,21 +140,31 @@ struct JointMemory {
     }
 };
 
-/// What a unit of friction along each rough joint does, while constraints hold.
+/// What a unit of friction along each rough joint does, while constraints hold. What slides on a contact holds it by a
+/// force that is not along its row.
 template <class S>
 class FrictionResponse {
 public:
     using Load = std::array<S, 2>;
     using Sparse = typename Accelerate<S>::Sparse;
 
+    /// `acting`: what a unit of the force of each constraint is; none: their own.
     FrictionResponse(const Tree& tree, const std::vector<RoughJoint>& joints, const Accelerate<S>& accelerate,
-                     const S& t, const std::vector<Moving<S>>& all, const std::vector<Row<S>>& constraints)
-        : tree_(tree), joints_(joints), accelerate_(accelerate), all_(all), constraints_(constraints) {
+                     const S& t, const std::vector<Moving<S>>& all, const std::vector<Row<S>>& constraints,
+                     const std::vector<Row<S>>* acting = nullptr)
+        : tree_(tree),
+          joints_(joints),
+          accelerate_(accelerate),
+          all_(all),
+          is_symmetric_(acting == nullptr),
+          acting_(acting != nullptr ? *acting : constraints) {
         for (const RoughJoint& joint : joints) axes_.push_back(joint.across(t, all));
         for (const Row<S>& row : constraints) held_.push_back(accelerate.response(row));
+        pushes_ = held_;
+        for (std::size_t k = 0; k < held_.size() && !is_symmetric_; ++k) pushes_[k] = accelerate.response(acting_[k]);
         for (const Sparse& one : held_) {
             used_.emplace_back();
-            for (const Sparse& other : held_) used_.back().push_back(accelerate.between(one, other));
+            for (const Sparse& other : pushes_) used_.back().push_back(accelerate.between(one, other));
         }
         for (const RoughJoint& joint : joints) {
             along_.push_back(accelerate.driving(joint.body, 0));
@@ -191,11 +205,15 @@ public:
             const Vector3Of<S> c = all_[static_cast<std::size_t>(body)].to_world(exactly<S>(n.center));
             sum += Vector3Of<S>(a.move + cross<S>(a.turn, c)) * exactly<S>(n.mass);
         }
-        for (std::size_t r = 0; r < constraints_.size(); ++r)
-            for (const auto& [body, on] : {std::pair{constraints_[r].a, &constraints_[r].on_a},
-                                           std::pair{constraints_[r].b, &constraints_[r].on_b}})
-                if (body >= 0 && carries(joints_[i].body, body)) sum += Vector3Of<S>(on->force * S(-multipliers[r]));
+        for (std::size_t r = 0; r < acting_.size(); ++r) sum += less(i, acting_[r], multipliers[r]);
         return across(i, sum);
+    }
+    /// What a force takes from what presses joint i.
+    Vector3Of<S> less(std::size_t i, const Row<S>& row, const S& force) const {
+        Vector3Of<S> sum = none<S>();
+        for (const auto& [body, on] : {std::pair{row.a, &row.on_a}, std::pair{row.b, &row.on_b}})
+            if (body >= 0 && carries(joints_[i].body, body)) sum += Vector3Of<S>(on->force * S(-force));
+        return sum;
     }
     Load across(std::size_t i, const Vector3Of<S>& force) const {
         return {dot<S>(axes_[i][0], force), dot<S>(axes_[i][1], force)};
@@ -211,9 +229,13 @@ private:
     std::vector<S> hold(std::vector<S>& u) const {
         std::vector<S> b;
         for (const Sparse& one : held_) b.push_back(-accelerate_.along(one, u));
-        std::vector<S> found = held_.empty() ? std::vector<S>() : solve_definite<S>(used_, std::move(b));
+        std::vector<S> found, pivots, driven;
+        if (is_symmetric_)
+            found = solve_definite<S>(used_, std::move(b));
+        else
+            found = solve_in_order<S>(used_, std::move(b), pivots, driven);
         for (std::size_t k = 0; k < held_.size(); ++k)
-            for (const auto& [n, one] : held_[k]) u[static_cast<std::size_t>(n)] += one * found[k];
+            for (const auto& [n, one] : pushes_[k]) u[static_cast<std::size_t>(n)] += one * found[k];
         return found;
     }
 
@@ -221,9 +243,10 @@ private:
     const std::vector<RoughJoint>& joints_;
     const Accelerate<S>& accelerate_;
     const std::vector<Moving<S>>& all_;
-    const std::vector<Row<S>>& constraints_;
+    bool is_symmetric_;
+    std::vector<Row<S>> acting_;
     std::vector<std::array<Vector3Of<S>, 2>> axes_;
-    std::vector<Sparse> held_, along_;
+    std::vector<Sparse> held_, pushes_, along_;
     std::vector<std::vector<S>> used_, driven_, multipliers_;
     std::vector<std::vector<Load>> loads_;
 };

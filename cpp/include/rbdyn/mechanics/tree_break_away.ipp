@@ -56,7 +56,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     Touched touched;
     std::vector<double> b, noise;
     const auto see = [&](const std::vector<int>& resting) {
-        touched = this->touched(before, all, candidates, resting, false, &mode);
+        touched = this->touched(before, t, all, candidates, resting, false, &mode);
         b.clear();
         noise.clear();
         for (const auto& row : touched.rows) {
@@ -226,7 +226,7 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
             mode.slip[at(k)] = is_chosen(conditions_->normal_row(k)) ? pushes : rests;
         } else if (slides(mode.slip[at(k)]) && !is_chosen(conditions_->normal_row(k))) {
             // one of many forces that give this motion, if its friction does what that of the others would
-            if (!makes_no_difference(touched, i, chosen)) {
+            if (!makes_no_difference(mode, touched, i, chosen)) {
                 mode.impossible =
                     "the forces of contacts that slide are not unique, and the motion depends on them, of " +
                     conditions_->contacts()[at(k)].name;

@@ -271,6 +271,8 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         for (const int k : at_rest)
             if (is_in(kept.held, k)) fired.stuck.push_back(k);
         settle(as_it_was, mode, t, x, at_rest, fired);
+    } else if (!joints_.empty()) {
+        settle(as_it_was, mode, t, x, {}, {});
     } else {
         choose(mode, t, x, {});
     }

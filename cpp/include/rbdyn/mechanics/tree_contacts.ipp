@@ -38,16 +38,30 @@ RBDYN_INLINE std::vector<int> TreeModel::rows_in(const Mode& mode) const {
         for (int k = 0; k < 2; ++k)
             if (mechanics::contact_state::is_row(resisting(mode, e), k))
                 rows.push_back(conditions_->resistance_row(e, k));
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i)
+        if (mode.slip[at(first_joint() + i)] == mechanics::joint_state::held) rows.push_back(conditions_->joint_row(i));
+    return rows;
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::kept_rows(const Mode& mode) const {
+    std::vector<int> rows = rows_in(mode);
+    std::erase_if(rows, [&](int r) {
+        const int joint = r - conditions_->joint_row(0);
+        return joint >= 0 && (contacts() == 0 || !joints_[at(joint)].drive.is_zero());
+    });
     return rows;
 }
 
 RBDYN_INLINE std::vector<int> TreeModel::closed_in(const Mode& mode,
                                                    const std::vector<mechanics::Moving<double>>& all) const {
-    if (!conditions_->is_rough()) return rows_in(mode);
+    if (!conditions_->is_rough()) return kept_rows(mode);
     std::vector<int> rows = rows_;
+    for (const int r : kept_rows(mode))
+        if (r >= conditions_->joint_row(0)) rows.push_back(r);
+    const std::size_t first = rows.size();
     for (int k = 0; k < contacts(); ++k)
         if (mode.slip[at(k)] != flies && mode.slip[at(k)] != rests) rows.push_back(conditions_->normal_row(k));
-    return mechanics::independent_rows(*tree_, *conditions_, rows, all, rows_.size());
+    return mechanics::independent_rows(*tree_, *conditions_, rows, all, first);
 }
 
 RBDYN_INLINE double TreeModel::size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const {
@@ -115,7 +129,7 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
     const std::vector<int> rows = rows_in(mode);
     if (rows.empty()) return;
     std::vector<double> low(x.size(), 0.0);
-    const mechanics::TreeProjection projection(tree_, conditions_, rows, closed_in(mode, moving(t, x)));
+    const mechanics::TreeProjection projection(tree_, conditions_, kept_rows(mode), closed_in(mode, moving(t, x)));
     projection.apply(x, low, 0.0, t);
     if (holds_all(rows)) std::fill(x.begin() + tree_->positions(), x.end(), 0.0);
 }
@@ -123,7 +137,12 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
 RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
                                   const std::vector<int>& stuck) const {
     const auto all = moving(t, x);
-    const auto constraints = constraints_of(conditions_->rows<double>(*tree_, all));
+    const auto every = conditions_->rows<double>(*tree_, all);
+    auto constraints = constraints_of(every);
+    // what is held by joints stays so
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i)
+        if (x[at(tree_->positions() + joints_[at(i)].v)] == 0.0)
+            constraints.push_back(every[at(conditions_->joint_row(i))]);
     std::vector<mechanics::Row<double>> rows, acting;
     for (const int k : of) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
@@ -290,7 +309,9 @@ RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std
 
 RBDYN_INLINE void TreeModel::settle(const Mode& before, Mode& mode, double t, std::span<double> x,
                                     const std::vector<int>& candidates, const Fired& fired) const {
-    if (resistances() > 0)
+    if (!joints_.empty())
+        settle_all(before, mode, t, x, candidates, fired);
+    else if (resistances() > 0)
         settle_resisted(before, mode, t, x, candidates, fired);
     else if (conditions_->is_rough())
         settle_rough(before, mode, t, x, candidates, fired);
@@ -388,6 +409,8 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     };
     std::vector<int> closed;
     Fired events;
+    const bool joints_change = heed_joints(mode, after, fired, t, x, events.rubbed_breaking, happenings);
+    if (!after.impossible.empty()) return;
     for (int k = 0; k < contacts(); ++k) {
         for (const int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
@@ -413,8 +436,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                               std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
                               rate(before, all, k) < 0.0;
         if (is_there) events.landing.push_back(k);
-        if (is_closed || has_fired || is_there) closed.push_back(k);
+        // what a joint has held over it touches as well
+        const bool is_near = !is_closed && !joints_.empty() && !conditions_->contacts()[at(k)].is_gone &&
+                             std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
+                             rate(before, all, k) <= 1e-13 * speed_of(k, all);
+        if (is_closed || has_fired || is_there || is_near) closed.push_back(k);
     }
+    if (!fired.empty() && !joints_change && events.none()) return choose(after, t, x, {});
     const std::vector<int>& landing = events.landing;
     std::vector<int> at_rest = closed, group;
     std::vector<double> impulses(at(contacts()), 0.0);
@@ -455,7 +483,14 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (!group.empty()) {
             // what is left of their bounces is less than rounding: none of them moves any more
             at_rest.insert(at_rest.end(), group.begin(), group.end());
+            const std::vector<double> bounced(x.begin(), x.end());
             stop(t, x, at_rest, strokes.stuck);
+            // what is left of rates is rounding
+            for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
+                const int place = tree_->positions() + joints_[at(i)].v;
+                if (joints_[at(i)].drive.is_zero() && std::abs(x[at(place)]) <= 1e-10 * std::abs(bounced[at(place)]))
+                    x[at(place)] = 0.0;
+            }
             Fired rested;
             rested.stuck = strokes.stuck;
             settle(mode, after, t, x, at_rest, rested);
@@ -498,6 +533,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         happenings.push_back(std::move(h));
     }
     if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);
+    tell_joints(mode, after, happenings);
     tell_rest(mode, was, after, t, x, happenings);
     put_in_order(happenings);
 }

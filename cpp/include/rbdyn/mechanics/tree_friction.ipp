@@ -37,11 +37,20 @@ RBDYN_INLINE bool TreeModel::Fired::has(int contact) const {
     return false;
 }
 
+RBDYN_INLINE bool TreeModel::Fired::none() const {
+    for (const auto* list : {&landing, &doubtful, &breaking, &stopping, &turning, &singular, &resisted_breaking,
+                             &resisted_stopping, &resisted_turning, &stuck, &rubbed_breaking})
+        if (!list->empty()) return false;
+    return true;
+}
+
 RBDYN_INLINE bool TreeModel::holds_all(const std::vector<int>& rows) const {
     if (!conditions_->is_rough() || static_cast<int>(rows.size()) != tree_->velocities() || tree_->velocities() == 0)
         return false;
     const auto is_driven = [](const mechanics::Node& n) { return n.joint.as<mechanics::DrivenLaw>() != nullptr; };
-    return std::none_of(tree_->nodes().begin(), tree_->nodes().end(), is_driven);
+    const auto carries = [](const mechanics::RoughJoint& joint) { return !joint.drive.is_zero(); };
+    return std::none_of(joints_.begin(), joints_.end(), carries) &&
+           std::none_of(tree_->nodes().begin(), tree_->nodes().end(), is_driven);
 }
 
 RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> /*x*/) const {
@@ -65,19 +74,20 @@ RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> 
     }
 }
 
-RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
+RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
                                                    const std::vector<mechanics::Moving<double>>& all,
                                                    const std::vector<int>& contacts, const std::vector<int>& stopped,
                                                    bool strikes, const Mode* mode) const {
     Touched result;
     result.moving = all;
+    result.t = t;
     for (const int k : contacts) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         Touched::One one{k, c.touching<double>(*tree_, all), {}, {}, false, {}};
-        const auto& t = one.at;
-        one.slip = t.slip();
-        one.axes[0] = t.normal;
-        std::tie(one.axes[1], one.axes[2]) = friction::across(t.normal);
+        const auto& here = one.at;
+        one.slip = here.slip();
+        one.axes[0] = here.normal;
+        std::tie(one.axes[1], one.axes[2]) = friction::across(here.normal);
         const int first = static_cast<int>(result.rows.size());
         // in an impact the dynamic coefficient counts alone
         const bool resists = c.is_rough() && !(strikes && c.mu_dynamic.is_zero());
@@ -90,18 +100,18 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
                          std::find(stopped.begin(), stopped.end(), k) == stopped.end();
             if (one.slides) one.along = one.slip / speed;
         }
-        result.rows.push_back(t.row(t.normal, t.normal_rate));
+        result.rows.push_back(here.row(here.normal, here.normal_rate));
         result.pushes.push_back(result.rows.back());
         if (one.slides) {
             const double mu = c.mu_dynamic;
-            result.pushes.back() = t.row(Vector3(t.normal - one.along * mu), Vector3(Vector3::Zero()));
+            result.pushes.back() = here.row(Vector3(here.normal - one.along * mu), Vector3(Vector3::Zero()));
         } else if (resists) {
             for (int i = 1; i < 3; ++i) {
-                result.rows.push_back(t.row(one.axes[i], Vector3(Vector3::Zero())));
+                result.rows.push_back(here.row(one.axes[i], Vector3(Vector3::Zero())));
                 result.pushes.push_back(result.rows.back());
             }
         }
-        if (mode != nullptr) t.add_torque(result.pushes[at(first)], twisting(*mode, k, all));
+        if (mode != nullptr) here.add_torque(result.pushes[at(first)], twisting(*mode, k, all));
         result.cones.push_back({first, !resists || one.slides, static_cast<double>(c.mu_static)});
         if (strikes) result.cones.back().mu = c.mu_dynamic;
         result.all.push_back(std::move(one));
@@ -112,7 +122,8 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before,
         constraints.clear();
         for (const int r : rows_without_contacts(*mode)) constraints.push_back(every[at(r)]);
     }
-    result.coupled.emplace(*tree_, all, constraints, result.rows, result.pushes);
+    const std::optional<friction::JointLaw> law = mode != nullptr ? joint_law(*mode, t) : std::nullopt;
+    result.coupled.emplace(*tree_, all, constraints, result.rows, result.pushes, law ? &*law : nullptr);
     result.matrix = result.coupled->matrix();
     return result;
 }
@@ -224,7 +235,8 @@ RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::
 RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,
                                                          const std::vector<int>& struck, Strokes& strokes) const {
     const auto all = moving(t, x);
-    const Touched touched = this->touched(before, all, struck, {}, true);
+    Touched touched = this->touched(before, t, all, struck, {}, true);
+    if (!joints_.empty()) return strike_jointed(t, x, struck, touched, strokes);
     std::vector<double> u, b, noise, normal(at(contacts()), 0.0);
     for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
     double fastest = 0.0;
@@ -270,20 +282,25 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     const auto after = moving(t, x);
     strokes.pushed.assign(at(contacts()), Vector3::Zero());
-    for (std::size_t i = 0; i < struck.size(); ++i) {
-        const auto f = static_cast<std::size_t>(touched.cones[i].first);
-        normal[at(struck[i])] = found.force[f];
-        // without dynamic friction it slips on as it did
-        const double slip = touched.cones[i].is_line
-                                ? conditions_->contacts()[at(struck[i])].touching<double>(*tree_, after).slip().norm()
-                                : std::hypot(found.rate[f + 1], found.rate[f + 2]);
-        const bool slips = found.states[i] == mechanics::ConeState::slides && slip > 1e2 * noise[f];
-        if (found.states[i] != mechanics::ConeState::open && is_rough(struck[i]) && !slips)
-            strokes.stuck.push_back(struck[i]);
-        for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
-            strokes.pushed[at(struck[i])] += touched.all[i].axes[j] * found.force[f + at(j)];
-    }
+    for (std::size_t i = 0; i < struck.size(); ++i) tell_stroke(touched, i, found, after, noise, strokes, normal);
     return normal;
+}
+
+RBDYN_INLINE void TreeModel::tell_stroke(const Touched& touched, std::size_t i, const mechanics::ConeForces& found,
+                                         const std::vector<mechanics::Moving<double>>& after,
+                                         const std::vector<double>& noise, Strokes& strokes,
+                                         std::vector<double>& normal) const {
+    const auto f = static_cast<std::size_t>(touched.cones[i].first);
+    const int k = touched.all[i].contact;
+    normal[at(k)] = found.force[f];
+    // without dynamic friction it slips on as it did
+    const double slip = touched.cones[i].is_line
+                            ? conditions_->contacts()[at(k)].touching<double>(*tree_, after).slip().norm()
+                            : std::hypot(found.rate[f + 1], found.rate[f + 2]);
+    const bool slips = found.states[i] == mechanics::ConeState::slides && slip > 1e2 * noise[f];
+    if (found.states[i] != mechanics::ConeState::open && is_rough(k) && !slips) strokes.stuck.push_back(k);
+    for (int j = 0; j < (touched.cones[i].is_line ? 1 : 3); ++j)
+        strokes.pushed[at(k)] += touched.all[i].axes[j] * found.force[f + at(j)];
 }
 
 RBDYN_INLINE void TreeModel::tell_friction(const Mode& mode, const Mode& after, const Fired& fired,

@@ -35,7 +35,7 @@ namespace tree_joints {
 /// Whether what a body is joined to moves by itself alone and it carries nothing: its own friction changes none of what
 /// presses it, nor does that of others.
 inline bool is_alone(const Scene& scene, const Tree& tree, int body) {
-    if (!scene.constraints().empty()) return false;
+    if (!scene.constraints().empty() || !scene.contacts().empty()) return false;
     for (int i = tree.node(body).parent; i >= 0; i = tree.node(i).parent)
         if (tree.node(i).joint.velocities() > 0) return false;
     return std::none_of(tree.nodes().begin(), tree.nodes().end(), [&](const Node& n) { return n.parent == body; });
@@ -78,34 +78,31 @@ RBDYN_INLINE std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree
         one.across_in[1] = cross<DoubleDouble>(axis, one.across_in[0]);
         result.push_back(std::move(one));
     }
-    if (!result.empty() && !scene.contacts().empty())
-        throw InvalidInput("friction in the joint of " + result.front().name +
-                           ": beside contacts, whose impacts it would take part in, it is not there in this version; "
-                           "leave one of them out");
     return result;
 }
 
 RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S>& tree, const Acts& acts,
-                                                              std::vector<S>& u, std::vector<S>& multipliers) const {
+                                                              const Solved& solved, std::vector<S>& u,
+                                                              std::vector<S>& multipliers) const {
     const std::size_t n = joints_.size();
     std::vector<S> said(per_joint * n, S(0.0));
     if (n == 0) return said;
-    std::vector<Row<S>> constraints;
-    if (!rows_.empty()) {
-        const auto all = conditions_.rows<S>(tree_, moving_);
-        for (const int r : rows_) constraints.push_back(all[at(r)]);
-    }
-    const FrictionResponse<S> response(tree_, joints_, tree, r_.time(), moving_, constraints);
+    const FrictionResponse<S> response(tree_, joints_, tree, r_.time(), moving_, solved.rows,
+                                       solved.is_symmetric ? nullptr : &solved.acting);
     using Load = FrictionResponse<S>::Load;
-    std::vector<std::size_t> held, sliding;
+    std::vector<std::size_t> sliding;
+    std::vector<int> held(n, -1);  // the row of each
     for (std::size_t i = 0; i < n; ++i) {
-        if (joint_states_[i] == joint_state::held) held.push_back(i);
+        for (std::size_t r = 0; r < rows_.size(); ++r)
+            if (rows_[r] == conditions_.joint_row(static_cast<int>(i))) held[i] = static_cast<int>(r);
         if (joint_state::is_sliding(joint_states_[i]) && !joint_state::has(joint_states_[i], joint_state::unloaded))
             sliding.push_back(i);
     }
     std::vector<S> friction(n, S(0.0));
     // without the friction of what slides
     const auto spread = tree.spread(u).bodies;
+    std::vector<S> forces;
+    for (const std::size_t r : solved.order) forces.push_back(multipliers[r]);
     std::vector<Load> load;
     for (std::size_t i = 0; i < n; ++i) {
         Vector3Of<S> sum = none<S>();
@@ -116,43 +113,17 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
             sum +=
                 m.bias_at(m.to_world(exactly<S>(node.center))) * exactly<S>(node.mass) - acts.wrenches[at(body)].force;
         }
-        Load one = response.load(i, spread, multipliers);
+        for (std::size_t k = 0; k < states_.size(); ++k)
+            if (contact_state::is_held(states_[k]) || states_[k] == contact_state::rests)
+                sum += response.less(i, touching_[k].row(shared(k), none<S>()), S(1.0));
+        Load one = response.load(i, spread, forces);
         const Load rest = response.across(i, sum);
         for (std::size_t k = 0; k < 2; ++k) one[k] += rest[k];
         load.push_back(one);
     }
-    // what is held is so whatever slides: its friction by what drives it, and by that of each that slides
-    std::vector<std::vector<S>> a;
-    for (const std::size_t i : held) {
-        a.emplace_back();
-        for (const std::size_t j : held) a.back().push_back(response.acceleration(i, j));
-    }
-    const auto holding = [&](const auto& acceleration) {
-        std::vector<S> b;
-        for (const std::size_t i : held) b.push_back(-acceleration(i));
-        return solve_definite<S>(a, std::move(b));
-    };
-    const std::vector<S> first = holding([&](std::size_t i) {
-        const S acceleration = response.acceleration(i, u);
-        if (!joints_[i].rail) return acceleration;
-        return S(acceleration - joints_[i].carried(r_.time(), q_.data(), v_[at(joints_[i].v)], moving_));
-    });
-    for (std::size_t h = 0; h < held.size(); ++h) {
-        friction[held[h]] = first[h];
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < 2; ++k) load[i][k] += response.load(i, held[h])[k] * first[h];
-    }
-    std::vector<std::vector<S>> answers;  // of what is held, to each that slides
     std::vector<std::vector<Load>> by(n);
-    for (const std::size_t j : sliding) {
-        answers.push_back(holding([&](std::size_t i) { return response.acceleration(i, j); }));
-        for (std::size_t i = 0; i < n; ++i) {
-            Load one = response.load(i, j);
-            for (std::size_t h = 0; h < held.size(); ++h)
-                for (std::size_t k = 0; k < 2; ++k) one[k] += response.load(i, held[h])[k] * answers.back()[h];
-            by[i].push_back(one);
-        }
-    }
+    for (const std::size_t j : sliding)
+        for (std::size_t i = 0; i < n; ++i) by[i].push_back(response.load(i, j));
     // T = k e . R, the directions of those that turn taken anew
     const auto is_turning = [&](std::size_t i) { return joint_state::has(joint_states_[i], joint_state::veering); };
     const bool turns = std::any_of(sliding.begin(), sliding.end(),
@@ -187,17 +158,16 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::add_friction(const Accelerate<S
             said[per_joint * j + 4] = pivots[s];
         }
     }
-    for (std::size_t s = 0; s < sliding.size(); ++s)
-        for (std::size_t h = 0; h < held.size(); ++h) friction[held[h]] += answers[s][h] * friction[sliding[s]];
+    for (const std::size_t j : sliding) {
+        for (std::size_t k = 0; k < u.size(); ++k) u[k] += response.driven(j)[k] * friction[j];
+        for (std::size_t k = 0; k < solved.order.size(); ++k)
+            multipliers[solved.order[k]] += response.multipliers(j)[k] * friction[j];
+    }
     for (std::size_t i = 0; i < n; ++i) {
-        said[per_joint * i] = friction[i];
+        said[per_joint * i] = held[i] >= 0 ? multipliers[at(held[i])] : friction[i];
         said[per_joint * i + 1] = pressed[i][0];
         said[per_joint * i + 2] = pressed[i][1];
-        const S miss = along[i][0] * pressed[i][1] - along[i][1] * pressed[i][0];
-        said[per_joint * i + 3] = miss;
-        if (is_nothing(friction[i])) continue;
-        for (std::size_t k = 0; k < u.size(); ++k) u[k] += response.driven(i)[k] * friction[i];
-        for (std::size_t k = 0; k < multipliers.size(); ++k) multipliers[k] += response.multipliers(i)[k] * friction[i];
+        said[per_joint * i + 3] = along[i][0] * pressed[i][1] - along[i][1] * pressed[i][0];
     }
     return said;
 }
@@ -223,7 +193,7 @@ RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) {
                         value);
         };
         const S square = said[1] * said[1] + said[2] * said[2];
-        if (state == held) {
+        if (is_at_rest(state)) {
             if (joint.drive.is_zero()) {
                 write.rate(joint.q) = S(0.0);
                 write.rate(tree_.positions() + joint.v) = S(0.0);
@@ -231,7 +201,7 @@ RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) {
                 write.rate(joint.q) = joint.drive(r_.time()) / joint.pace(moving_);
             }
             const S k = joint.mu_static.in<S>() * joint.radius.in<S>();
-            guard(EventKind::slip, "friction in", k * k * square - said[0] * said[0]);
+            if (state == held) guard(EventKind::slip, "friction in", k * k * square - said[0] * said[0]);
         }
         if (!is_sliding(state)) continue;
         const Pressed& p = pressed_[i];
@@ -489,24 +459,34 @@ RBDYN_INLINE void TreeModel::decide_joints(const Mode& before, Mode& mode, doubl
         }
         const bool begins = rate == 0.0 || std::find(resting.begin(), resting.end(), i) != resting.end() ||
                             has(before.slip[at(first_joint()) + i], from_rest);
-        mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
         const double size = std::max(std::abs(rubbing.acceleration[i]), std::abs(answer.acceleration[i]));
-        memory.least_rate = 0x1p-43 * std::max({std::abs(rate), std::sqrt(size * (joints_[i].turns ? 1.0 : length)),
-                                                std::abs(surface_speed(mode, static_cast<int>(i), t, x)), 1e-250});
-        memory.least_load = std::max(0x1p-43 * rubbing.load_size[i], 1e-280);
-        const double pressing = answer.pressing(i);
-        signed char now = slides;
-        if (sign[i] < 0) now = static_cast<signed char>(now | backward);
-        if (begins) now = static_cast<signed char>(now | from_rest);
-        if (!(pressing > 2.0 * memory.least_load))
-            now = static_cast<signed char>(now | unloaded);
-        else if (memory.turns)
-            now = static_cast<signed char>(now | veering);
-        if (pressing > 0.0) memory.along = {answer.load[i][0] / pressing, answer.load[i][1] / pressing};
-        memory.put(mode.memory.data() + place_of_joint(static_cast<int>(i)));
+        const signed char now = sliding_state(mode, static_cast<int>(i), t, x, sign[i], begins, rate, size, length,
+                                              answer.load[i], rubbing.load_size[i]);
         first[static_cast<std::ptrdiff_t>(i)] = now;
     }
     choose(mode, t, x, {}, true);
+}
+
+RBDYN_INLINE signed char TreeModel::sliding_state(Mode& mode, int joint, double t, std::span<const double> x, int sign,
+                                                  bool begins, double rate, double acceleration, double length,
+                                                  const std::array<double, 2>& load, double load_size) const {
+    using namespace mechanics::joint_state;
+    mechanics::JointMemory memory = joint_memory(mode, joint);
+    memory.least_rate =
+        0x1p-43 * std::max({std::abs(rate), std::sqrt(acceleration * (joints_[at(joint)].turns ? 1.0 : length)),
+                            std::abs(surface_speed(mode, joint, t, x)), 1e-250});
+    memory.least_load = std::max(0x1p-43 * load_size, 1e-280);
+    const double pressing = std::hypot(load[0], load[1]);
+    signed char now = slides;
+    if (sign < 0) now = static_cast<signed char>(now | backward);
+    if (begins) now = static_cast<signed char>(now | from_rest);
+    if (!(pressing > 2.0 * memory.least_load))
+        now = static_cast<signed char>(now | unloaded);
+    else if (memory.turns)
+        now = static_cast<signed char>(now | veering);
+    if (pressing > 0.0) memory.along = {load[0] / pressing, load[1] / pressing};
+    memory.put(mode.memory.data() + place_of_joint(joint));
+    return now;
 }
 
 RBDYN_INLINE bool TreeModel::joints_slip(const Mode& mode, double t, std::span<const double> x) const {
@@ -521,14 +501,79 @@ RBDYN_INLINE bool TreeModel::joints_slip(const Mode& mode, double t, std::span<c
     return false;
 }
 
-RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const int> fired, double t,
-                                 std::span<double> x, std::vector<Happening>& happenings) const {
+RBDYN_INLINE void TreeModel::rub_landing(const Mode& mode, double t, std::span<double> x,
+                                         const std::vector<mechanics::Moving<double>>& before) const {
+    using tree_joints::Rubbing;
+    const std::size_t n = joints_.size();
+    const mechanics::Tree& tree = *tree_in(mode);
+    const auto all = moving(mode, t, x);
+    const auto accelerate = mechanics::accelerate<double>(tree, all);
+    const std::vector<mechanics::Row<double>> none;
+    const mechanics::FrictionResponse<double> response(tree, joints_, accelerate, t, all, none);
+    Rubbing rubbing;
+    std::vector<int> sign;
+    for (std::size_t i = 0; i < n; ++i) {
+        const mechanics::RoughJoint& joint = joints_[i];
+        Vector3 pressed = Vector3::Zero();
+        double size = 0.0;
+        for (int body = joint.body; body < bodies(); ++body) {
+            if (!response.carries(joint.body, body)) continue;
+            const Vector3 arm = exactly<double>(tree.node(body).center);
+            const auto velocity = [&](const mechanics::Moving<double>& m) {
+                return Vector3(m.velocity_at(m.to_world(arm)));
+            };
+            const double mass = static_cast<double>(tree.node(body).mass);
+            pressed += mass * (velocity(all[at(body)]) - velocity(before[at(body)]));
+            size += mass * (velocity(all[at(body)]).norm() + velocity(before[at(body)]).norm());
+        }
+        const bool flies_on = is_flying(mode, joint.body);
+        const double slip = flies_on ? 0.0 : joint.slip(t, all, x[at(tree_->positions() + joint.v)]);
+        sign.push_back(flies_on ? Rubbing::gone : slip > 0.0 ? 1 : slip < 0.0 ? -1 : 0);
+        rubbing.acceleration.push_back(slip);
+        rubbing.load.push_back(response.across(i, pressed));
+        rubbing.load_size.push_back(size);
+        rubbing.noise.push_back(1e-14 * size * joint.radius);
+        rubbing.matrix.emplace_back();
+        rubbing.by.emplace_back();
+        for (std::size_t j = 0; j < n; ++j) {
+            rubbing.matrix.back().push_back(response.acceleration(i, j));
+            rubbing.by.back().push_back(response.load(i, j));
+        }
+    }
+    Rubbing::Answer answer;
+    const auto is_beyond = [&](std::size_t i) {
+        return sign[i] == 0 && std::abs(answer.friction[i]) >
+                                   joints_[i].mu_dynamic * joints_[i].radius * answer.pressing(i) + rubbing.noise[i];
+    };
+    const auto turns_back = [&](std::size_t i) {
+        return (sign[i] == 1 || sign[i] == -1) && static_cast<double>(sign[i]) * answer.acceleration[i] < 0.0;
+    };
+    for (std::size_t turn = 0; turn <= 3 * n; ++turn) {
+        answer = rubbing.solve(joints_, sign);
+        std::size_t next = n;
+        for (std::size_t i = 0; i < n && next == n; ++i)
+            if (is_beyond(i) || turns_back(i)) next = i;
+        if (next == n) break;
+        sign[next] = sign[next] != 0 ? 0 : answer.friction[next] > 0.0 ? -1 : 1;
+    }
+    std::vector<double> u(at(tree.velocities()), 0.0);
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] != Rubbing::gone)
+            for (std::size_t k = 0; k < u.size(); ++k) u[k] += response.driven(i)[k] * answer.friction[i];
+    const std::vector<double> changes = mechanics::velocity_changes<double>(tree, accelerate.spread(u));
+    for (int k = 0; k < tree.velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    for (std::size_t i = 0; i < n; ++i)
+        if (sign[i] == 0) carry(mode, static_cast<int>(i), t, x);
+}
+
+RBDYN_INLINE bool TreeModel::heed_joints(const Mode& mode, Mode& after, std::span<const int> fired, double t,
+                                         std::span<double> x, std::vector<int>& breaking,
+                                         std::vector<Happening>& happenings) const {
     using namespace mechanics::joint_state;
-    std::vector<int> breaking;
     bool changes = fired.empty();
     for (const int index : fired) {
         const Guard& guard = mode.equations->guards[at(index)];
-        if (guard.joint < 0) continue;
+        if (guard.joint < 0 || guard.contact >= 0) continue;
         signed char& state = after.slip[at(first_joint() + guard.joint)];
         mechanics::JointMemory memory = joint_memory(after, guard.joint);
         switch (guard.kind) {
@@ -548,7 +593,7 @@ RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const 
                     after.impossible = "the friction on the rail of " + joints_[at(guard.joint)].name +
                                        " grows with the load that it makes itself faster than that holds it back; a "
                                        "smaller coefficient has a motion";
-                return;
+                return true;
             case EventKind::normal_zero:
                 // that of a rail has a sign: what of it is along n_1
                 happenings.push_back(
@@ -572,6 +617,14 @@ RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const 
         }
         memory.put(after.memory.data() + place_of_joint(guard.joint));
     }
+    return changes;
+}
+
+RBDYN_INLINE void TreeModel::rub(const Mode& mode, Mode& after, std::span<const int> fired, double t,
+                                 std::span<double> x, std::vector<Happening>& happenings) const {
+    std::vector<int> breaking;
+    const bool changes = heed_joints(mode, after, fired, t, x, breaking, happenings);
+    if (!after.impossible.empty()) return;
     changes ? settle_joints(mode, after, t, x, breaking) : choose(after, t, x, {});
     if (after.impossible.empty()) tell_joints(mode, after, happenings);
 }

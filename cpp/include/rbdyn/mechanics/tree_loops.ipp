@@ -257,7 +257,7 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
 
 RBDYN_INLINE std::optional<Acting> TreeModel::acting_near_singular(const Mode& mode, double t,
                                                                    std::span<const double> x) const {
-    if (first_pivots_.empty() || mode.equations == nullptr || rows_in(mode) != rows_) return std::nullopt;
+    if (first_pivots_.empty() || mode.equations == nullptr || kept_rows(mode) != rows_) return std::nullopt;
     // of a pivot, and of what it is left of: doubles have 13 digits of a force there, and 10
     constexpr double small = 1e-2, least = 1e-6;
     std::vector<double> pivots;

@@ -38,6 +38,9 @@ class EquationsWriter;  // model/equations_writer.hpp
 namespace mechanics {
 class TreeWriter;  // mechanics/tree_writer.hpp
 }
+namespace friction {
+struct JointLaw;  // mechanics/touched.hpp
+}
 
 /// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
 bool needs_tree(const Scene& scene);
@@ -118,6 +121,8 @@ private:
     bool is_rough(int contact) const { return conditions_->contacts()[at(contact)].is_rough(); }
     /// The rows that are used in a mode: of constraints, of contacts that push, and of what friction holds.
     std::vector<int> rows_in(const Mode& mode) const;
+    /// Of these those that the state is moved onto: joints have no gaps, and what a surface carries has a rate.
+    std::vector<int> kept_rows(const Mode& mode) const;
     /// The gaps that are held at zero in a mode.
     std::vector<int> closed_in(const Mode& mode, const std::vector<mechanics::Moving<double>>& all) const;
     /// Whether friction and constraints leave nothing that could move.
@@ -131,7 +136,9 @@ private:
         std::vector<int> landing, doubtful, breaking, stopping, turning, singular;
         std::vector<int> resisted_breaking, resisted_stopping, resisted_turning;  // of resistances
         std::vector<int> stuck;                                                   // by an impact
+        std::vector<int> rubbed_breaking;                                         // joints
         bool has(int contact) const;
+        bool none() const;
     };
     /// Which of some contacts, none of which separates, push, slide, are held or open. May find that no motion
     /// satisfies the laws.
@@ -163,9 +170,16 @@ private:
     /// others with three, and what these do to each other.
     struct Touched;
     /// `mode`: what resistances do; none: nothing, as in impacts.
-    Touched touched(const Mode& before, const std::vector<mechanics::Moving<double>>& all,
+    Touched touched(const Mode& before, double t, const std::vector<mechanics::Moving<double>>& all,
                     const std::vector<int>& contacts, const std::vector<int>& stopped, bool strikes,
                     const Mode* mode = nullptr) const;
+    /// What a contact among the struck ones was given.
+    void tell_stroke(const Touched& touched, std::size_t one, const mechanics::ConeForces& found,
+                     const std::vector<mechanics::Moving<double>>& after, const std::vector<double>& noise,
+                     Strokes& strokes, std::vector<double>& normal) const;
+    /// The same where joints have friction.
+    std::vector<double> strike_jointed(double t, std::span<double> x, const std::vector<int>& struck, Touched& touched,
+                                       Strokes& strokes) const;
     /// settle() where there is friction.
     void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                       const Fired& fired) const;
@@ -182,7 +196,8 @@ private:
                     const std::vector<int>& candidates, const std::vector<double>& b,
                     const std::vector<double>& noise) const;
     /// Whether the force of a contact that slides, one of many, leaves the motion what it is, `chosen` rows acting too.
-    bool makes_no_difference(const Touched& touched, std::size_t one, const std::vector<int>& chosen) const;
+    bool makes_no_difference(const Mode& mode, const Touched& touched, std::size_t one,
+                             const std::vector<int>& chosen) const;
     /// Why contacts have no forces, or impulses, in words.
     std::string no_forces(const std::string& what, const std::vector<int>& of) const;
     /// Why a contact does not slide on, in words.
@@ -239,6 +254,9 @@ private:
         for (const int r : rows_) used.push_back(every[at(r)]);
         return used;
     }
+    /// The same, and of what friction in joints holds.
+    std::vector<mechanics::Row<double>> constraints_of(const Mode& mode,
+                                                       const std::vector<mechanics::Row<double>>& every) const;
     /// J M^-1 J^T of contacts, the constraints held.
     std::vector<std::vector<double>> coupling(const std::vector<mechanics::Moving<double>>& all,
                                               const std::vector<int>& of) const;
@@ -270,7 +288,7 @@ private:
     Vector3 twisting(const Mode& mode, int contact, const std::vector<mechanics::Moving<double>>& all) const;
     /// What became of resistances of contacts that were closed and are.
     void tell_rolling(const Mode& mode, const Mode& after, std::vector<Happening>& happenings) const;
-    /// The rows of constraints that are used, and of resistances that are held.
+    /// The rows of constraints that are used, and of resistances and joints that are held.
     std::vector<int> rows_without_contacts(const Mode& mode) const;
 
     // --- friction in joints (tree_joints.ipp) ---
@@ -285,6 +303,11 @@ private:
     void settle_joints(const Mode& before, Mode& mode, double t, std::span<double> x, std::vector<int> breaking) const;
     void decide_joints(const Mode& before, Mode& mode, double t, std::span<double> x,
                        const std::vector<int>& breaking) const;
+    /// The state of a joint that slides, and what a mode remembers of it: its rate, the larger of its accelerations
+    /// with and without friction, what presses it, and the size of what that is made of.
+    signed char sliding_state(Mode& mode, int joint, double t, std::span<const double> x, int sign, bool begins,
+                              double rate, double acceleration, double length, const std::array<double, 2>& load,
+                              double load_size) const;
     /// V of a rail's surface in a mode, which knows the side of a jump [m/s].
     double surface_speed(const Mode& mode, int joint, double t, std::span<const double> x) const;
     /// The rate that a joint slides with in a mode that comes from another one; zero where it is that but for rounding.
@@ -295,6 +318,30 @@ private:
     bool surfaces_jump(const Mode& mode, const Mode& after, double t, std::span<const double> x) const;
     /// Whether what is held has come beyond its limit at a state, by what jumped.
     bool joints_slip(const Mode& mode, double t, std::span<const double> x) const;
+    /// What guards of joints say of their states. Returns whether more than their form changes; adds those that break.
+    bool heed_joints(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
+                     std::vector<int>& breaking, std::vector<Happening>& happenings) const;
+    // --- friction in joints beside contacts (tree_joint_contacts.ipp) ---
+
+    /// What joints that slide in a mode do against what presses them.
+    std::optional<friction::JointLaw> joint_law(const Mode& mode, double t) const;
+    /// settle_rough() or settle_resisted(): what contacts do while joints do what they do in a mode.
+    void settle_contacts(const Mode& before, Mode& mode, double t, std::span<double> x,
+                         const std::vector<int>& candidates, const Fired& fired) const;
+    /// The same, and what joints do.
+    void settle_all(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
+                    const Fired& fired) const;
+    struct Rubbed;
+    /// One way that joints may go on, in place of those that a mode has: what contacts do then, and how far joints are
+    /// from their laws.
+    Rubbed tried(const Mode& before, const Mode& mode, double t, std::span<double> x,
+                 const std::vector<int>& candidates, const Fired& fired, const std::vector<int>& sign) const;
+    /// The friction in joints and what presses them, by a mode's equations: 5 numbers of each.
+    std::vector<double> said_of_joints(const Mode& mode, double t, std::span<const double> x) const;
+    /// Impulses of contacts and of joints, from velocities before and those that contacts are thrown back with.
+    struct Jolt;
+    Jolt jolted(const Touched& touched, const std::vector<double>& u, const std::vector<double>& back,
+                const std::vector<double>& noise, const std::vector<double>& slip, double t) const;
     /// What follows guards of joints.
     void rub(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
              std::vector<Happening>& happenings) const;
@@ -373,6 +420,9 @@ private:
     void release(Mode& mode, std::size_t loose, double t, std::span<double> x) const;
     /// Puts a bead on its rail again; returns the impulse of that [N s].
     double land(Mode& mode, std::size_t loose, double t, std::span<double> x) const;
+    /// What joints do against an impulse that has put a bead on its rail, from motions before it.
+    void rub_landing(const Mode& mode, double t, std::span<double> x,
+                     const std::vector<mechanics::Moving<double>>& before) const;
     /// Whether a bead comes past its curve beside the plane of it.
     bool misses(const Mode& mode, std::size_t loose, double t, std::span<const double> x) const;
     /// Lets a bead go that its rail would have to pull, or that moves off its end. Returns whether there is one.

@@ -69,8 +69,12 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
     require_finite_drives(0.0);
     const auto start = tree_->start(0.0);
     const auto all = tree_->moving<DoubleDouble>(DoubleDouble(0.0), start.data(), start.data() + tree_->positions());
-    conditions_ = std::make_shared<const mechanics::Conditions>(scene, *tree_, all);
     joints_ = mechanics::rough_joints(scene, *tree_);
+    auto conditions = std::make_shared<mechanics::Conditions>(scene, *tree_, all);
+    std::vector<mechanics::Conditions::Rubbing> rubbing;
+    for (const mechanics::RoughJoint& joint : joints_) rubbing.push_back({joint.body, joint.turns});
+    conditions->take_joints(std::move(rubbing));
+    conditions_ = std::move(conditions);
     const std::vector<double> x = mechanics::closing::nearest(start);
     const auto now = mechanics::closing::moving<double>(*tree_, 0.0, x);
     const auto accelerate = mechanics::accelerate<double>(*tree_, now);
@@ -422,7 +426,7 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
     }
     Mode after = mode;
     after.jumps = jumps;
-    if (touches) {
+    if (touches || (rubs && contacts() > 0)) {
         touch(mode, after, fired, t, x, happenings);
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
@@ -442,7 +446,7 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
     choose(after, t, x, flipped);
     if (const bool jumps_off = surfaces_jump(mode, after, t, x); jumps_off || joints_slip(after, t, x)) {
         const Mode passed = jumps_off ? mode : after;
-        rub(passed, after, {}, t, x, happenings);
+        contacts() > 0 ? touch(passed, after, {}, t, x, happenings) : rub(passed, after, {}, t, x, happenings);
         if (!after.impossible.empty()) return after;
     }
     after.impossible = jump_of_drives(mode, after, t, x);
@@ -582,8 +586,8 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     bool turns = false;
     for (int i = 0; i < bodies(); ++i) turns = turns || tree_->node(i).joint.attitude() >= 0;
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));
-    if ((turns || !rows.empty() || !closed.empty()) && !stands_still)
-        result->equations.projection = [tree = tree_in(mode), conditions = conditions_, rows, closed](
+    if ((turns || !kept_rows(mode).empty() || !closed.empty()) && !stands_still)
+        result->equations.projection = [tree = tree_in(mode), conditions = conditions_, rows = kept_rows(mode), closed](
                                            std::span<const double>, std::span<const double>) {
             return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed);
         };

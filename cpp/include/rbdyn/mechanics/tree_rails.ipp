@@ -3,7 +3,8 @@
 //
 // A tree is one of its modes: where a bead flies it hangs on nothing. Where it lands its velocity across the rail is
 // lost, by an impulse between it and what its rail is on: the velocities after it are those of the bead on its rail
-// that are nearest to the ones before, in the metric of the masses. Friction takes no part in that.
+// that are nearest to the ones before, in the metric of the masses. Where joints or the rail are rough they resist it by
+// impulses (tree_joint_contacts.ipp).
 #pragma once
 
 #include <algorithm>
@@ -201,6 +202,7 @@ RBDYN_INLINE double TreeModel::land(Mode& mode, std::size_t k, double t, std::sp
             mechanics::velocity_changes<double>(tree, accelerate.spread(accelerate.driven(std::move(left), none)));
         for (int i = 0; i < tree.velocities(); ++i) v[i] += changes[at(i)];
     }
+    if (!joints_.empty()) rub_landing(mode, t, x, before);
     return static_cast<double>(n.mass) * (bead.velocity - moving(mode, t, x)[at(rail.body)].velocity).norm();
 }
 

@@ -105,6 +105,8 @@ RBDYN_INLINE std::vector<int> TreeModel::rows_without_contacts(const Mode& mode)
         for (int k = 0; k < 2; ++k)
             if (mechanics::contact_state::is_row(resisting(mode, e), k))
                 rows.push_back(conditions_->resistance_row(e, k));
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i)
+        if (mode.slip[at(first_joint() + i)] == mechanics::joint_state::held) rows.push_back(conditions_->joint_row(i));
     return rows;
 }
 

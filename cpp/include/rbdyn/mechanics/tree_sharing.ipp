@@ -28,7 +28,7 @@ RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t
                                         const std::vector<mechanics::Moving<double>>& all,
                                         const std::vector<int>& candidates, const std::vector<double>& b,
                                         const std::vector<double>& noise) const {
-    Touched touched = this->touched(before, all, candidates, {}, false, &mode);
+    Touched touched = this->touched(before, t, all, candidates, {}, false, &mode);
     const auto found = mechanics::held_by(touched.matrix, b, noise, touched.cones);
     Mode shared = mode;
     if (!found.is_solved || !take(before, shared, t, touched, found, b, noise, {})) return false;
@@ -36,12 +36,16 @@ RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t
     return true;
 }
 
-RBDYN_INLINE bool TreeModel::makes_no_difference(const Touched& touched, std::size_t one,
+RBDYN_INLINE bool TreeModel::makes_no_difference(const Mode& mode, const Touched& touched, std::size_t one,
                                                  const std::vector<int>& chosen) const {
     // a unit of its force, and of the others what keeps their accelerations
     std::vector<mechanics::Row<double>> rows, acting;
     const auto every = conditions_->rows<double>(*tree_, touched.moving);
-    const auto constraints = constraints_of(every);
+    const auto constraints = constraints_of(mode, every);
+    const auto law = joint_law(mode, touched.t);
+    const auto coupled = [&](const auto& of, const auto& by_what) {
+        return friction::Coupled(*tree_, touched.moving, constraints, of, by_what, law ? &*law : nullptr);
+    };
     for (std::size_t i = 0; i < touched.all.size(); ++i) {
         const int k = touched.all[i].contact;
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
@@ -57,15 +61,14 @@ RBDYN_INLINE bool TreeModel::makes_no_difference(const Touched& touched, std::si
             }
     }
     const auto f = static_cast<std::size_t>(touched.cones[one].first);
-    const mechanics::Square a = friction::Coupled(*tree_, touched.moving, constraints, rows, acting).matrix(),
-                            by = friction::Coupled(*tree_, touched.moving, constraints, rows, {touched.pushes[f]})
-                                     .matrix();
+    const mechanics::Square a = coupled(rows, acting).matrix(),
+                            by = coupled(rows, std::vector{touched.pushes[f]}).matrix();
     std::vector<double> right;
     for (std::size_t i = 0; i < rows.size(); ++i) right.push_back(-by[i][0]);
     std::vector<double> impulses = mechanics::solve_any(a, right);
     acting.push_back(touched.pushes[f]);
     impulses.push_back(1.0);
-    const friction::Coupled all(*tree_, touched.moving, constraints, rows, acting);
+    const friction::Coupled all = coupled(rows, acting);
     std::vector<double> alone(acting.size(), 0.0);
     alone.back() = 1.0;
     const std::vector<double> changes = all.changes(impulses), size = all.changes(alone);
@@ -143,9 +146,11 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
     }
     if (loose.empty() || !(size > 0.0)) return are_in(force);
     // what a unit along each loose axis makes of all others
-    const auto constraints = constraints_of(every);
-    const mechanics::Square a = friction::Coupled(*tree_, all, constraints, rows, acting).matrix(),
-                            by = friction::Coupled(*tree_, all, constraints, rows, loose_rows).matrix();
+    const auto constraints = constraints_of(mode, every);
+    const auto law = joint_law(mode, t);
+    const mechanics::Square
+        a = friction::Coupled(*tree_, all, constraints, rows, acting, law ? &*law : nullptr).matrix(),
+        by = friction::Coupled(*tree_, all, constraints, rows, loose_rows, law ? &*law : nullptr).matrix();
     mechanics::Square directions;
     std::vector<std::size_t> alive;
     for (std::size_t l = 0; l < loose.size(); ++l) {

@@ -81,7 +81,7 @@ private:
     static constexpr std::size_t per_contact = 8;
     /// Behind them of each rough joint: its friction, what presses it (2), the square of what is left to the direction
     /// of that, and a pivot.
-    static constexpr std::size_t per_joint = 5;
+    static constexpr std::size_t per_joint = JointMemory::said;
     std::size_t first_of_joints() const { return values_.size() - per_joint * joints_.size(); }
     Vector3Of<S> vector_at(std::size_t i) const { return {values_[i], values_[i + 1], values_[i + 2]}; }
     /// A unit of the normal force with its friction.
@@ -102,9 +102,15 @@ private:
         S least_rate = S(0.0), least_load = S(0.0);
         std::array<S, 2> along{S(0.0), S(0.0)};
     };
-    /// Adds friction in joints to what drives the tree and to the multipliers of constraints; returns what is said of
-    /// it among the values.
-    std::vector<S> add_friction(const Accelerate<S>& tree, const Acts& acts, std::vector<S>& u,
+    /// The rows that hold in a mode, in the order in which they are solved for.
+    struct Solved {
+        std::vector<std::size_t> order;    // among the rows used
+        std::vector<Row<S>> rows, acting;  // and what a unit of the force of each is
+        bool is_symmetric = true;
+    };
+    /// Adds friction in joints that slide to what drives the tree and to the multipliers of rows; returns what is said
+    /// of all of it among the values.
+    std::vector<S> add_friction(const Accelerate<S>& tree, const Acts& acts, const Solved& solved, std::vector<S>& u,
                                 std::vector<S>& multipliers) const;
     /// What a watched function asks for.
     S observed(const Observable& o) const;

@@ -178,8 +178,12 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
     const Accelerate<S> tree = accelerate<S>(tree_, moving_);
     std::vector<S> u = tree.driven(std::move(left), acts.joints), multipliers(rows_.size(), S(0.0));
     std::vector<S> numerators(states_.size(), S(0.0)), denominators(states_.size(), S(0.0));
+    Solved solved;
     if (!rows_.empty()) {
-        const auto all = conditions_.rows<S>(tree_, moving_);
+        auto all = conditions_.rows<S>(tree_, moving_);
+        for (std::size_t i = 0; i < joints_.size(); ++i)
+            all[at(conditions_.joint_row(static_cast<int>(i)))].bias =
+                -joints_[i].carried(r_.time(), q_.data(), v_[at(joints_[i].v)], moving_);
         // what slides comes last: its force is not along its row, and what is left of the others is definite
         std::vector<std::size_t> order, sliding;
         std::vector<int> contact;  // of each of them: it slides, or turns while it is held
@@ -202,6 +206,10 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             b.push_back(-(row.bias + tree.along(responses.back(), u)));
         }
         pushes = responses;
+        for (const std::size_t i : order) solved.rows.push_back(all[at(rows_[i])]);
+        solved.order = order;
+        solved.acting = solved.rows;
+        solved.is_symmetric = sliding.empty();
         for (std::size_t j = first; j < order.size(); ++j) {
             const std::size_t k = at(contact[j - first]);
             const Touching<S>& t = touching_[k];
@@ -214,6 +222,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             if (const Vector3Of<S> torque = twisting(k); !is_nothing(Wrench<S>{none<S>(), torque}))
                 t.add_torque(push, Vector3Of<S>(torque * normal));
             pushes[j] = tree.response(push);
+            solved.acting[j] = push;
         }
         std::vector<std::vector<S>> a(b.size(), std::vector<S>(b.size(), S(0.0)));
         for (std::size_t i = 0; i < b.size(); ++i)
@@ -237,7 +246,7 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
             for (const auto& [n, one] : pushes[j]) u[at(n)] += one * found[j];
         }
     }
-    const std::vector<S> rubbing = add_friction(tree, acts, u, multipliers);
+    const std::vector<S> rubbing = add_friction(tree, acts, solved, u, multipliers);
     const auto result = tree.spread(u);
     std::vector<S> values(at(tree_.positions()), S(0.0));
     for (const Node& n : tree_.nodes()) n.joint.rates<S>(q_.data() + n.q, v_.data() + n.v, values.data() + n.q);
@@ -338,7 +347,7 @@ RBDYN_INLINE void TreeWriter::guard_friction(EquationsWriter& write, int contact
     // N is a quotient: what slides alone leaves where its numerator ends, and there is no N where its denominator does
     const auto slides = [](signed char s) { return contact_state::slides(s); };
     const bool is_alone = std::count_if(states_.begin(), states_.end(), slides) == 1;
-    write.decide(leaves, is_alone && !is_shared ? values_[first + 3] : normal);
+    write.decide(leaves, is_alone && !is_shared && joints_.empty() ? values_[first + 3] : normal);
     if (state != contact_state::rests)
         write.guard({.kind = EventKind::singular, .contact = contact, .name = "friction of " + c.name},
                     values_[first + 4]);

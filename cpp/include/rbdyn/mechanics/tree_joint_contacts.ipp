@@ -1,0 +1,514 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: friction in joints beside contacts.
+//
+// What joints and contacts do at an instant is one problem: a joint is pressed by what contacts exert, and what it
+// resists changes that. With the joints' states given, held, idle, or sliding with T = k e . R, e the direction of
+// their load R, contacts solve the problem that they solve alone (friction_cones.hpp), held joints among the
+// constraints and what sliding ones do among what pushes: A z + b once more, not symmetric where a joint slides. So
+// their states are the outer search: all held, what is furthest beyond its law changes first, then each way that there
+// is. Taking e anew from the solution is the search for |R|.
+//
+// A joint at rest whose acceleration the contacts hold already is idle: no friction of it is needed, and any up to its
+// limit would do.
+//
+// In an impact (J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988) a joint resists by
+// an impulse up to k |P|, P what of the impulse of its reaction is across its axis, k with the dynamic coefficient;
+// against its rate after it, and all of that if it comes to rest.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/friction_cones.hpp"
+#include "rbdyn/mechanics/joint_friction.hpp"
+#include "rbdyn/mechanics/touched.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace joint_contacts {
+
+/// In place of the sign of a rate.
+inline constexpr int idle = 3, gone = 2;
+inline bool slides(int sign) { return sign == 1 || sign == -1; }
+
+/// The next of all ways that some joints may go on; false: there is none.
+inline bool next_way(const std::vector<std::size_t>& of, std::span<const int> choices, std::vector<int>& sign) {
+    for (const std::size_t i : of) {
+        const auto now = std::find(choices.begin(), choices.end(), sign[i]);
+        if (now + 1 != choices.end()) {
+            sign[i] = *(now + 1);
+            return true;
+        }
+        sign[i] = choices.front();
+    }
+    return false;
+}
+
+}  // namespace joint_contacts
+
+RBDYN_INLINE std::vector<mechanics::Row<double>> TreeModel::constraints_of(
+    const Mode& mode, const std::vector<mechanics::Row<double>>& every) const {
+    auto used = constraints_of(every);
+    for (int i = 0; i < static_cast<int>(joints_.size()); ++i)
+        if (mode.slip[at(first_joint() + i)] == mechanics::joint_state::held)
+            used.push_back(every[at(conditions_->joint_row(i))]);
+    return used;
+}
+
+RBDYN_INLINE std::optional<friction::JointLaw> TreeModel::joint_law(const Mode& mode, double t) const {
+    using namespace mechanics::joint_state;
+    friction::JointLaw law{&joints_, t, {}, {}, {}};
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        const signed char state = mode.slip[at(first_joint()) + i];
+        if (!is_sliding(state) || has(state, unloaded)) continue;
+        law.sliding.push_back(i);
+        law.factor.push_back(-static_cast<double>(sign(state)) * joints_[i].mu_dynamic * joints_[i].radius);
+        law.along.push_back(joint_memory(mode, static_cast<int>(i)).along);
+    }
+    return law.sliding.empty() ? std::nullopt : std::make_optional(std::move(law));
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::said_of_joints(const Mode& mode, double t,
+                                                           std::span<const double> x) const {
+    const std::optional<Acting> acting = acting_in(mode, 0, 0, t, x);
+    const auto numbers = static_cast<std::ptrdiff_t>(mechanics::JointMemory::said * joints_.size());
+    return {acting->values.end() - numbers, acting->values.end()};
+}
+
+RBDYN_INLINE void TreeModel::settle_contacts(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                             const std::vector<int>& candidates, const Fired& fired) const {
+    resistances() > 0 ? settle_resisted(before, mode, t, x, candidates, fired)
+                      : settle_rough(before, mode, t, x, candidates, fired);
+}
+
+/// What came of one way that joints may go on.
+struct TreeModel::Rubbed {
+    Mode mode;
+    std::vector<std::array<double, 2>> load;                       // what presses each joint
+    std::vector<double> friction, acceleration, amiss, load_size;  // amiss: over what it may be; above 1 it is wrong
+    bool is_solved = false;
+    bool is_right() const {
+        return is_solved && std::all_of(amiss.begin(), amiss.end(), [](double one) { return one <= 1.0; });
+    }
+};
+
+RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& mode, double t, std::span<double> x,
+                                                const std::vector<int>& candidates, const Fired& fired,
+                                                const std::vector<int>& sign) const {
+    using namespace mechanics::joint_state;
+    const std::size_t n = joints_.size();
+    Rubbed result{mode, {}, {}, {}, std::vector<double>(n, 0.0), {}, false};
+    std::vector<std::array<double, 2>> along;
+    for (std::size_t i = 0; i < n; ++i) along.push_back(joint_memory(mode, static_cast<int>(i)).along);
+    double last = 2.0;
+    for (int pass = 0; pass < 60 && !result.is_solved; ++pass) {
+        result.mode = mode;
+        for (std::size_t i = 0; i < n; ++i) {
+            signed char now = sign[i] == joint_contacts::gone ? open : sign[i] == joint_contacts::idle ? idle : held;
+            if (joint_contacts::slides(sign[i])) now = static_cast<signed char>(slides | (sign[i] < 0 ? backward : 0));
+            result.mode.slip[at(first_joint()) + i] = now;
+            mechanics::JointMemory memory = joint_memory(mode, static_cast<int>(i));
+            memory.along = along[i];
+            memory.put(result.mode.memory.data() + place_of_joint(static_cast<int>(i)));
+        }
+        settle_contacts(before, result.mode, t, x, candidates, fired);
+        if (!result.mode.impossible.empty()) return result;
+        const std::vector<double> said = said_of_joints(result.mode, t, x);
+        result.load.clear();
+        result.friction.clear();
+        double turned = 0.0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const double* const one = said.data() + mechanics::JointMemory::said * i;
+            result.friction.push_back(one[0]);
+            result.load.push_back({one[1], one[2]});
+            const double size = std::hypot(one[1], one[2]);
+            const std::array<double, 2> now =
+                size > 0.0 ? std::array<double, 2>{one[1] / size, one[2] / size} : std::array<double, 2>{0.0, 0.0};
+            if (joint_contacts::slides(sign[i]))
+                turned = std::max(turned, std::hypot(now[0] - along[i][0], now[1] - along[i][1]));
+            along[i] = now;
+        }
+        // loads that rounding makes have no direction
+        result.is_solved = turned < 1e-13 || (turned < 1e-9 && turned >= last);
+        last = turned;
+    }
+    if (!result.is_solved) return result;
+    const mechanics::TreeState state = look(result.mode, t, x);
+    const auto rows = rows_in(result.mode);
+    const auto rates = acting_in(result.mode, 0, 0, t, x);
+    for (std::size_t i = 0; i < n; ++i) {
+        const mechanics::RoughJoint& joint = joints_[i];
+        const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
+        const double size = joint.turns ? body.effort.moment.norm() : body.effort.force.norm(), noise = 1e-13 * size;
+        result.load_size.push_back(body.effort.force.norm());
+        double one = rates->values[at(tree_->positions() + joint.v)];
+        if (joint.rail)
+            one = joint.pace(state.moving) * one -
+                  joint.carried(t, x.data(), x[at(tree_->positions() + joint.v)], state.moving);
+        result.acceleration.push_back(one);
+        const double pressing = std::hypot(result.load[i][0], result.load[i][1]);
+        if (sign[i] == 0) {
+            const double limit = joint.mu_static * joint.radius * pressing;
+            result.amiss[i] = std::abs(result.friction[i]) <= limit + noise
+                                  ? 0.0
+                                  : std::abs(result.friction[i]) / std::max(limit + noise, 1e-300) + 1.0;
+        } else if (sign[i] == joint_contacts::idle) {
+            std::vector<int> with = rows;
+            with.push_back(conditions_->joint_row(static_cast<int>(i)));
+            const auto independent = mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size());
+            result.amiss[i] = independent.size() <= rows.size() ? 0.0 : 1e300;
+        }
+    }
+    return result;
+}
+
+RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                        const std::vector<int>& candidates, const Fired& fired) const {
+    using namespace mechanics::joint_state;
+    const std::size_t n = joints_.size();
+    const auto was = [&](std::size_t i) { return before.slip[at(first_joint()) + i]; };
+    // another form of what contacts do changes nothing of joints
+    const bool is_form = fired.rubbed_breaking.empty() && fired.landing.empty() && fired.doubtful.empty() &&
+                         fired.breaking.empty() && fired.stuck.empty() && fired.resisted_breaking.empty() &&
+                         fired.resisted_stopping.empty() && fired.stopping.empty() && fired.singular.empty() &&
+                         !(fired.turning.empty() && fired.resisted_turning.empty());
+    if (is_form) return settle_contacts(before, mode, t, x, candidates, fired);
+    const Mode undecided = mode;
+    std::vector<int> sign(n, 0);
+    std::vector<std::size_t> resting;
+    std::vector<double> slip;
+    for (std::size_t i = 0; i < n; ++i) {
+        const int joint = static_cast<int>(i);
+        // what rests on contacts is at rest
+        slip.push_back(was(i) == idle && before.jumps == mode.jumps ? 0.0 : slip_of(before, mode, joint, t, x));
+        sign[i] = slip[i] > 0.0 ? 1 : slip[i] < 0.0 ? -1 : 0;
+        if (has(was(i), from_rest) && std::abs(slip[i]) <= 2.0 * joint_memory(before, joint).least_rate &&
+            slip[i] != 0.0)
+            sign[i] = mechanics::joint_state::sign(was(i));
+        if (sign[i] != 0) continue;
+        resting.push_back(i);
+        carry(mode, joint, t, x);
+    }
+    const auto is_right_way = [&](const Rubbed& r, const std::vector<int>& s) {
+        if (!r.is_right()) return false;
+        // what slides from rest goes the way that it is said to
+        return std::all_of(resting.begin(), resting.end(), [&](std::size_t i) {
+            if (!joint_contacts::slides(s[i])) return true;
+            const double noise = 1e-13 * std::abs(r.load_size[i]);
+            return static_cast<double>(s[i]) * r.acceleration[i] >= -noise && r.acceleration[i] != 0.0;
+        });
+    };
+    std::vector<int> breaking = fired.rubbed_breaking;
+    Rubbed found{undecided, {}, {}, {}, {}, {}, false};
+    const auto breaks = [&](std::size_t i) {
+        return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
+    };
+    for (std::size_t turn = 0; turn <= n; ++turn) {
+        bool is_found = false;
+        const auto look_at = [&](const std::vector<int>& way) {
+            found = tried(before, undecided, t, x, candidates, fired, way);
+            is_found = is_right_way(found, way);
+            for (const std::size_t i : resting) is_found = is_found && !(breaks(i) && way[i] == 0);
+            if (is_found) sign = way;
+            return is_found;
+        };
+        // contacts may hold what joints would
+        if (!candidates.empty() && !resting.empty()) {
+            std::vector<int> way = sign;
+            for (const std::size_t i : resting) way[i] = joint_contacts::idle;
+            for (std::size_t more = 0; more <= resting.size() && !look_at(way); ++more) {
+                bool changes = false;
+                for (const std::size_t i : resting)
+                    if (found.is_solved && way[i] == joint_contacts::idle && found.amiss[i] > 1.0) {
+                        way[i] = 0;
+                        changes = true;
+                    }
+                if (!changes) break;
+            }
+        }
+        if (!is_found) {
+            std::vector<int> way = sign;
+            for (const std::size_t i : resting) way[i] = 0;
+            look_at(way);
+            for (std::size_t k = 0; k <= 3 * n && !is_found && found.is_solved; ++k) {
+                std::size_t worst = n;
+                double most = 1.0;
+                for (const std::size_t i : resting) {
+                    const bool must = way[i] == 0 && breaks(i);
+                    const bool against =
+                        joint_contacts::slides(way[i]) &&
+                        static_cast<double>(way[i]) * found.acceleration[i] < -1e-13 * std::abs(found.load_size[i]);
+                    const double off = must || against ? 1e300 : found.amiss[i];
+                    if (off > most) {
+                        most = off;
+                        worst = i;
+                    }
+                }
+                if (worst == n) break;
+                way[worst] = way[worst] != 0 ? 0 : found.friction[worst] > 0.0 ? -1 : 1;
+                look_at(way);
+            }
+        }
+        // each way that what rests may go on
+        if (!is_found && resting.size() <= 4) {
+            constexpr std::array choices{0, 1, -1, joint_contacts::idle};
+            std::vector<int> way = sign;
+            for (const std::size_t i : resting) way[i] = 0;
+            while (!look_at(way) && joint_contacts::next_way(resting, choices, way)) {
+            }
+        }
+        if (!is_found) {
+            std::string names;
+            for (const mechanics::RoughJoint& joint : joints_) names += (names.empty() ? "" : ", ") + joint.name;
+            mode.impossible =
+                !found.mode.impossible.empty()
+                    ? found.mode.impossible
+                    : "no friction in the joints, and no forces of contacts, satisfy their laws, of " + names;
+            return;
+        }
+        // at its limit it is held unless the next moment takes it beyond
+        int leaves = -1;
+        Evaluator<double> values(found.mode.equations->program);
+        values.set_parameters(found.mode.parameters);
+        values(t, x);
+        for (const Guard& guard : found.mode.equations->guards) {
+            if (guard.kind != EventKind::slip || guard.joint < 0 || guard.contact >= 0 || guard.output < 0) continue;
+            const double value = values.output(guard.output), size = values.magnitude(guard.output);
+            if (!(value <= 1e-13 * size) || size == 0.0 || breaks(at(guard.joint))) continue;
+            if (leading_sign(found.mode, t, x, guard.output, 1) < 0) leaves = guard.joint;
+        }
+        if (leaves < 0) break;
+        breaking.push_back(leaves);
+    }
+    mode = found.mode;
+    const double length = size_of(moving(t, x));
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!joint_contacts::slides(sign[i])) continue;
+        const int joint = static_cast<int>(i);
+        // of what goes on to slide the least rate stays
+        const bool begins = std::find(resting.begin(), resting.end(), i) != resting.end() || has(was(i), from_rest);
+        double acceleration = std::abs(found.acceleration[i]);
+        if (begins)
+            acceleration =
+                std::max(acceleration, found.load_size[i] / static_cast<double>(tree_->node(joints_[i].body).mass));
+        mode.slip[at(first_joint()) + i] = sliding_state(mode, joint, t, x, sign[i], begins, slip[i], acceleration,
+                                                         length, found.load[i], found.load_size[i]);
+    }
+    choose(mode, t, x, {}, true);
+}
+
+/// What an impact does to contacts and joints.
+struct TreeModel::Jolt {
+    mechanics::ConeForces contacts;
+    std::vector<double> joints, rates;  // impulses of friction; rates of joints after it
+    std::vector<double> changes;        // of the velocity variables
+    double work = 0.0, size = 0.0;      // of all impulses, P (u+ + u-) / 2, and of what that is a sum
+    std::vector<int> sign;              // of joints: zero where they come to rest
+    std::vector<bool> is_beyond;        // whether that would take more than there is
+    bool is_solved = false;
+};
+
+RBDYN_INLINE TreeModel::Jolt TreeModel::jolted(const Touched& touched, const std::vector<double>& u,
+                                               const std::vector<double>& back, const std::vector<double>& noise,
+                                               const std::vector<double>& slip, double t) const {
+    const std::size_t n = joints_.size(), count = u.size();
+    const auto every = conditions_->rows<double>(*tree_, touched.moving);
+    const auto constraints = constraints_of(every);
+    std::vector<std::array<double, 2>> along(n, {0.0, 0.0});
+    const auto solve = [&](const std::vector<int>& sign) {
+        Jolt jolt;
+        jolt.sign = sign;
+        double last = 2.0;
+        for (std::array<double, 2>& one : along) one = {0.0, 0.0};
+        bool converges = false;
+        for (int pass = 0; pass < 60 && !converges; ++pass) {
+            friction::JointLaw law{&joints_, t, {}, {}, {}};
+            std::vector<std::size_t> held;
+            std::vector<mechanics::Row<double>> rows = touched.rows, acting = touched.pushes;
+            for (std::size_t i = 0; i < n; ++i) {
+                if (sign[i] == 0) {
+                    held.push_back(i);
+                    rows.push_back(every[at(conditions_->joint_row(static_cast<int>(i)))]);
+                    acting.push_back(rows.back());
+                } else {
+                    law.sliding.push_back(i);
+                    law.factor.push_back(-static_cast<double>(sign[i]) * joints_[i].mu_dynamic * joints_[i].radius);
+                    law.along.push_back(along[i]);
+                }
+            }
+            const friction::Coupled coupled(*tree_, touched.moving, constraints, rows, acting, &law);
+            const mechanics::Square all = coupled.matrix();
+            // what stops in joints is solved for first
+            mechanics::Square a(count, std::vector<double>(count)), own(held.size(), std::vector<double>(held.size()));
+            for (std::size_t i = 0; i < held.size(); ++i)
+                for (std::size_t j = 0; j < held.size(); ++j) own[i][j] = all[count + i][count + j];
+            const auto held_by = [&](const auto& rate) {
+                std::vector<double> b;
+                for (std::size_t i = 0; i < held.size(); ++i) b.push_back(-rate(i));
+                return mechanics::solve_any(own, b);
+            };
+            const std::vector<double> first = held_by([&](std::size_t i) { return slip[held[i]]; });
+            std::vector<double> b = back;
+            std::vector<std::vector<double>> answers;
+            for (std::size_t j = 0; j < count; ++j)
+                answers.push_back(held_by([&](std::size_t i) { return all[count + i][j]; }));
+            for (std::size_t i = 0; i < count; ++i) {
+                for (std::size_t h = 0; h < held.size(); ++h) b[i] += all[i][count + h] * first[h];
+                for (std::size_t j = 0; j < count; ++j) {
+                    a[i][j] = all[i][j];
+                    for (std::size_t h = 0; h < held.size(); ++h) a[i][j] += all[i][count + h] * answers[j][h];
+                }
+            }
+            jolt.contacts = mechanics::solve_cones(a, b, noise, touched.cones);
+            if (!jolt.contacts.is_solved) return jolt;
+            std::vector<double> z = jolt.contacts.force;
+            for (std::size_t h = 0; h < held.size(); ++h) {
+                z.push_back(first[h]);
+                for (std::size_t j = 0; j < count; ++j) z.back() += answers[j][h] * jolt.contacts.force[j];
+            }
+            jolt.changes = coupled.changes(z);
+            jolt.joints.assign(n, 0.0);
+            for (std::size_t h = 0; h < held.size(); ++h) jolt.joints[held[h]] = z[count + h];
+            std::vector<std::array<double, 2>> pressed(n, {0.0, 0.0});
+            for (std::size_t p = 0; p < z.size(); ++p) {
+                for (std::size_t s = 0; s < law.sliding.size(); ++s)
+                    jolt.joints[law.sliding[s]] += coupled.rubbing(p)[s] * z[p];
+                for (std::size_t i = 0; i < n; ++i)
+                    for (std::size_t k = 0; k < 2; ++k) pressed[i][k] += coupled.loads(p)[i][k] * z[p];
+            }
+            double turned = 0.0;
+            for (std::size_t i = 0; i < n; ++i) {
+                const double size = std::hypot(pressed[i][0], pressed[i][1]);
+                const std::array<double, 2> now =
+                    size > 0.0 ? std::array<double, 2>{pressed[i][0] / size, pressed[i][1] / size}
+                               : std::array<double, 2>{0.0, 0.0};
+                if (sign[i] != 0) turned = std::max(turned, std::hypot(now[0] - along[i][0], now[1] - along[i][1]));
+                along[i] = now;
+            }
+            converges = turned < 1e-13 || (turned < 1e-9 && turned >= last);
+            last = turned;
+            // what follows for joints
+            jolt.is_solved = converges;
+            jolt.is_beyond.assign(n, false);
+            jolt.rates.assign(n, 0.0);
+            jolt.work = jolt.size = 0.0;
+            const auto count_work = [&](double impulse, double before, double after) {
+                jolt.work += 0.5 * impulse * (before + after);
+                jolt.size += std::abs(impulse) * (std::abs(before) + std::abs(after));
+            };
+            for (std::size_t i = 0; i < n; ++i) {
+                const mechanics::RoughJoint& joint = joints_[i];
+                jolt.rates[i] = sign[i] == 0 ? 0.0 : slip[i] + joint.pace(touched.moving) * jolt.changes[at(joint.v)];
+                count_work(jolt.joints[i], slip[i], jolt.rates[i]);
+                const double limit = joint.mu_dynamic * joint.radius * std::hypot(pressed[i][0], pressed[i][1]);
+                const double rounding = 1e-13 * (limit + std::abs(jolt.joints[i]));
+                if (sign[i] == 0 && std::abs(jolt.joints[i]) > limit + rounding) {
+                    jolt.is_beyond[i] = true;
+                    jolt.is_solved = false;
+                }
+                if (sign[i] != 0 && static_cast<double>(sign[i]) * jolt.rates[i] <
+                                        -1e-14 * (std::abs(slip[i]) + std::abs(jolt.rates[i])))
+                    jolt.is_solved = false;
+            }
+            for (std::size_t i = 0; i < count; ++i) {
+                double after = u[i];
+                for (std::size_t j = 0; j < z.size(); ++j) after += all[i][j] * z[j];
+                count_work(z[i], u[i], after);
+            }
+        }
+        return jolt;
+    };
+    // each goes on as it does, if it can
+    std::vector<int> sign;
+    for (const double one : slip) sign.push_back(one > 0.0 ? 1 : one < 0.0 ? -1 : 0);
+    Jolt jolt = solve(sign);
+    for (std::size_t turn = 0; turn <= 2 * n && !jolt.is_solved && jolt.contacts.is_solved; ++turn) {
+        // what would be thrown past its rest stops, what is held by more than there is moves on
+        bool changes = false;
+        for (std::size_t i = 0; i < n && !changes; ++i) {
+            if (sign[i] != 0 && static_cast<double>(sign[i]) * jolt.rates[i] < 0.0) {
+                sign[i] = 0;
+                changes = true;
+            } else if (sign[i] == 0 && jolt.is_beyond[i]) {
+                sign[i] = jolt.joints[i] > 0.0 ? -1 : 1;
+                changes = true;
+            }
+        }
+        if (!changes) break;
+        jolt = solve(sign);
+    }
+    if (!jolt.is_solved && n <= 4) {
+        constexpr std::array choices{0, 1, -1};
+        std::vector<std::size_t> every_joint;
+        for (std::size_t i = 0; i < n; ++i) every_joint.push_back(i);
+        std::fill(sign.begin(), sign.end(), 0);
+        do {
+            jolt = solve(sign);
+        } while (!jolt.is_solved && joint_contacts::next_way(every_joint, choices, sign));
+    }
+    return jolt;
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::strike_jointed(double t, std::span<double> x,
+                                                           const std::vector<int>& struck, Touched& touched,
+                                                           Strokes& strokes) const {
+    const auto& all = touched.moving;
+    std::vector<double> u, noise, normal(at(contacts()), 0.0), slip;
+    for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
+    double fastest = 0.0;
+    for (const int k : struck) fastest = std::max(fastest, speed_of(k, all));
+    noise.assign(u.size(), 1e-15 * fastest);
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        const mechanics::RoughJoint& joint = joints_[i];
+        slip.push_back(joint.slip(t, all, x[at(tree_->positions() + joint.v)]));
+        if (std::abs(slip.back()) <= 1e-15 * fastest && joint.rail) slip.back() = 0.0;
+    }
+    const auto solved = [&](double part) {
+        std::vector<double> back = u;
+        for (std::size_t i = 0; i < struck.size(); ++i) {
+            double& one = back[static_cast<std::size_t>(touched.cones[i].first)];
+            if (one < 0.0) one *= 1.0 + part * conditions_->contacts()[at(struck[i])].restitution;
+        }
+        return jolted(touched, u, back, noise, slip, t);
+    };
+    const auto gains_nothing = [](const Jolt& jolt, double rounding) {
+        return jolt.is_solved && jolt.work <= rounding * jolt.size;
+    };
+    Jolt jolt = solved(1.0);
+    if (!gains_nothing(jolt, 1e-13)) {
+        double low = 0.0, high = 1.0;
+        for (int i = 0; i < 60 && high - low > 1e-16; ++i) {
+            const double middle = 0.5 * (low + high);
+            (gains_nothing(solved(middle), 0.0) ? low : high) = middle;
+        }
+        strokes.lowered = low > 1e-6 ? low : 0.0;
+        jolt = solved(strokes.lowered);
+    }
+    if (!jolt.is_solved) {
+        strokes.impossible = no_forces("impulses", struck);
+        return normal;
+    }
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += jolt.changes[at(k)];
+    const Mode undecided = this->undecided();
+    for (std::size_t i = 0; i < joints_.size(); ++i)
+        if (jolt.sign[i] == 0 || std::abs(jolt.rates[i]) <= 1e-13 * std::abs(slip[i]))
+            carry(undecided, static_cast<int>(i), t, x);
+    const auto after = moving(t, x);
+    strokes.pushed.assign(at(contacts()), Vector3::Zero());
+    for (std::size_t i = 0; i < struck.size(); ++i)
+        tell_stroke(touched, i, jolt.contacts, after, noise, strokes, normal);
+    return normal;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
