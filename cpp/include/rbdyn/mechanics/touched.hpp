@@ -87,6 +87,8 @@ public:
         return mechanics::velocity_changes<double>(*tree_, accelerate_.spread(u));
     }
 
+    /// What a row would have of acceleration by a unit of its own, were nothing held.
+    double alone(std::size_t row) const { return accelerate_.between(rows_[row], rows_[row]); }
     /// How a unit of what pushes presses joints, and what of it those that slide do against.
     const std::vector<Load>& loads(std::size_t push) const { return loads_[push]; }
     const std::vector<double>& rubbing(std::size_t push) const { return rubbing_[push]; }
@@ -155,6 +157,7 @@ struct TreeModel::Touched {
     std::optional<friction::Coupled> coupled;  // always there
     std::vector<mechanics::Moving<double>> moving;
     double t = 0.0;
+    std::vector<double> state;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -57,6 +57,7 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     std::vector<double> b, noise;
     const auto see = [&](const std::vector<int>& resting) {
         touched = this->touched(before, t, all, candidates, resting, false, &mode);
+        touched.state.assign(x.begin(), x.end());
         b.clear();
         noise.clear();
         for (const auto& row : touched.rows) {
@@ -64,6 +65,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             b.push_back(sum);
             noise.push_back(1e-14 * size);
         }
+        // where joints hold all of it nothing drives it but rounding
+        for (std::size_t i = 0; i < b.size() && !joints_.empty(); ++i)
+            if (!(touched.matrix[i][i] > 1e-10 * touched.coupled->alone(i))) b[i] = 0.0;
     };
     see(stopping);
     const auto breaks = [&](int k) { return std::find(breaking.begin(), breaking.end(), k) != breaking.end(); };

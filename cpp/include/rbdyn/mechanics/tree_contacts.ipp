@@ -135,7 +135,7 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
 }
 
 RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
-                                  const std::vector<int>& stuck) const {
+                                  const std::vector<int>& stuck, const friction::JointLaw* law) const {
     const auto all = moving(t, x);
     const auto every = conditions_->rows<double>(*tree_, all);
     auto constraints = constraints_of(every);
@@ -167,7 +167,7 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
     }
     std::vector<double> asked;
     for (const auto& row : rows) asked.push_back(-mechanics::Conditions::rate(row, all));
-    const friction::Coupled coupled(*tree_, all, constraints, rows, acting);
+    const friction::Coupled coupled(*tree_, all, constraints, rows, acting, law);
     const std::vector<double> changes = coupled.changes(mechanics::solve_any(coupled.matrix(), asked));
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
 }
@@ -209,7 +209,8 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         const double next = 2.0 * u / -w[i];
         const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
         // one that bounces alone begins each flight at zero, and is known as far as its time and its speed are
-        const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && e > 0.0 && e < 1.0;
+        // (joints that turn back in a flight begin it anew)
+        const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && e > 0.0 && e < 1.0 && joints_.empty();
         const bool is_shortest = is_alone
                                      ? next <= 2.0 * epsilon * std::abs(t) || e * u <= slowest_bounce * speed_of(k, all)
                                      : height <= lowest(k) || next <= 64.0 * epsilon * std::abs(t);
@@ -484,16 +485,25 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             // what is left of their bounces is less than rounding: none of them moves any more
             at_rest.insert(at_rest.end(), group.begin(), group.end());
             const std::vector<double> bounced(x.begin(), x.end());
-            stop(t, x, at_rest, strokes.stuck);
-            // what is left of rates is rounding
-            for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
-                const int place = tree_->positions() + joints_[at(i)].v;
-                if (joints_[at(i)].drive.is_zero() && std::abs(x[at(place)]) <= 1e-10 * std::abs(bounced[at(place)]))
-                    x[at(place)] = 0.0;
-            }
+            const Mode struck = after;
             Fired rested;
             rested.stuck = strokes.stuck;
-            settle(mode, after, t, x, at_rest, rested);
+            const auto come_to_rest = [&](const friction::JointLaw* law) {
+                std::copy(bounced.begin(), bounced.end(), x.begin());
+                after = struck;
+                stop(t, x, at_rest, strokes.stuck, law);
+                // what is left of rates is rounding
+                for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
+                    const auto place = at(tree_->positions() + joints_[at(i)].v);
+                    if (joints_[at(i)].drive.is_zero() && std::abs(x[place]) <= 1e-10 * std::abs(bounced[place]))
+                        x[place] = 0.0;
+                }
+                settle(mode, after, t, x, at_rest, rested);
+            };
+            come_to_rest(nullptr);
+            // joints that slide resist what is left out, pressed as they are then
+            if (!joints_.empty() && after.impossible.empty())
+                if (const auto law = joint_law(after, t)) come_to_rest(&*law);
         }
     } else {
         settle(mode, after, t, x, at_rest, events);

@@ -97,6 +97,7 @@ struct TreeModel::Rubbed {
     Mode mode;
     std::vector<std::array<double, 2>> load;                       // what presses each joint
     std::vector<double> friction, acceleration, amiss, load_size;  // amiss: over what it may be; above 1 it is wrong
+    std::vector<double> least;                                     // accelerations below it are rounding
     bool is_solved = false;
     bool is_right() const {
         return is_solved && std::all_of(amiss.begin(), amiss.end(), [](double one) { return one <= 1.0; });
@@ -108,7 +109,7 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
                                                 const std::vector<int>& sign) const {
     using namespace mechanics::joint_state;
     const std::size_t n = joints_.size();
-    Rubbed result{mode, {}, {}, {}, std::vector<double>(n, 0.0), {}, false};
+    Rubbed result{mode, {}, {}, {}, std::vector<double>(n, 0.0), {}, {}, false};
     std::vector<std::array<double, 2>> along;
     for (std::size_t i = 0; i < n; ++i) along.push_back(joint_memory(mode, static_cast<int>(i)).along);
     double last = 2.0;
@@ -152,6 +153,9 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
         const mechanics::TreeState::Body& body = state.bodies[at(joint.body)];
         const double size = joint.turns ? body.effort.moment.norm() : body.effort.force.norm(), noise = 1e-13 * size;
         result.load_size.push_back(body.effort.force.norm());
+        const mechanics::closing::Responses alone(*tree_, *conditions_, {conditions_->joint_row(static_cast<int>(i))},
+                                                  state.moving);
+        result.least.push_back(noise * alone.matrix()[0][0]);
         double one = rates->values[at(tree_->positions() + joint.v)];
         if (joint.rail)
             one = joint.pace(state.moving) * one -
@@ -200,19 +204,20 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
         resting.push_back(i);
         carry(mode, joint, t, x);
     }
+    // what shares its load with others breaks only where no forces inside all cones are left
+    std::vector<int> breaking = shares_load(before) ? std::vector<int>{} : fired.rubbed_breaking;
+    Rubbed found{undecided, {}, {}, {}, {}, {}, {}, false};
+    const auto breaks = [&](std::size_t i) {
+        return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
+    };
     const auto is_right_way = [&](const Rubbed& r, const std::vector<int>& s) {
         if (!r.is_right()) return false;
         // what slides from rest goes the way that it is said to
         return std::all_of(resting.begin(), resting.end(), [&](std::size_t i) {
             if (!joint_contacts::slides(s[i])) return true;
-            const double noise = 1e-13 * std::abs(r.load_size[i]);
-            return static_cast<double>(s[i]) * r.acceleration[i] >= -noise && r.acceleration[i] != 0.0;
+            // at its limit it begins with none
+            return static_cast<double>(s[i]) * r.acceleration[i] > (breaks(i) ? -r.least[i] : r.least[i]);
         });
-    };
-    std::vector<int> breaking = fired.rubbed_breaking;
-    Rubbed found{undecided, {}, {}, {}, {}, {}, false};
-    const auto breaks = [&](std::size_t i) {
-        return std::find(breaking.begin(), breaking.end(), static_cast<int>(i)) != breaking.end();
     };
     for (std::size_t turn = 0; turn <= n; ++turn) {
         bool is_found = false;
@@ -224,7 +229,7 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
             return is_found;
         };
         // contacts may hold what joints would
-        if (!candidates.empty() && !resting.empty()) {
+        if (!candidates.empty() && !resting.empty() && fired.doubtful.empty()) {
             std::vector<int> way = sign;
             for (const std::size_t i : resting) way[i] = joint_contacts::idle;
             for (std::size_t more = 0; more <= resting.size() && !look_at(way); ++more) {
@@ -246,9 +251,8 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
                 double most = 1.0;
                 for (const std::size_t i : resting) {
                     const bool must = way[i] == 0 && breaks(i);
-                    const bool against =
-                        joint_contacts::slides(way[i]) &&
-                        static_cast<double>(way[i]) * found.acceleration[i] < -1e-13 * std::abs(found.load_size[i]);
+                    const bool against = joint_contacts::slides(way[i]) &&
+                                         static_cast<double>(way[i]) * found.acceleration[i] < -found.least[i];
                     const double off = must || against ? 1e300 : found.amiss[i];
                     if (off > most) {
                         most = off;
@@ -279,6 +283,7 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
         }
         // at its limit it is held unless the next moment takes it beyond
         int leaves = -1;
+        if (shares_load(found.mode)) break;
         Evaluator<double> values(found.mode.equations->program);
         values.set_parameters(found.mode.parameters);
         values(t, x);

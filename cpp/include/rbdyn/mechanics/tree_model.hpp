@@ -208,6 +208,13 @@ private:
     /// cones.
     bool hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
                           const std::vector<double>& force, const std::vector<mechanics::Moving<double>>& all) const;
+    /// forces_inside() beside joints that are held, which share the load: what they exert, and what presses them,
+    /// follows from those forces. `loose`: contact and axis of each.
+    std::vector<double> forces_with_joints(const Mode& mode, double t, std::vector<double> x,
+                                           const std::vector<std::size_t>& sharing,
+                                           const std::vector<std::pair<int, int>>& loose,
+                                           const std::vector<double>& force, const mechanics::Square& directions,
+                                           const std::vector<mechanics::Cone>& cones, double size) const;
     /// As strike(), with friction.
     std::vector<double> strike_rough(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
                                      Strokes& strokes) const;
@@ -231,8 +238,9 @@ private:
     void put_in_order(std::vector<Happening>& happenings) const;
 
     /// Takes from the velocities what moves contacts, by impulses along their normals, less the friction of those that
-    /// slide.
-    void stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck) const;
+    /// slide, and of joints.
+    void stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck,
+              const friction::JointLaw* law = nullptr) const;
     /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are
     /// lower than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to
     /// come.

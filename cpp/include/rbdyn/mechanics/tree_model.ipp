@@ -482,6 +482,8 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         const bool is_free = n.joint.as<mechanics::FreePointLaw>() != nullptr ||
                              n.joint.as<mechanics::FreeBodyLaw>() != nullptr || is_flying(mode, i);
         if (is_free || mode.equations == nullptr) continue;
+        // what shares its load with contacts is one of many
+        if (!joints_.empty() && shares_load(mode)) continue;
         out.push_back({b.reaction.force, false, 0.0, b.effort.force.norm(), Alike::force});
         if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
             out.push_back({b.reaction.moment, false, 0.0, b.effort.moment.norm(), Alike::torque});

@@ -78,6 +78,80 @@ RBDYN_INLINE bool TreeModel::makes_no_difference(const Mode& mode, const Touched
     return true;
 }
 
+RBDYN_INLINE std::vector<double> TreeModel::forces_with_joints(
+    const Mode& mode, double t, std::vector<double> x, const std::vector<std::size_t>& sharing,
+    const std::vector<std::pair<int, int>>& loose, const std::vector<double>& force,
+    const mechanics::Square& directions, const std::vector<mechanics::Cone>& cones, double size) const {
+    // what joints exert, and what presses them, is linear in those forces
+    const auto said = [&](int bumped, double by) {
+        Mode tried = mode;
+        for (std::size_t l = 0; l < loose.size(); ++l) {
+            const auto [contact, axis] = loose[l];
+            mechanics::ContactMemory memory = mechanics::ContactMemory::of(tried.memory, contact);
+            memory.rate = Vector3::Zero();
+            memory.since = t;
+            if (static_cast<int>(l) == bumped) memory.force[axis] += by;
+            memory.put(tried.memory, contact);
+        }
+        choose(tried, t, x, {}, true);
+        return said_of_joints(tried, t, x);
+    };
+    constexpr std::size_t numbers = mechanics::JointMemory::said;
+    const std::vector<double> none = said(-1, 0.0);
+    for (const std::size_t j : sharing)
+        size = std::max({size, std::abs(none[numbers * j]) / joints_[j].radius,
+                         std::hypot(none[numbers * j + 1], none[numbers * j + 2])});
+    if (!(size > 0.0)) return {};
+    std::vector<std::vector<double>> by;
+    for (std::size_t l = 0; l < loose.size(); ++l) {
+        by.push_back(said(static_cast<int>(l), size));
+        for (std::size_t i = 0; i < by.back().size(); ++i) by.back()[i] = (by.back()[i] - none[i]) / size;
+    }
+    // k e . R >= |T|, e the direction of R at the last answer: |R| is no less
+    std::vector<double> parts(loose.size(), 0.0);
+    bool is_other = false;  // the direction that what is loose presses in
+    for (int pass = 0; pass < 8; ++pass) {
+        std::vector<double> whole = force;
+        mechanics::Square ways = directions;
+        std::vector<mechanics::Cone> with = cones;
+        for (const std::size_t j : sharing) {
+            const auto load = [&](const std::vector<double>& c, std::size_t k) {
+                double sum = none[numbers * j + 1 + k];
+                for (std::size_t l = 0; l < c.size(); ++l) sum += c[l] * by[l][numbers * j + 1 + k];
+                return sum;
+            };
+            double e[2] = {load(parts, 0), load(parts, 1)};
+            if (const double length = std::hypot(e[0], e[1]); !is_other && length > 1e-9 * size)
+                for (double& part : e) part /= length;
+            else
+                for (std::size_t k = 0; k < 2; ++k)
+                    e[k] = by[0][numbers * j + 1 + k] /
+                           std::max(std::hypot(by[0][numbers * j + 1], by[0][numbers * j + 2]), 1e-300);
+            // of a hinge over its radius, so that all are forces
+            const double mu = joints_[j].mu_static, radius = joints_[j].radius;
+            with.push_back({static_cast<int>(whole.size()), false, mu});
+            whole.insert(whole.end(), {e[0] * none[numbers * j + 1] + e[1] * none[numbers * j + 2],
+                                       none[numbers * j] / radius, 0.0});
+            for (std::size_t l = 0; l < ways.size(); ++l)
+                ways[l].insert(ways[l].end(), {e[0] * by[l][numbers * j + 1] + e[1] * by[l][numbers * j + 2],
+                                               by[l][numbers * j] / radius, 0.0});
+        }
+        const std::vector<double> found = mechanics::forces_inside(whole, ways, with, size);
+        if (found.empty()) {
+            // along another way of pressing there may be some
+            if (pass > 0) return {};
+            is_other = true;
+            continue;
+        }
+        is_other = false;
+        double change = 0.0;
+        for (std::size_t l = 0; l < found.size(); ++l) change = std::max(change, std::abs(found[l] - parts[l]));
+        parts = found;
+        if (change <= 1e-6 * size) break;
+    }
+    return parts;
+}
+
 RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,
                                               const std::vector<double>& force,
                                               const std::vector<mechanics::Moving<double>>& all) const {
@@ -144,7 +218,11 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         }
         memory.put(mode.memory, one.contact);
     }
-    if (loose.empty() || !(size > 0.0)) return are_in(force);
+    // joints that are held at rest share the load
+    std::vector<std::size_t> sharing;
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+        if (mode.slip[at(first_joint()) + j] == mechanics::joint_state::held) sharing.push_back(j);
+    if (loose.empty() || (sharing.empty() && !(size > 0.0))) return are_in(force);
     // what a unit along each loose axis makes of all others
     const auto constraints = constraints_of(mode, every);
     const auto law = joint_law(mode, t);
@@ -160,8 +238,8 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
             right.push_back(-by[i][l]);
             most = std::max(most, std::abs(by[i][l]));
         }
-        // along an axis that nothing can move along there is no force
-        if (!(most > 1e-13 * std::abs(a.empty() ? 0.0 : a[0][0]))) continue;
+        // along an axis that nothing can move along there is no force, but that of joints
+        if (sharing.empty() && !(most > 1e-13 * std::abs(a.empty() ? 0.0 : a[0][0]))) continue;
         const std::vector<double> answer = mechanics::solve_any(a, right);
         const auto put = [&](const Place& place, double times) {
             const auto f = static_cast<std::size_t>(touched.cones[place.one].first);
@@ -176,7 +254,12 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         directions.push_back(std::move(direction));
         alive.push_back(l);
     }
-    const std::vector<double> parts = mechanics::forces_inside(force, directions, cones, size);
+    std::vector<std::pair<int, int>> alive_names;
+    for (const std::size_t l : alive) alive_names.push_back(names[l]);
+    const std::vector<double> parts =
+        sharing.empty() || directions.empty()
+            ? mechanics::forces_inside(force, directions, cones, size)
+            : forces_with_joints(mode, t, touched.state, sharing, alive_names, force, directions, cones, size);
     for (std::size_t i = 0; i < loose.size(); ++i) {
         const auto found = std::find(alive.begin(), alive.end(), i);
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);

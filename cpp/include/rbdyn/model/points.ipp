@@ -709,7 +709,13 @@ RBDYN_INLINE double PointsModel::land(Mode& mode, int i, double t, std::span<dou
     const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
     // along the normal: what rounding leaves along the rail is none
     const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();
-    const double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
+    double w = std::abs(along) > rounding ? along / c.speed_squared : 0.0;
+    if (b.rough && b.mu_dynamic > 0.0) {
+        // Coulomb's law of the impulses: against the slip after it, up to mu of that across the rail
+        const double pace = std::sqrt(c.speed_squared), carried = drive_of(mode, i, t, x).speed,
+                     slip = w * pace - carried, most = b.mu_dynamic * (v - c.first * w).norm();
+        w = (std::abs(slip) <= most ? carried : w * pace - std::copysign(most, slip)) / pace;
+    }
     variable(x, b.first_rate) = w;
     for (int k = 0; k < 3; ++k) variable(x, velocity + k) = 0.0;
     mode.slip[at(i)] = 1;
