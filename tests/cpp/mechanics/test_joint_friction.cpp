@@ -127,10 +127,27 @@ TEST(JointFriction, what_has_no_law_is_refused) {
                     Prismatic{.motion = TimeFunction([](auto t) { return t; }), .friction = Coulomb{0.1}});
     });
     EXPECT_NE(driven.find("motion"), std::string::npos);
+}
+
+TEST(JointFriction, a_block_on_a_rough_slide_strikes_another_and_both_slide_on) {
+    // in line with their slides an impact presses neither; the second is rough as well
+    const double m1 = 2.0, m2 = 0.5, mu1 = 0.3, mu2 = 0.2, v = 3.0, apart = 0.5, e = 0.6;
     Scene scene(Vector3{0, -g, 0});
-    const auto block = scene.add(plate(1.0, 0.1), Prismatic{.axis = {0, 1, 0}, .friction = Coulomb{0.1}});
-    scene.contact(block.point({0, 0, 0}), Plane{{0, 1, 0}, {0, -1, 0}});
-    EXPECT_NE(refusal([&] { simulate(scene, {.until = 1.0}); }).find("beside contacts"), std::string::npos);
+    const auto first = scene.add(plate(m1, 0.1), Prismatic{.axis = {1, 0, 0}, .friction = Coulomb{mu1}},
+                                 PrismaticStart{.rate = v});
+    const auto second = scene.add(plate(m2, 0.1), Prismatic{.axis = {1, 0, 0}, .friction = Coulomb{mu2}},
+                                  PrismaticStart{.displacement = apart});
+    const auto touch = scene.contact(first.point({0, 0, 0}), second.plane(Plane{{-1, 0, 0}}), {.restitution = e});
+    const Trajectory run = simulate(scene, {.until = 5.0, .error = 1e-12});
+    // the first slows down by mu g, and what is left is shared by Newton's law
+    const double meets = std::sqrt(v * v - 2.0 * mu1 * g * apart), t = (v - meets) / (mu1 * g);
+    const double u1 = meets * (m1 - e * m2) / (m1 + m2), u2 = meets * m1 * (1.0 + e) / (m1 + m2);
+    ASSERT_EQ(run.events().times("impact", touch).size(), 1u);
+    EXPECT_NEAR(run.events().times("impact", touch)[0], t, 1e-13);
+    EXPECT_NEAR(run[first].displacement(5.0), apart + u1 * u1 / (2.0 * mu1 * g), 1e-12);
+    EXPECT_NEAR(run[second].displacement(5.0), apart + u2 * u2 / (2.0 * mu2 * g), 1e-12);
+    EXPECT_EQ(run[first].rate(5.0), 0.0);
+    EXPECT_EQ(run[second].rate(5.0), 0.0);
 }
 
 }  // namespace joint_friction

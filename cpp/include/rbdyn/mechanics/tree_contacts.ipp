@@ -520,14 +520,17 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         const bool is = after.slip[at(k)] != flies;
         // what is closed and struck from elsewhere tells of itself only if it opens; a group comes to rest once
         const bool comes = is_in(landing, k), last = !group.empty() && k == group.front();
-        if (!comes && !last && is) continue;
+        const bool is_anew = is && mode.slip[at(k)] == flies;
+        if (!comes && !last && is && !is_anew) continue;
         if (!group.empty() && !last && is) continue;
+        // what a joint has held over it, and does on
+        if (!comes && !last && !is && mode.slip[at(k)] == flies) continue;
         // what comes and goes without an impulse has not struck
         if (comes && !last && !is && impulses[at(k)] <= 0.0) continue;
-        Happening h{last     ? EventKind::accumulation
-                    : !comes ? EventKind::detach
-                    : is     ? EventKind::land
-                             : EventKind::impact,
+        Happening h{last                 ? EventKind::accumulation
+                    : !comes && !is_anew ? EventKind::detach
+                    : is                 ? EventKind::land
+                                         : EventKind::impact,
                     -1,
                     Direction::falling,
                     {}};

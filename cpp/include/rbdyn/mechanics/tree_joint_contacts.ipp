@@ -167,11 +167,14 @@ RBDYN_INLINE TreeModel::Rubbed TreeModel::tried(const Mode& before, const Mode& 
             result.amiss[i] = std::abs(result.friction[i]) <= limit + noise
                                   ? 0.0
                                   : std::abs(result.friction[i]) / std::max(limit + noise, 1e-300) + 1.0;
-        } else if (sign[i] == joint_contacts::idle) {
+        } else if (sign[i] != joint_contacts::gone) {
+            // what contacts hold is idle and does not slide, what they do not is not idle
             std::vector<int> with = rows;
             with.push_back(conditions_->joint_row(static_cast<int>(i)));
-            const auto independent = mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size());
-            result.amiss[i] = independent.size() <= rows.size() ? 0.0 : 1e300;
+            const bool is_held =
+                mechanics::independent_rows(*tree_, *conditions_, with, state.moving, rows.size()).size() <=
+                rows.size();
+            result.amiss[i] = is_held == (sign[i] == joint_contacts::idle) ? 0.0 : 1e300;
         }
     }
     return result;
@@ -228,28 +231,24 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
             if (is_found) sign = way;
             return is_found;
         };
-        // contacts may hold what joints would
-        if (!candidates.empty() && !resting.empty() && fired.doubtful.empty()) {
+        // contacts may hold what joints would: of these none is needed; then joints hold as contacts do
+        const bool may_idle = !candidates.empty() && fired.doubtful.empty();
+        for (const int first : {joint_contacts::idle, 0}) {
+            if (is_found || (first != 0 && !may_idle)) continue;
             std::vector<int> way = sign;
-            for (const std::size_t i : resting) way[i] = joint_contacts::idle;
-            for (std::size_t more = 0; more <= resting.size() && !look_at(way); ++more) {
+            for (const std::size_t i : resting) way[i] = first;
+            look_at(way);
+            for (std::size_t k = 0; k <= 4 * n && !is_found && found.is_solved; ++k) {
                 bool changes = false;
                 for (const std::size_t i : resting)
-                    if (found.is_solved && way[i] == joint_contacts::idle && found.amiss[i] > 1.0) {
+                    if (way[i] == joint_contacts::idle && found.amiss[i] > 1.0) {
                         way[i] = 0;
                         changes = true;
                     }
-                if (!changes) break;
-            }
-        }
-        if (!is_found) {
-            std::vector<int> way = sign;
-            for (const std::size_t i : resting) way[i] = 0;
-            look_at(way);
-            for (std::size_t k = 0; k <= 3 * n && !is_found && found.is_solved; ++k) {
                 std::size_t worst = n;
                 double most = 1.0;
                 for (const std::size_t i : resting) {
+                    if (changes) break;
                     const bool must = way[i] == 0 && breaks(i);
                     const bool against = joint_contacts::slides(way[i]) &&
                                          static_cast<double>(way[i]) * found.acceleration[i] < -found.least[i];
@@ -259,14 +258,14 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
                         worst = i;
                     }
                 }
-                if (worst == n) break;
-                way[worst] = way[worst] != 0 ? 0 : found.friction[worst] > 0.0 ? -1 : 1;
+                if (worst == n && !changes) break;
+                if (worst < n) way[worst] = way[worst] != 0 ? 0 : found.friction[worst] > 0.0 ? -1 : 1;
                 look_at(way);
             }
         }
         // each way that what rests may go on
         if (!is_found && resting.size() <= 4) {
-            constexpr std::array choices{0, 1, -1, joint_contacts::idle};
+            constexpr std::array choices{0, joint_contacts::idle, 1, -1};
             std::vector<int> way = sign;
             for (const std::size_t i : resting) way[i] = 0;
             while (!look_at(way) && joint_contacts::next_way(resting, choices, way)) {
@@ -473,7 +472,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_jointed(double t, std::span<d
     for (const auto& row : touched.rows) u.push_back(mechanics::Conditions::rate(row, all));
     double fastest = 0.0;
     for (const int k : struck) fastest = std::max(fastest, speed_of(k, all));
-    noise.assign(u.size(), 1e-15 * fastest);
+    noise.assign(u.size(), 8e-15 * fastest);
     for (std::size_t i = 0; i < joints_.size(); ++i) {
         const mechanics::RoughJoint& joint = joints_[i];
         slip.push_back(joint.slip(t, all, x[at(tree_->positions() + joint.v)]));
