@@ -83,6 +83,7 @@ class Wedge:
             if z is None or z[4] < 0:
                 continue
             after = np.where(np.array(signs) == 0, 0.0, v + z[:2])
+            after[abs(after) < 1e-13] = 0.0
             if all(
                 abs(z[2 + k]) <= self.limit(k, z[4], 1, 0) if signs[k] == 0 else signs[k] * after[k] >= -1e-15
                 for k in range(2)

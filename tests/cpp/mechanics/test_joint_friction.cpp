@@ -133,8 +133,8 @@ TEST(JointFriction, a_block_on_a_rough_slide_strikes_another_and_both_slide_on) 
     // in line with their slides an impact presses neither; the second is rough as well
     const double m1 = 2.0, m2 = 0.5, mu1 = 0.3, mu2 = 0.2, v = 3.0, apart = 0.5, e = 0.6;
     Scene scene(Vector3{0, -g, 0});
-    const auto first = scene.add(plate(m1, 0.1), Prismatic{.axis = {1, 0, 0}, .friction = Coulomb{mu1}},
-                                 PrismaticStart{.rate = v});
+    const auto first =
+        scene.add(plate(m1, 0.1), Prismatic{.axis = {1, 0, 0}, .friction = Coulomb{mu1}}, PrismaticStart{.rate = v});
     const auto second = scene.add(plate(m2, 0.1), Prismatic{.axis = {1, 0, 0}, .friction = Coulomb{mu2}},
                                   PrismaticStart{.displacement = apart});
     const auto touch = scene.contact(first.point({0, 0, 0}), second.plane(Plane{{-1, 0, 0}}), {.restitution = e});

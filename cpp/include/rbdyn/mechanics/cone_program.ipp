@@ -108,7 +108,8 @@ inline std::optional<std::vector<double>> least_in_cones(const Scaled& p, const 
         }
         return sum;
     };
-    for (double weight = 1.0; weight > 1e-19; weight *= 0.1)
+    for (double weight = 1.0; weight > 1e-19; weight *= 0.1) {
+        std::optional<double> reached;  // the value where it is
         for (int pass = 0; pass < 50; ++pass) {
             Square bend = p.a;
             std::vector<double> down(n);
@@ -137,19 +138,20 @@ inline std::optional<std::vector<double>> least_in_cones(const Scaled& p, const 
             double falls = 0.0, largest = 0.0;
             for (std::size_t i = 0; i < n; ++i) falls += step[i] * down[i];
             if (!(falls > 1e-8 * weight)) break;
-            const double now = *value(z, weight);
+            const double now = reached ? *reached : *value(z, weight);
             double way = 1.0;
             std::vector<double> next(n);
             for (; way > 1e-10; way *= 0.5) {
                 for (std::size_t i = 0; i < n; ++i) next[i] = z[i] + way * step[i];
-                const auto there = value(next, weight);
-                if (there && *there <= now - 0.1 * way * falls) break;
+                reached = value(next, weight);
+                if (reached && *reached <= now - 0.1 * way * falls) break;
             }
             if (way <= 1e-10) break;
             z = next;
             for (const double one : z) largest = std::max(largest, std::abs(one));
             if (!(largest < beyond)) return std::nullopt;
         }
+    }
     return z;
 }
 

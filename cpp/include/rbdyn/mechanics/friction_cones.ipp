@@ -37,7 +37,12 @@ inline Three holding(const Square& a, std::size_t f, const Three& q, double more
             w(i, j) =
                 a[f + static_cast<std::size_t>(i)][f + static_cast<std::size_t>(j)] + (i == j && i > 0 ? more : 0.0);
     const LinearSolution solution = rbdyn::solve(w, {-q[0], -q[1], -q[2]}, 1e-12);
-    if (solution.pivots > 1e-12) return {solution.x[0], solution.x[1], solution.x[2]};
+    // what joints resist beside it makes of it one that is not symmetric, which has no such axes
+    double lopsided = 0.0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < i; ++j) lopsided = std::max(lopsided, std::abs(w(i, j) - w(j, i)));
+    if (solution.pivots > 1e-12 || lopsided > 1e-12 * std::max({w(0, 0), w(1, 1), w(2, 2)}))
+        return {solution.x[0], solution.x[1], solution.x[2]};
     const SymmetricEigen parts = symmetric_eigen(w);
     Three z{};
     for (int k = 0; k < 3; ++k) {

@@ -375,6 +375,12 @@ RBDYN_INLINE TreeModel::Jolt TreeModel::jolted(const Touched& touched, const std
                 }
             }
             jolt.contacts = mechanics::solve_cones(a, b, noise, touched.cones);
+            if (!jolt.contacts.is_solved) {
+                // what joints take of what contacts do leaves its rounding
+                std::vector<double> more = noise;
+                for (double& one : more) one *= 100.0;
+                jolt.contacts = mechanics::solve_cones(a, b, more, touched.cones);
+            }
             if (!jolt.contacts.is_solved) return jolt;
             std::vector<double> z = jolt.contacts.force;
             for (std::size_t h = 0; h < held.size(); ++h) {
