@@ -148,7 +148,7 @@ class Cart:
         self.e, self.push = restitution, push
 
     def solve(self, t, y, signs, impulse=False):
-        """X'', phi'', N, f, the slide's friction, the wall's force, by the signs of both slips; what presses the slide."""
+        """X'', phi'', N, f, the slide's friction, the wall's force, by the signs of both slips; how it is pressed."""
         (s, sc), (_, phi, V, w) = signs, y
         out, way = np.array([math.sin(phi), -math.cos(phi)]), np.array([math.cos(phi), math.sin(phi)])
         weight = 0 if impulse else self.M * g

@@ -2,7 +2,7 @@
 
 In the plane of the rail, with the unit tangent e along growing u and the unit normal n to the side that pushes,
     m v' = F.e - mu_d N sign(v),   N = m v^2 (r''.n)/|r'|^2 - F.n >= 0
-on the rail, m r'' = F in flight; at a landing the speed across the rail is lost, and along it mu_d times as much, as far
+on the rail, m r'' = F in flight; at a landing the speed across the rail is lost, along it mu_d times as much, as far
 as there is. Integrated by SciPy's DOP853.
 
     python tests/random/one_sided.py [count] [first seed]

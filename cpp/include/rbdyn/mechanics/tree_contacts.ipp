@@ -493,9 +493,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                 after = struck;
                 stop(t, x, at_rest, strokes.stuck, law);
                 // what is left of rates is rounding
-                for (int i = 0; i < static_cast<int>(joints_.size()); ++i) {
-                    const auto place = at(tree_->positions() + joints_[at(i)].v);
-                    if (joints_[at(i)].drive.is_zero() && std::abs(x[place]) <= 1e-10 * std::abs(bounced[place]))
+                double fastest = 0.0;
+                for (const mechanics::RoughJoint& joint : joints_)
+                    fastest = std::max(fastest, std::abs(bounced[at(tree_->positions() + joint.v)]));
+                for (const mechanics::RoughJoint& joint : joints_) {
+                    const auto place = at(tree_->positions() + joint.v);
+                    if (joint.drive.is_zero() &&
+                        std::abs(x[place]) <= std::max(1e-10 * std::abs(bounced[place]), 1e-13 * fastest))
                         x[place] = 0.0;
                 }
                 settle(mode, after, t, x, at_rest, rested);

@@ -483,10 +483,10 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
                              n.joint.as<mechanics::FreeBodyLaw>() != nullptr || is_flying(mode, i);
         if (is_free || mode.equations == nullptr) continue;
         // what shares its load with contacts is one of many
-        if (!joints_.empty() && shares_load(mode)) continue;
-        out.push_back({b.reaction.force, false, 0.0, b.effort.force.norm(), Alike::force});
+        const double counts = !joints_.empty() && shares_load(mode) ? 0.0 : 1.0;
+        out.push_back({b.reaction.force * counts, false, 0.0, b.effort.force.norm(), Alike::force});
         if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
-            out.push_back({b.reaction.moment, false, 0.0, b.effort.moment.norm(), Alike::torque});
+            out.push_back({b.reaction.moment * counts, false, 0.0, b.effort.moment.norm(), Alike::torque});
     }
     // a force is a difference of what acts on what it joins
     const auto effort = [&](const mechanics::Anchor& a, const mechanics::Anchor& b) {
