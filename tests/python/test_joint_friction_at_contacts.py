@@ -164,7 +164,7 @@ def test_a_rod_on_a_rough_hinge_falls_on_a_floor_and_rests(error, mu):
 
 
 def test_a_rod_on_a_rough_hinge_bounces_to_rest():
-    """One freedom: each impact leaves e of the rate, whatever friction is; its impulse is that of pin and hinge, too."""
+    """One freedom: an impact leaves e of the rate, whatever friction is; its impulse is that of pin and hinge, too."""
     scene, rod, touch = rod_over_a_floor(0.5)
     run = rb.simulate(scene, until=5.0, error=1e-10)
     first = next(f for f in run.events if f.kind == "impact")
