@@ -432,15 +432,15 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                 .push_back(k);
         }
         const bool is_closed = mode.slip[at(k)] != flies, has_fired = events.has(k);
+        const auto is_close = [&] {
+            return !is_closed && !conditions_->contacts()[at(k)].is_gone &&
+                   std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all);
+        };
         // what comes to its surface at this very instant strikes with the others
-        const bool is_there = !is_closed && !has_fired && !conditions_->contacts()[at(k)].is_gone &&
-                              std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
-                              rate(before, all, k) < 0.0;
+        const bool is_there = !has_fired && is_close() && rate(before, all, k) < 0.0;
         if (is_there) events.landing.push_back(k);
         // what a joint has held over it touches as well
-        const bool is_near = !is_closed && !joints_.empty() && !conditions_->contacts()[at(k)].is_gone &&
-                             std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all) &&
-                             rate(before, all, k) <= 1e-13 * speed_of(k, all);
+        const bool is_near = !joints_.empty() && is_close() && rate(before, all, k) <= 1e-13 * speed_of(k, all);
         if (is_closed || has_fired || is_there || is_near) closed.push_back(k);
     }
     if (!fired.empty() && !joints_change && events.none()) return choose(after, t, x, {});
