@@ -135,6 +135,7 @@
 #include "rbdyn/mechanics/tree_contacts.ipp"
 #include "rbdyn/mechanics/tree_friction.ipp"
 #include "rbdyn/mechanics/tree_joint_contacts.ipp"
+#include "rbdyn/mechanics/tree_joint_strikes.ipp"
 #include "rbdyn/mechanics/tree_joints.ipp"
 #include "rbdyn/mechanics/tree_loops.ipp"
 #include "rbdyn/mechanics/tree_model.ipp"

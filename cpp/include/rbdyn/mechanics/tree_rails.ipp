@@ -4,7 +4,7 @@
 // A tree is one of its modes: where a bead flies it hangs on nothing. Where it lands its velocity across the rail is
 // lost, by an impulse between it and what its rail is on: the velocities after it are those of the bead on its rail
 // that are nearest to the ones before, in the metric of the masses. Where joints or the rail are rough they resist it
-// by impulses (tree_joint_contacts.ipp).
+// by impulses (tree_joint_strikes.ipp).
 #pragma once
 
 #include <algorithm>
