@@ -36,6 +36,24 @@ Scene chain(int masses, bool is_stiff = false) {
     return scene;
 }
 
+/// Of links that hang from one another and turn, in a plane or in space: each acceleration is made of those of all.
+Scene links(int count, bool is_plane) {
+    Scene scene({0.0, 0.0, -9.8125});
+    const double length = 1.0 / count, across = length * length / (12.0 * count);
+    const RigidBody rod(length, Vector3(across, across, across));
+    BodyHandle last;
+    for (int i = 0; i < count; ++i) {
+        const Vector3 at(0, 0, i == 0 ? 0.0 : -length / 2), point(0, 0, length / 2);
+        if (is_plane)
+            last = scene.add(rod, Revolute{.axis = {0, 1, 0}, .at = at, .point = point},
+                             {.angle = 0.1, .rate = 0.5, .parent = last});
+        else
+            last = scene.add(rod, Spherical{.at = at, .point = point},
+                             {.angular_velocity_world = Vector3(0.3, 0.5, 0.1), .parent = last});
+    }
+    return scene;
+}
+
 struct Equipped {
     explicit Equipped(const Scene& scene)
         : plan(make_plan(scene)), x(plan.model->start(0.0)), mode(plan.model->begin(0.0, x)) {}
@@ -45,10 +63,12 @@ struct Equipped {
     Mode mode;
 };
 
-TEST(LongChains, have_the_series_they_have_order_by_order) {
-    const Equipped one(chain(600));
+void have_the_series_they_have_order_by_order(const Scene& scene, bool is_skewed) {
+    const Equipped one(scene);
     Schedule schedule(one.program());
-    ASSERT_FALSE(Wavefront(one.program(), schedule, order).chunks.empty());
+    const Wavefront wavefront(one.program(), schedule, order);
+    ASSERT_FALSE(wavefront.chunks.empty());
+    ASSERT_EQ(wavefront.is_skewed, is_skewed);
     SeriesEvaluator together(one.program(), order), apart(one.program(), order);
     for (SeriesEvaluator* series : {&together, &apart}) {
         series->set_parameters(one.mode.parameters);
@@ -65,6 +85,12 @@ TEST(LongChains, have_the_series_they_have_order_by_order) {
         for (int k = 0; k <= order; ++k) ASSERT_EQ(together.output(i)[k], apart.output(i)[k]) << i << ", order " << k;
     // and they are no zeros
     EXPECT_NE(apart.output(static_cast<int>(one.x.size()) / 2)[order], 0.0);
+}
+
+TEST(LongChains, have_the_series_they_have_order_by_order) {
+    have_the_series_they_have_order_by_order(chain(600), true);
+    have_the_series_they_have_order_by_order(links(300, true), false);
+    have_the_series_they_have_order_by_order(links(80, false), false);
 }
 
 TEST(LongChains, take_for_each_mass_what_shorter_ones_take) {

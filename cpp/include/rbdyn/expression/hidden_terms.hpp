@@ -52,6 +52,7 @@ private:
     };
     struct Factors {
         int a, b;
+        int place_a, place_b;  // among those of all products, in the order in which they come up
     };
     /// Of a slot to the power -rate: of a sum with a constant part, the product of these weights, that keeps it from
     /// zero. What has none is as large where a step begins as anywhere, but for poles, and these are seen.
@@ -76,9 +77,10 @@ private:
 
     /// Shortens a length until all items hold; what hides at any length is left as it is.
     template <class Item>
-    double shortened(const SeriesEvaluator& series, const std::vector<Item>& items, double length) const;
+    double shortened(const SeriesEvaluator& series, std::span<const Item> items, double length) const;
     bool holds(const SeriesEvaluator& series, const Argument& argument, double length) const;
     bool holds(const SeriesEvaluator& series, const Factors& factors, double length) const;
+    double held_products(const SeriesEvaluator& series, double length) const;
     bool holds(const SeriesEvaluator& series, const Inverse& inverse, double length) const;
     /// The least value of a polynomial on [0, length], positive at 0: that of 16 places and of what turns between them.
     double least(const double* c, double length) const;

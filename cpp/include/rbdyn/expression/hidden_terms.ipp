@@ -45,6 +45,13 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::sp
         constexpr double high = 8.0;
         (of(slot) * rate >= high ? steep_ : inverses_).push_back({slot, rate, constant[at(slot)]});
     };
+    std::vector<int> places(at(program.slots()), -1);
+    int factors = 0;
+    const auto place = [&](int slot) {
+        int& known = places[at(slot)];
+        if (known < 0) known = factors++;
+        return known;
+    };
     for (const Instruction& i : program.instructions()) {
         if (!is_needed[at(i.out)] && (i.out2 < 0 || !is_needed[at(i.out2)])) continue;
         switch (i.code) {
@@ -59,7 +66,7 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::sp
             case Code::combine:
                 for (int k = 0; k < i.products; ++k) {
                     const ProductTerm& t = program.products(i)[k];
-                    if (of(t.a) + of(t.b) > visible_) products_.push_back({t.a, t.b});
+                    if (of(t.a) + of(t.b) > visible_) products_.push_back({t.a, t.b, place(t.a), place(t.b)});
                 }
                 break;
             default: break;
@@ -161,15 +168,37 @@ RBDYN_INLINE std::vector<int> HiddenTerms::slots() const {
 }
 
 RBDYN_INLINE double HiddenTerms::held(const SeriesEvaluator& series, double length) const {
-    return shortened(series, products_, shortened(series, inverses_, held_pulses(series, length)));
+    return held_products(series, shortened<Inverse>(series, inverses_, held_pulses(series, length)));
+}
+
+RBDYN_INLINE double HiddenTerms::held_products(const SeriesEvaluator& series, double length) const {
+    // Terms of a product beyond those that are seen are at most w^-(visible + 1) A(w) B(w), A(w) the sum of the sizes
+    // of terms k of one factor times w^k, w > 1 (Chernoff's bound): each factor is looked at once, and most products,
+    // of which there are many more, only where that does not tell. It grows with the length, so that it holds for
+    // shorter ones.
+    constexpr double w = 2.0, rounding = 0.5;
+    const double most = rounding * std::exp2(visible_ + 1 - most_);
+    std::vector<double> bounds;  // of A(w) / A(0)
+    const auto bound = [&](int slot, int place) {
+        if (at(place) < bounds.size()) return bounds[at(place)];
+        const double* a = series.coefficients(slot);
+        double sum = 0.0;
+        for (int k = order_; k >= 0; --k) sum = sum * (w * length) + std::abs(a[k]);
+        return bounds.emplace_back(sum == 0.0 ? 0.0 : sum / std::abs(a[0]));
+    };
+    for (const Factors& factors : products_) {
+        const double a = bound(factors.a, factors.place_a), b = bound(factors.b, factors.place_b);
+        if (!(a * b < most)) length = shortened<Factors>(series, {&factors, 1}, length);
+    }
+    return length;
 }
 
 RBDYN_INLINE double HiddenTerms::held_pulses(const SeriesEvaluator& series, double length) const {
-    return shortened(series, steep_, shortened(series, arguments_, length));
+    return shortened<Inverse>(series, steep_, shortened<Argument>(series, arguments_, length));
 }
 
 template <class Item>
-RBDYN_INLINE double HiddenTerms::shortened(const SeriesEvaluator& series, const std::vector<Item>& items,
+RBDYN_INLINE double HiddenTerms::shortened(const SeriesEvaluator& series, std::span<const Item> items,
                                            double length) const {
     constexpr double shorter = 0.75;
     constexpr int most_times = 320;

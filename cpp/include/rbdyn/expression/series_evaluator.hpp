@@ -204,6 +204,7 @@ private:
     std::unique_ptr<const Wavefront> wavefront_;  // of a program that is larger than the caches
     std::vector<std::size_t> first_block_;        // by stage, after those of the inputs; then the end
     bool may_overflow_ = false, overflows_ = false;
+    bool fetches_ = false;  // series are asked for before they are needed
     std::vector<ResolvedTerm> terms_;
     std::vector<series::LaneValues> lanes_;
     std::vector<series::LaneSeries> lane_series_;

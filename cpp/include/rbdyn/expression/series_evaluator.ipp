@@ -98,6 +98,14 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_in(std::ptrdiff_t k) {
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, const Block* end, std::ptrdiff_t k) {
     const bool flattens = k > 0 && overflows_;
+    // what is asked for ahead, up to there
+    const series::LaneProduct* soon = nullptr;
+    const series::LaneSeries* laid_out_soon = nullptr;
+    constexpr auto ahead = static_cast<std::size_t>(series::lanes::ahead);
+    if (fetches_ && lane_products_.size() > ahead && lane_series_.size() > ahead) {
+        soon = lane_products_.data() + lane_products_.size() - ahead;
+        laid_out_soon = lane_series_.data() + lane_series_.size() - ahead;
+    }
     for (; block != end; ++block) {
         // none is empty
         switch (block->kind) {
@@ -110,7 +118,8 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, cons
             }
             case Kind::sums: {
                 const Sums& s = *static_cast<const Sums*>(block->first);
-                series::lanes::advance(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end, k);
+                series::lanes::advance(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end, laid_out_soon,
+                                       soon, k);
                 for (const Lane *l = s.lane, *last = s.lane_end; l != last; ++l) l->out[k] = *l->sum;
                 mixed(s.mixed, s.mixed_end, k);
                 break;
@@ -143,9 +152,14 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
     // of inputs
     advance_blocks<Lanes>(blocks, blocks + first_block_.front(), 0);
     const int count = static_cast<int>(wavefront_->chunks.size());
-    for (int front = 0; front < count + orders - 1; ++front)
-        for (int k = std::max(0, front - count + 1); k < std::min(orders, front + 1); ++k) {
-            const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(front - k)];
+    const bool is_skewed = wavefront_->is_skewed;
+    const int fronts = is_skewed ? count + orders - 1 : count * orders;
+    for (int front = 0; front < fronts; ++front) {
+        const int first = is_skewed ? std::max(0, front - count + 1) : front / count,
+                  last = is_skewed ? std::min(orders, front + 1) : first + 1;
+        for (int k = first; k < last; ++k) {
+            const int c = is_skewed ? front - k : front % count;
+            const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(c)];
             advance_blocks<Lanes>(blocks + first_block_[chunk.stages.first], blocks + first_block_[chunk.stages.last],
                                   k);
             const double factor = unit_ / (k + 1);
@@ -155,6 +169,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
                 if (m.last != nullptr) m.last[-(k + 1)] = m.input[k + 1];
             }
         }
+    }
 }
 
 template <class Lanes>
@@ -365,6 +380,9 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     if (size > large && !may_overflow_) {
         auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_);
         if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
+        // what comes by once an order is in none of the caches then
+        constexpr std::size_t huge = 0x1p22;
+        fetches_ = wavefront_ != nullptr && !wavefront_->is_skewed && size > huge;
     }
     std::size_t terms = 0;
     for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);

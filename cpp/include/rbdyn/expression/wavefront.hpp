@@ -7,6 +7,10 @@
 // skewing: Wolf, "More iteration space tiling", Supercomputing 1989; Wonnacott, International Journal of Parallel
 // Programming 30, 2002). Sums keep their lanes, and each instruction computes what it always does from the same
 // numbers: the same bits.
+//
+// Each acceleration of bodies that are joined is made of those of all others, so that an order has to be whole before
+// the next one begins. The row is cut all the same: what an instruction reads is then written just before, at the same
+// order, and the series of its products follow one another in memory.
 #pragma once
 
 #include <cstddef>
@@ -27,13 +31,15 @@ public:
         Schedule::Range stages, inputs;
     };
 
-    /// Of a program whose output i is the derivative of input i. Leaves the schedule as it is, and no chunks, if orders
-    /// 0 .. `order` would be at work on too much of it at a time.
+    /// Of a program whose output i is the derivative of input i. Leaves the schedule as it is, and no chunks, if there
+    /// would be one alone.
     Wavefront(const Program& program, Schedule& schedule, int order);
 
-    /// Chunk c is computed at order k when c + k is next, of these the lowest order first.
     std::vector<Chunk> chunks;
     std::vector<int> inputs;
+    /// Whether chunk c is computed at order k when c + k is next, of these the lowest order first; else order after
+    /// order through all chunks, for orders 0 .. `order` would be at work on too much of them at a time.
+    bool is_skewed = false;
 
 private:
     /// A sum with what comes with it, another instruction, or an input.
@@ -53,6 +59,8 @@ private:
     // instructions of a chunk share the price of going from one to the next
     static constexpr std::size_t shortest = 64;
     static constexpr std::size_t part_at_work = 2;
+    // of a row that is cut for what is read soon alone
+    static constexpr std::size_t plain = 256;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

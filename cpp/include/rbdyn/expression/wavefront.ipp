@@ -50,7 +50,11 @@ RBDYN_INLINE Wavefront::Wavefront(const Program& program, Schedule& schedule, in
     std::vector<Part> row = parts_of(program, schedule);
     std::stable_sort(row.begin(), row.end(), [](const Part& a, const Part& b) { return a.key < b.key; });
     const std::size_t length = std::max(reach(program, schedule, row), shortest);
-    if (part_at_work * length * wavefronts::at(order + 1) < row.size()) cut(row, length, schedule);
+    is_skewed = part_at_work * length * wavefronts::at(order + 1) < row.size();
+    if (is_skewed)
+        cut(row, length, schedule);
+    else if (plain < row.size())
+        cut(row, plain, schedule);
 }
 
 RBDYN_INLINE std::vector<Wavefront::Part> Wavefront::parts_of(const Program& program, const Schedule& schedule) {
