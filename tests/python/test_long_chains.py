@@ -62,6 +62,22 @@ def test_a_chain_in_space_moves_as_scipy_says():
         assert np.linalg.norm(run[body].position(until) - expected[i]) <= error * moved + 1e-14 * N
 
 
+@pytest.mark.parametrize("masses", [24, 30, 100])
+def test_masses_that_hardly_move_are_asked_for_no_more_than_rounding_leaves_them(masses):
+    # at 30 m a place rounds to 4e-15 m, which a spring of 100 N/m makes some 5e-14 m/s of in a tenth of a second; the
+    # last of these masses have no velocity of which that is 1e-9
+    scene, last = rb.Scene(), None
+    for i in range(masses):
+        body = scene.add(rb.Particle(1.0), position=[float(i), 0, 0], velocity=[0, 0, 0] if i else [0.3, 0.4, 0.2])
+        if last is not None:
+            scene.connect(rb.Spring(100.0, rest_length=1.0), last, body)
+        last = body
+    for error in (1e-8, 1e-9, 1e-10):
+        run = rb.simulate(scene, 1.0, error=error, keep="end")
+        assert run.error <= error
+        assert run.statistics.runs == 2
+
+
 @pytest.mark.skipif("cvode-bdf" not in rb.engines(), reason="a build without SUNDIALS")
 def test_a_stiff_chain_by_implicit_steps_moves_as_scipy_says():
     scene, bodies = chain(stiff=True)

@@ -476,9 +476,16 @@ RBDYN_INLINE void PointsModel::observe(const Mode& mode, double t, std::span<con
             continue;
         }
         const PointReport r = laws_->report(i, now);
+        double effort = r.effort;
+        for (const int k : laws_->body(i).couplings) {
+            const PointLaws::Connected& c = laws_->couplings()[at(k)];
+            // what is left of the large terms of a spring is rounding, where it has hardly moved
+            if (std::holds_alternative<Spring>(c.coupling))
+                effort += effort_of(c.coupling, laws_->ends<double>(c, state.t, now.states), 0.0);
+        }
         out.push_back({r.position, true, 0.0, r.position.norm(), Alike::place});
         out.push_back({r.velocity, false, std::abs(r.rail_speed), r.velocity.norm(), Alike::velocity,
-                       r.effort / laws_->body(i).mass});
+                       effort / laws_->body(i).mass});
         if (on_rail(i)) out.push_back({r.reaction, false, 0.0, r.effort, Alike::force});
     }
 }

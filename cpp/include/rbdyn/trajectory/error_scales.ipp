@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -58,6 +59,7 @@ RBDYN_INLINE void ErrorScales::widen(std::span<const Observed> seen) {
 RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
     constexpr double nothing = 1e3 * std::numeric_limits<double>::epsilon();
     std::array<double, kinds> largest{}, farthest{};
+    double strongest = 0.0;  // of what drives velocities
     std::array<int, kinds> count{};
     for (Scale& s : scales_) {
         s.scale = s.is_position ? safe_norm(s.high - s.low) : s.size;
@@ -71,13 +73,21 @@ RBDYN_INLINE void ErrorScales::settle(double wanted, double span) {
         ++count[kind];
         largest[kind] = std::max(largest[kind], s.scale);
         farthest[kind] = std::max(farthest[kind], s.whole);
+        strongest = std::max(strongest, s.drive);
     }
     // digits that positions have lost are lost to all else
     constexpr auto place = static_cast<std::size_t>(Alike::place);
     const double share = least_share(wanted, largest[place] > 0.0 ? farthest[place] / largest[place] : 1.0);
+    // rounding of places x is rounding of the accelerations a that they drive, and of velocities by what these make of
+    // it in the time sqrt(x / a) in which they change places: as the same units in the last place of sqrt(a x)
+    constexpr auto velocity = static_cast<std::size_t>(Alike::velocity);
+    const double pace = std::sqrt(strongest * farthest[place]);
     for (Scale& s : scales_) {
         const auto kind = static_cast<std::size_t>(s.alike);
-        if (s.alike != Alike::nothing && count[kind] > 1) s.scale = std::max(s.scale, share * largest[kind]);
+        if (s.alike == Alike::nothing || count[kind] < 2) continue;
+        s.scale = std::max(s.scale, share * largest[kind]);
+        if (kind == velocity && largest[kind] > 0.0)
+            s.scale = std::max(s.scale, least_share(wanted, pace / largest[kind]) * largest[kind]);
     }
 }
 
