@@ -85,6 +85,8 @@ private:
     static bool has_not_moved(const Record& record, const Piece& piece, double place, std::span<const double> x);
 
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    // a point that is passed is left behind: a row of them leads nowhere
+    static constexpr int most_in_row = 16;
     // events of one instant: more than this and no smooth motion exists
     static constexpr int max_crowded = 100;
 
@@ -135,6 +137,7 @@ private:
     double began_ = 0.0;        // s: the run
     std::int64_t changes_ = 0;  // of modes, so far
     std::int64_t passed_ = 0;   // points where no step gets on, so far: they count as steps
+    int in_row_ = 0;            // of these since the last step
     Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it
     double stops_from_;

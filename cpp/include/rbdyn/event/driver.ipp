@@ -196,6 +196,7 @@ RBDYN_INLINE bool Driver::is_going_on(Record& record, StepStatus step, double un
         return true;
     }
     const bool is_last = !(until - piece.at(piece.length) > least_before(record, until));
+    in_row_ = 0;
     const double cut = search_.examine(record, now_.mode, now_.fresh, is_last);
     if (cut < 0.0) {
         store(record, piece, piece.length, now_.fresh);

@@ -100,6 +100,7 @@ RBDYN_INLINE void Driver::give_up(Record& record, const Mode& mode) {
 }
 
 RBDYN_INLINE bool Driver::may_pass() {
+    if (++in_row_ > most_in_row) return false;
     if (now_.passes == 0 || now_.at - now_.passed_at > 1e-6 * (now_.at.hi - began_)) {
         now_.passes = 0;
         now_.passed_at = now_.at;
@@ -128,9 +129,12 @@ RBDYN_INLINE bool Driver::pass(Record& record, double until) {
     const double least = 8.0 * epsilon * std::abs(t.hi);
     const double h = n > 0 ? 0x1p-27 * time : std::max(0x1p-40 * time, 8.0 * least);
     if (!(h > least) || h > 0x1p-20 * time) return false;
-    std::vector<double> middle = x, later(x.size()), later_bend(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) middle[i] += 0.5 * h * slope[i];
-    if (model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).is_known) {
+    std::vector<double> middle(x.size()), later(x.size()), later_bend(x.size());
+    // what is at rest goes where the first forces that there are take it, and others may follow that direction
+    const bool rests = std::ranges::all_of(slope, [](double rate) { return rate == 0.0; });
+    for (int turn = 0; turn < (rests ? 2 : 1); ++turn) {
+        for (std::size_t i = 0; i < x.size(); ++i) middle[i] = x[i] + 0.5 * h * slope[i];
+        if (!model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).is_known) break;
         std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
                   slope.begin() + static_cast<std::ptrdiff_t>(n));
         bend = later_bend;

@@ -406,10 +406,20 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
             if (!is_finite(state.bodies[at(i)].acts.force) || !is_finite(state.bodies[at(i)].acts.moment))
                 return "a force or torque on " + tree_->node(i).name;
     }
+    const auto all = moving(t, x);
+    for (const mechanics::Exerted::Coupled& c : exerted_->couplings()) {
+        if (!is_present(c.coupling)) continue;
+        const auto a = tree_->point<double>(c.a, all), b = tree_->point<double>(c.b, all);
+        const std::string why = without_direction(c.coupling, {t, a.place, b.place, a.velocity, b.velocity, 0.0});
+        const auto name = [&](int body) { return body >= 0 ? tree_->node(body).name : "a point of the world"; };
+        if (!why.empty())
+            return "the " + std::string(rbdyn::kind_of(c.coupling)) + " of " + name(c.a.body) + " and " +
+                   name(c.b.body) + ", " + why;
+    }
     std::vector<int> closed;
     for (int k = 0; k < contacts(); ++k)
         if (mode.slip[at(k)] != flies) closed.push_back(k);
-    if (const std::string why = lies_flat(closed, moving(t, x)); !why.empty()) return "what happens as " + why + ",";
+    if (const std::string why = lies_flat(closed, all); !why.empty()) return "what happens as " + why + ",";
     if (const std::string names = locked(t, x); !names.empty())
         return "constraints lose rank there and lock what moves: " + names;
     return {};

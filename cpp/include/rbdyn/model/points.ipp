@@ -557,6 +557,12 @@ RBDYN_INLINE std::string PointsModel::not_finite(const Mode& mode, double t, std
             if (const Vector3 f = now.coupling_force(k); !is_finite(f)) return title(k) + ", which is not finite";
         if (!is_finite(laws_->report(i, now).acceleration)) return "the acceleration of " + b.name;
     }
+    for (int k = 0; k < static_cast<int>(laws_->couplings().size()); ++k) {
+        const PointLaws::Connected& c = laws_->couplings()[at(k)];
+        if (!c.present()) continue;
+        if (const std::string why = without_direction(c.coupling, laws_->ends<double>(c, t, now.states)); !why.empty())
+            return title(k) + ", " + why;
+    }
     return {};
 }
 

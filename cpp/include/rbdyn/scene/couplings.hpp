@@ -47,6 +47,10 @@ Vector3Of<S> force_of(const Coupling& coupling, const PairState<S>& p) {
 /// Sizes of the terms of that force, some epsilon of which is its rounding, beside its own length [N].
 double effort_of(const Coupling& coupling, const PairState<double>& p, double force);
 
+/// What is to be said of a force along the line of the ends where there is no such line: they are at one place, and
+/// their velocities do not say where to. Empty if there is one, or no force.
+std::string without_direction(const Coupling& coupling, const PairState<double>& p);
+
 /// U of a coupling whose ends are a distance apart, with F = +grad U (the chapter's sign) [J]; none of a PairForce.
 /// `reference`: the distance at which that of a Central is zero.
 std::optional<double> potential_of(const Coupling& coupling, double length, double reference, double masses);

@@ -3,13 +3,16 @@
 
 #include "rbdyn/scene/couplings.hpp"
 
+#include <cmath>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/own_function.hpp"
@@ -40,6 +43,19 @@ RBDYN_INLINE std::optional<double> potential_of(const Coupling& coupling, double
 
 RBDYN_INLINE bool is_present(const Coupling& coupling) {
     return std::visit([](const auto& c) { return c.present(); }, coupling);
+}
+
+RBDYN_INLINE std::string without_direction(const Coupling& coupling, const PairState<double>& p) {
+    const Vector3 d = p.ra - p.rb, v = p.va - p.vb;
+    if (couplings::direction(d, v, p.ra.norm() + p.rb.norm()) != Vector3(0, 0, 0)) return {};
+    double force = 0.0;
+    if (const Spring* spring = std::get_if<Spring>(&coupling))
+        force = spring->stiffness.now() * spring->rest_length.now();
+    if (const Central* central = std::get_if<Central>(&coupling)) force = std::abs(central->magnitude(0.0));
+    if (!(force > 0.0)) return {};
+    return "whose ends are at one place and at rest to each other, so that its force of " + text(force) +
+           " N has no direction: let them be a little apart, or part with a velocity, in the direction they are to "
+           "take";
 }
 
 RBDYN_INLINE bool keeps_energy(const Coupling& coupling) {
