@@ -66,7 +66,7 @@ struct Equipped {
 void have_the_series_they_have_order_by_order(const Scene& scene, bool is_skewed) {
     const Equipped one(scene);
     Schedule schedule(one.program());
-    const Wavefront wavefront(one.program(), schedule, order);
+    const Wavefront wavefront(one.program(), schedule, order, true);
     ASSERT_FALSE(wavefront.chunks.empty());
     ASSERT_EQ(wavefront.is_skewed, is_skewed);
     SeriesEvaluator together(one.program(), order), apart(one.program(), order);
@@ -97,7 +97,7 @@ TEST(LongChains, take_for_each_mass_what_shorter_ones_take) {
     const auto counts = [](int masses) {
         const Equipped one(chain(masses));
         Schedule schedule(one.program());
-        const Wavefront wavefront(one.program(), schedule, order);
+        const Wavefront wavefront(one.program(), schedule, order, true);
         std::size_t longest = 0;
         for (const Wavefront::Chunk& c : wavefront.chunks) longest = std::max(longest, c.inputs.last - c.inputs.first);
         const StateJacobian jacobian(one.program());

@@ -377,12 +377,12 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     constexpr std::size_t large = 0x1p20;
     const std::size_t size = sizeof(double) * storage_.size() +
                              sizeof(series::LaneValues) * schedule.series.size() * static_cast<std::size_t>(top_ + 1);
+    // what comes by once an order is in none of them then
+    constexpr std::size_t huge = 0x1p22;
     if (size > large && !may_overflow_) {
-        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_);
+        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_, size > huge);
         if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
-        // what comes by once an order is in none of the caches then
-        constexpr std::size_t huge = 0x1p22;
-        fetches_ = wavefront_ != nullptr && !wavefront_->is_skewed && size > huge;
+        fetches_ = wavefront_ != nullptr && !wavefront_->is_skewed;
     }
     std::size_t terms = 0;
     for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);

@@ -31,9 +31,9 @@ public:
         Schedule::Range stages, inputs;
     };
 
-    /// Of a program whose output i is the derivative of input i. Leaves the schedule as it is, and no chunks, if there
-    /// would be one alone.
-    Wavefront(const Program& program, Schedule& schedule, int order);
+    /// Of a program whose output i is the derivative of input i. `at_all_costs`: cuts it also where that is for what is
+    /// read soon alone. Leaves the schedule as it is, and no chunks, if it does not, or there would be one alone.
+    Wavefront(const Program& program, Schedule& schedule, int order, bool at_all_costs);
 
     std::vector<Chunk> chunks;
     std::vector<int> inputs;
