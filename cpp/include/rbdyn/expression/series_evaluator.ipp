@@ -118,8 +118,12 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, cons
             }
             case Kind::sums: {
                 const Sums& s = *static_cast<const Sums*>(block->first);
-                series::lanes::advance(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end, laid_out_soon,
-                                       soon, k);
+                if (soon == nullptr)
+                    series::lanes::advance<false>(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end,
+                                                  nullptr, nullptr, k);
+                else
+                    series::lanes::advance<true>(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end,
+                                                 laid_out_soon, soon, k);
                 for (const Lane *l = s.lane, *last = s.lane_end; l != last; ++l) l->out[k] = *l->sum;
                 mixed(s.mixed, s.mixed_end, k);
                 break;

@@ -79,10 +79,12 @@ RBDYN_INLINE_LANES void first_order(LaneSum& s) {
 }
 
 /// An even order above 0.
-RBDYN_INLINE_LANES void even_order(LaneSum& s, std::ptrdiff_t k, const LaneProduct* soon) {
+template <bool fetches>
+RBDYN_INLINE_LANES void even_order(LaneSum& s, std::ptrdiff_t k, [[maybe_unused]] const LaneProduct* soon) {
     Quad sum{}, next{};
     for (const LaneProduct *p = s.first, *last = s.last; p != last; ++p) {
-        if (p < soon) fetch(p[ahead], k, false);
+        if constexpr (fetches)
+            if (p < soon) fetch(p[ahead], k, false);
         const LaneValues *x = p->x, *y = p->y;
         // of order k in a and b, of order k + 1 in c and d; the newest come last, for they come late
         const LaneValues* right = y + k - 1;
@@ -107,21 +109,26 @@ RBDYN_INLINE_LANES void even_order(LaneSum& s, std::ptrdiff_t k, const LaneProdu
     s.next = next;
 }
 
-RBDYN_INLINE_LANES void odd_order(LaneSum& s, std::ptrdiff_t k, const LaneProduct* soon) {
+template <bool fetches>
+RBDYN_INLINE_LANES void odd_order(LaneSum& s, std::ptrdiff_t k, [[maybe_unused]] const LaneProduct* soon) {
     Quad sum = s.next;
     for (const LaneProduct *p = s.first, *end = s.last; p != end; ++p) {
-        if (p < soon) fetch(p[ahead], k, true);
+        if constexpr (fetches)
+            if (p < soon) fetch(p[ahead], k, true);
         sum += p->x[0].value * p->y[k].value + p->x[k].value * p->y[0].value;
     }
     s.sum = sum;
 }
 
-/// `laid_out_soon`, `soon`: up to there series and products are asked for ahead; null: all are at hand.
+/// `laid_out_soon`, `soon`: up to there series and products are asked for ahead, if any are.
+template <bool fetches>
 RBDYN_INLINE_LANES void advance(const LaneSeries* series, const LaneSeries* series_end, const LaneSpread* spread,
                                 const LaneSpread* spread_end, LaneSum* sum, LaneSum* sum_end,
-                                const LaneSeries* laid_out_soon, const LaneProduct* soon, std::ptrdiff_t k) {
+                                [[maybe_unused]] const LaneSeries* laid_out_soon, const LaneProduct* soon,
+                                std::ptrdiff_t k) {
     for (; series != series_end; ++series) {
-        if (series < laid_out_soon) fetch(series[ahead], k);
+        if constexpr (fetches)
+            if (series < laid_out_soon) fetch(series[ahead], k);
         series->to[k].value =
             series->weight * Quad{series->from[0][k], series->from[1][k], series->from[2][k], series->from[3][k]};
     }
@@ -132,9 +139,9 @@ RBDYN_INLINE_LANES void advance(const LaneSeries* series, const LaneSeries* seri
     if (k == 0)
         for (; sum != sum_end; ++sum) first_order(*sum);
     else if (k % 2 == 0)
-        for (; sum != sum_end; ++sum) even_order(*sum, k, soon);
+        for (; sum != sum_end; ++sum) even_order<fetches>(*sum, k, soon);
     else
-        for (; sum != sum_end; ++sum) odd_order(*sum, k, soon);
+        for (; sum != sum_end; ++sum) odd_order<fetches>(*sum, k, soon);
 }
 
 }  // namespace lanes
