@@ -1,6 +1,9 @@
-"""A ball that bounces (e = 0.9, from 10 m, 20 s), beside Siconos: event driven, and by Moreau's time stepping.
+"""A ball that bounces (e = 0.9, from 10 m, 20 s), beside Siconos and Simbody.
 
-Siconos is asked for in Debian's Python (python3-siconos), in a process of its own; without it this says so.
+Siconos: event driven, and by Moreau's time stepping. Simbody: rigid contact by its semi-explicit time stepper, and its
+compliant contact, whose motion is another one (beside/simbody_ball.cpp, built here). Siconos is asked for in Debian's
+Python (python3-siconos), Simbody by its headers (libsimbody-dev), each in a process of its own; without them this says
+so.
 Milliseconds of processor time of the run, set-up left out, least of several; errors of place and velocity at the end,
 each relative to its largest, against the sum of the bounces.
 """
@@ -8,7 +11,9 @@ each relative to its largest, against the sum of the bounces.
 import math
 import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 
 G, RESTITUTION, HEIGHT, UNTIL = 9.81, 0.9, 10.0, 20.0
 
@@ -24,10 +29,10 @@ def exact():
         t += 2.0 * speed / G
 
 
-def show(name, run, repeats):
+def show(name, run, repeats, arguments=()):
     best = math.inf
     for _ in range(repeats):
-        seconds, steps, place, velocity = run()
+        seconds, steps, place, velocity = run(*arguments)
         best = min(best, seconds)
     z, v = exact()
     error = max(abs(place - z) / HEIGHT, abs(velocity - v) / math.sqrt(2.0 * G * HEIGHT))
@@ -95,6 +100,28 @@ def library_runs():
         show(f"rbdyn, {name}={value:g}", run, 20)
 
 
+def simbody_runs():
+    """Whether it could be built and run."""
+    source = Path(__file__).parent / "beside" / "simbody_ball.cpp"
+    with tempfile.TemporaryDirectory() as folder:
+        program = Path(folder) / "ball"
+        libraries = ["-lSimTKsimbody", "-lSimTKmath", "-lSimTKcommon"]
+        command = ["c++", "-O2", "-I/usr/include/simbody", str(source), "-o", str(program), *libraries]
+        try:
+            built = subprocess.run(command, capture_output=True)
+        except OSError:
+            return False
+        if built.returncode != 0:
+            return False
+        # it tells of its own steps beside what is asked for
+        lines = subprocess.run([program], capture_output=True, text=True).stdout.splitlines()
+    for line in lines:
+        if line.startswith("Simbody") and line.count(";") == 4:
+            name, steps, place, velocity, seconds = line.split(";")
+            show(name, lambda *r: r, 1, (float(seconds), int(steps), float(place), float(velocity)))
+    return True
+
+
 def main():
     if sys.argv[1:] == ["siconos"]:
         return siconos_runs()
@@ -104,6 +131,8 @@ def main():
     print(other.stdout, end="")
     if other.returncode != 0:
         print("Siconos is not there: apt install python3-siconos")
+    if not simbody_runs():
+        print("Simbody is not there: apt install libsimbody-dev")
 
 
 if __name__ == "__main__":

@@ -13,4 +13,5 @@
 #include "rbdyn/event/search.ipp"
 #include "rbdyn/event/search_closer.ipp"
 #include "rbdyn/event/search_least.ipp"
+#include "rbdyn/event/search_low.ipp"
 #include "rbdyn/event/search_products.ipp"

@@ -83,6 +83,8 @@ private:
 
     /// Whether a place on a piece is its beginning, and the state there the first one, as far as rounding can tell.
     static bool has_not_moved(const Record& record, const Piece& piece, double place, std::span<const double> x);
+    /// Whether a guard is the gap of a contact that was closed in other equations, or whose gap has fired there.
+    static bool opens(const Equations& before, const std::vector<int>& fired, const Guard& guard);
 
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     // a point that is passed is left behind: a row of them leads nowhere

@@ -252,12 +252,14 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     std::vector<double>& x = now_.x;
     const Instant t = now_.at;
     const std::vector<double> reached = x;
+    now_.low.resize(x.size());
     std::vector<Happening> happenings;
     const Equations* before = now_.mode.equations;
     // what only stops the run changes nothing
     const std::vector<int> changing = without_stops(fired);
     const bool has_stops = changing.size() < fired.size();
-    Mode after = changing.empty() ? now_.mode : model_.next(now_.mode, changing, t.hi, x, happenings);
+    Mode after =
+        changing.empty() ? now_.mode : model_.next_with_rest(now_.mode, changing, t.hi, x, now_.low, happenings);
     if (std::any_of(happenings.begin(), happenings.end(),
                     [](const Happening& h) { return h.kind == EventKind::singular; })) {
         finish(record, t, Status::not_finite);
@@ -287,6 +289,13 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         for (Happening& h : happenings)
             if (h.kind == EventKind::watch && h.name == guard.name) h.direction = search_.direction(index);
     }
+    // what was closed, or strikes, and opens begins at its surface
+    const bool all_touch = std::all_of(fired.begin(), fired.end(), [&](int index) {
+        return before->guards[static_cast<std::size_t>(index)].contact >= 0;
+    });
+    if (all_touch && EventSearch::follows_bounces(model_))
+        for (std::size_t g = 0; g < handled.size(); ++g)
+            handled[g] = handled[g] || opens(*before, fired, after.equations->guards[g]);
     now_.mode = std::move(after);
     // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event
     now_.begins =
@@ -328,11 +337,16 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     }
     now_.handled = handled;
     enter(record, now_.mode, t, x, std::move(handled), now_.begins);
-    // the digits beyond doubles of what the event did not set
-    for (std::size_t i = 0; i < x.size(); ++i)
-        if (x[i] != reached[i]) now_.low[i] = 0.0;
     if (!now_.mode.still) engine_.carry(now_.low);
     now_.fresh = true;
+    return true;
+}
+
+RBDYN_INLINE bool Driver::opens(const Equations& before, const std::vector<int>& fired, const Guard& guard) {
+    if (guard.contact < 0 || guard.kind != EventKind::land) return false;
+    for (std::size_t g = 0; g < before.guards.size(); ++g)
+        if (before.guards[g].contact == guard.contact && before.guards[g].kind == EventKind::land)
+            return std::find(fired.begin(), fired.end(), static_cast<int>(g)) != fired.end();
     return true;
 }
 

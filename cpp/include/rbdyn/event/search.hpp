@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "rbdyn/basics/direction.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/engine/engine.hpp"
@@ -72,6 +73,14 @@ public:
     /// other side, or stay. `fresh`: the mode begins just there, so that what jumps with it has passed, too. Returns
     /// whether one of them stops the run.
     bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x, bool fresh);
+
+    /// Whether bounces of contacts are followed by digits beyond doubles: not where they are summed to first order.
+    static bool follows_bounces(const HybridModel& model) {
+        Event ends{};
+        ends.kind = EventKind::accumulation;
+        ends.contact = 0;
+        return model.unsure(ends) == 0.0;
+    }
 
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
@@ -136,6 +145,19 @@ private:
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better. A guard
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
+    // --- gaps lower than their rounding in doubles (search_low.ipp) ---
+
+    /// Whether a guard is the gap of a contact, followed so, that has not just left its surface.
+    bool is_gap(const Guard& guard, std::size_t g) const;
+    /// The value of a guard on the piece, by the digits that the state has beyond doubles.
+    double fine_value(const Mode& mode, const Guard& guard, double tau);
+    /// The first coefficient of a gap that is low where the piece begins; none: it is not.
+    std::optional<double> low_gap(const Mode& mode, const Guard& guard, const series::Coefficients& q);
+    /// Where a low gap is zero near a place of the piece.
+    double polished_low(const Mode& mode, const Guard& guard, double cut, double slope);
+    // of the sizes of its terms: from there to the rounding of doubles it is as far as the square root of that
+    static constexpr double low_gaps = 0x1p-14;
+
     /// Finds where a guard sinks to its `least` on the piece, and rises again.
     void seek_least(const Record& record, const Mode& mode, std::size_t g);
     /// Where near a place of the piece, in its units, a value is least, if that is 1 at most; c: its series, if known.
@@ -278,8 +300,9 @@ private:
     Passages passages_;
     CloserLook closer_;
     std::unique_ptr<SeriesOnPiece> series_;
-    const Equations* evaluated_ = nullptr;
+    const Equations *evaluated_ = nullptr, *fine_for_ = nullptr;
     std::unique_ptr<Evaluator<double>> evaluator_;
+    std::unique_ptr<Evaluator<DoubleDouble>> fine_;
     series::Coefficients powers_{};  // of the piece's length
     int degree_ = 0;
     bool stops_ = false, at_start_ = false, begins_ = false;

@@ -321,6 +321,9 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
     const double* c = engine_.guard(fired_.front());
     double slope = 0.0;
     for (int k = degree_; k >= 1; --k) slope = slope * cut + k * c[k];
+    if (is_gap(guard, at(fired_.front())) && cut < 0.5 * piece.length &&
+        std::abs(slope) * cut <= low_gaps * size_of_terms(mode, piece.start.hi, state_of_piece(0.0), guard.output))
+        return polished_low(mode, guard, cut, slope);
     double best = std::numeric_limits<double>::infinity(), place = cut;
     for (int iteration = 0; iteration < 4; ++iteration) {
         const double g = evaluated(mode, place).output(guard.output);
@@ -392,6 +395,12 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         product_of(guards, factors_of(guards, g)) *= -1;
     }
     arrival.side = side;
+    std::optional<double> fine;
+    if (!arrival.at_zero && is_gap(guard, g)) fine = low_gap(mode, guard, q);
+    if (fine) {
+        q[0] = sign * *fine;
+        arrival.at_zero = q[0] == 0.0;
+    }
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
         if (begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon)) {
@@ -416,13 +425,17 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     const auto sizes_of_terms = [&](double* sizes) {
         engine_.guard_sizes(static_cast<int>(g), sizes);
         for (int k = 0; k <= degree_; ++k) sizes[k] *= powers_[static_cast<std::size_t>(k)];
+        if (fine) sizes[0] = std::abs(q[0]);
         if (!fresh || degree_ < 1 || !mode.equations->is_variable(guard)) return;
         // a variable that begins with zero is told by its rate, which may be zero there but for the rounding of all it
         // is made of, that of the time included
         const Piece& piece = engine_.piece();
         const int rate = mode.equations->program.output(guard.output);
-        sizes[1] =
-            std::max(sizes[1], size_of_terms(mode, piece.start.hi, state_of_piece(0.0), rate) * piece.duration());
+        const std::span<const double> x = state_of_piece(0.0);
+        // that of a place is a variable itself
+        const auto slot = static_cast<std::size_t>(mode.equations->program.output(rate));
+        const double size = slot < x.size() ? 2.0 * std::abs(x[slot]) : size_of_terms(mode, piece.start.hi, x, rate);
+        sizes[1] = std::max(sizes[1], size * piece.duration());
     };
     passages_.find(q.data(), degree_, arrival, sizes_of_terms, [&] {
         return mode.equations->is_variable(guard) ? series::value(q.data(), degree_, 1.0)

@@ -93,6 +93,13 @@ std::vector<Moving<W>> moving(const Tree& tree, double t, const std::vector<W>& 
     return tree.moving<W>(W(t), x.data(), x.data() + tree.positions());
 }
 
+/// How far from the origin bodies are [m], and not less than 0: what gaps are differences of.
+inline double extent(const std::vector<Moving<double>>& all) {
+    double most = 0.0;
+    for (const Moving<double>& m : all) most = std::max(most, m.place.norm());
+    return most;
+}
+
 /// Moves positions by the changes of velocities, at a time.
 template <class W>
 void move(const Tree& tree, double t, const std::vector<double>& changes, std::vector<W>& x) {

@@ -132,6 +132,10 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
             const std::vector<double> asked = closing::chosen(gaps, closed_);
             const double left = closing::largest(asked);
             if (left == 0.0 || left > 1e-3 * last) break;
+            // of what touches the rounding of these digits is left: the state has more of them
+            if (!conditions_->contacts().empty() && !conditions_->is_rough() &&
+                left <= 16.0 * std::numeric_limits<Real>::epsilon() * closing::extent(at))
+                break;
             last = left;
             closing::move<Real>(*tree_, t, (other ? *other : now).changes(asked), wide);
             if (left < 1e-9) break;

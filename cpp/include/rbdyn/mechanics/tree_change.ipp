@@ -277,7 +277,8 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         choose(mode, t, x, {});
     }
     if (!mode.impossible.empty()) return mode;
-    hold(mode, t, x);
+    std::vector<double> rest(x.size(), 0.0);
+    hold(mode, t, x, rest);
     if (!begins) {
         tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);
         tell_rest(before, was, mode, t, x, happenings);

@@ -9,13 +9,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/expression/evaluate.hpp"
-#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
 #include "rbdyn/mechanics/touched.hpp"
@@ -125,13 +126,14 @@ RBDYN_INLINE std::pair<double, double> TreeModel::acceleration_along(const mecha
     return {sum, size};
 }
 
-RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> x) const {
+RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const {
     const std::vector<int> rows = rows_in(mode);
     if (rows.empty()) return;
-    std::vector<double> low(x.size(), 0.0);
     const mechanics::TreeProjection projection(tree_, conditions_, kept_rows(mode), closed_in(mode, moving(t, x)));
-    projection.apply(x, low, 0.0, t);
-    if (holds_all(rows)) std::fill(x.begin() + tree_->positions(), x.end(), 0.0);
+    projection.apply(x, rest, 0.0, t);
+    if (!holds_all(rows)) return;
+    std::fill(x.begin() + tree_->positions(), x.end(), 0.0);
+    std::fill(rest.begin() + tree_->positions(), rest.end(), 0.0);
 }
 
 RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
@@ -170,59 +172,6 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
     const friction::Coupled coupled(*tree_, all, constraints, rows, acting, law);
     const std::vector<double> changes = coupled.changes(mechanics::solve_any(coupled.matrix(), asked));
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
-}
-
-RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double t, std::span<const double> x,
-                                                      const std::vector<int>& closed, double& remaining) const {
-    // those that bounce, then those that are as near as that and would strike next
-    std::vector<int> bouncing, group;
-    const auto is_struck = [&](int k) { return std::find(closed.begin(), closed.end(), k) != closed.end(); };
-    for (const int k : closed)
-        if (after.slip[at(k)] == flies) bouncing.push_back(k);
-    if (bouncing.empty()) return group;
-    const auto all = moving(t, x);
-    const auto rows = conditions_->rows<double>(*tree_, all);
-    const auto gaps = conditions_->gaps<double>(*tree_, all);
-    RoundingSizes sizes(after.equations->program);
-    sizes.set_parameters(after.parameters);
-    sizes(t, x);
-    const auto lowest = [&](int k) {
-        double gap_size = 0.0;
-        for (const Guard& guard : after.equations->guards)
-            if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
-        return lowest_bounce * epsilon * gap_size;
-    };
-    for (int k = 0; k < contacts(); ++k)
-        if (after.slip[at(k)] == flies && !is_struck(k) && gaps[at(conditions_->constraint_rows() + k)] <= lowest(k))
-            bouncing.push_back(k);
-    const auto [w, noise] = opening(after, t, x, bouncing);
-    for (std::size_t i = 0; i < bouncing.size(); ++i) {
-        const int k = bouncing[i];
-        const double u = mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], all);
-        const bool falls = w[i] < -noise[i];
-        const double height = 0.5 * u * u / -w[i];
-        if (!is_struck(k)) {
-            if (falls && height <= lowest(k)) group.push_back(k);
-            continue;
-        }
-        if (u <= 0.0 || !falls) return {};
-        const double next = 2.0 * u / -w[i];
-        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
-        // one that bounces alone begins each flight at zero, and is known as far as its time and its speed are
-        // (joints that turn back in a flight begin it anew)
-        const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && e > 0.0 && e < 1.0 && joints_.empty();
-        const bool is_shortest = is_alone
-                                     ? next <= 2.0 * epsilon * std::abs(t) || e * u <= slowest_bounce * speed_of(k, all)
-                                     : height <= lowest(k) || next <= 64.0 * epsilon * std::abs(t);
-        if (!is_shortest) return {};
-        // bounces get shorter by the coefficient of restitution, or as the last one did
-        const double ratio = e > 0.0 && e < 1.0 ? e : last > 0.0 ? next / last : 1.0;
-        // those that do not are no bounces once they are far below rounding
-        if (ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
-        remaining = std::max(remaining, next / (1.0 - std::min(ratio, 0.9)));
-        group.push_back(k);
-    }
-    return group;
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike(const Mode& before, double t, std::span<double> x,
@@ -264,6 +213,36 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<do
     const std::vector<double> changes = responses.changes(wanted);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     return impulses;
+}
+
+RBDYN_INLINE std::pair<double, double> TreeModel::strike_alone(std::span<double> x, int struck,
+                                                               const std::vector<mechanics::Moving<double>>& all,
+                                                               const mechanics::Row<double>& row) const {
+    const double u = mechanics::Conditions::rate(row, all),
+                 asked = -(1.0 + conditions_->contacts()[at(struck)].restitution) * u;
+    // of particles that carry nothing the velocity is all there is
+    const auto is_lone = [&](int i) {
+        return i < 0 || (tree_->node(i).joint.as<mechanics::FreePointLaw>() != nullptr && tree_->node(i).parent < 0 &&
+                         std::none_of(tree_->nodes().begin(), tree_->nodes().end(),
+                                      [&](const mechanics::Node& n) { return n.parent == i; }));
+    };
+    if (is_lone(row.a) && is_lone(row.b)) {
+        const auto inverse = [&](int i) { return i < 0 ? 0.0 : 1.0 / static_cast<double>(tree_->node(i).mass); };
+        const double own =
+            row.on_a.force.squaredNorm() * inverse(row.a) + row.on_b.force.squaredNorm() * inverse(row.b);
+        for (const auto& [i, force] : {std::pair{row.a, row.on_a.force}, std::pair{row.b, row.on_b.force}})
+            for (int k = 0; i >= 0 && k < 3; ++k)
+                x[at(tree_->positions() + tree_->node(i).v + k)] += asked / own * inverse(i) * force[k];
+        return {asked / own, asked};
+    }
+    const auto accelerate = mechanics::accelerate<double>(*tree_, all);
+    const auto response = accelerate.response(row);
+    const double own = accelerate.between(response, response), impulse = asked / own;
+    std::vector<double> made(at(accelerate.freedoms()), 0.0);
+    for (const auto& [n, one] : response) made[at(n)] += one * impulse;
+    const std::vector<double> changes = mechanics::velocity_changes<double>(*tree_, accelerate.spread(made));
+    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    return {impulse, asked};
 }
 
 RBDYN_INLINE void TreeModel::part(const Mode& mode, double t, std::span<double> x,
@@ -400,18 +379,41 @@ RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const d
 }
 
 RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,
-                                   std::span<double> x, std::vector<Happening>& happenings) const {
+                                   std::span<double> x, std::span<double> rest,
+                                   std::vector<Happening>& happenings) const {
     const std::vector<double> was(x.begin(), x.end());
     const auto all = moving(t, x);
-    const auto gaps = conditions_->gaps<double>(*tree_, all);
-    const auto before = conditions_->rows<double>(*tree_, all);
-    const auto rate = [&](const auto& rows, const auto& motion, int k) {
-        return mechanics::Conditions::rate(rows[at(conditions_->constraint_rows() + k)], motion);
+    // positions stay what they are: so does how contacts lie
+    std::vector<std::optional<mechanics::Touching<double>>> touching(at(contacts()));
+    const auto touching_of = [&](int k) -> const mechanics::Touching<double>& {
+        if (!touching[at(k)]) touching[at(k)] = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
+        return *touching[at(k)];
     };
+    const auto row_of = [&](int k) { return touching_of(k).row(touching_of(k).normal, touching_of(k).normal_rate); };
+    const auto rate = [&](const auto& motion, int k) { return mechanics::Conditions::rate(row_of(k), motion); };
     std::vector<int> closed;
     Fired events;
     const bool joints_change = heed_joints(mode, after, fired, t, x, events.rubbed_breaking, happenings);
     if (!after.impossible.empty()) return;
+    const auto forget = [&] {
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (x[i] != was[i]) rest[i] = 0.0;
+    };
+    forget();
+    // bounces of several contacts, so low that doubles do not tell how high each of them is
+    const double flight = t - mode.memory[0];
+    std::vector<double> fine;
+    const auto is_low = [&](int k) {
+        return contacts() > 1 && !conditions_->is_rough() && joints_.empty() && flight > 4.0 * epsilon * std::abs(t) &&
+               std::abs(rate(all, k)) * flight <= low_bounce * size_of(k, all);
+    };
+    const auto comes_now = [&](int k) {
+        const double gap = touching_of(k).gap, speed = -rate(all, k);
+        if (!(std::abs(gap) <= 1e-13 * size_of(k, all) && speed > 0.0)) return false;
+        if (!is_low(k)) return true;
+        if (fine.empty()) fine = fine_gaps(t, x, rest);
+        return fine[at(k)] <= speed * std::max(4.0 * epsilon * std::abs(t), 1e-7 * flight);
+    };
     for (int k = 0; k < contacts(); ++k) {
         for (const int index : fired) {
             const Guard& guard = mode.equations->guards[at(index)];
@@ -434,13 +436,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         const bool is_closed = mode.slip[at(k)] != flies, has_fired = events.has(k);
         const auto is_close = [&] {
             return !is_closed && !conditions_->contacts()[at(k)].is_gone &&
-                   std::abs(gaps[at(conditions_->constraint_rows() + k)]) <= 1e-13 * size_of(k, all);
+                   std::abs(touching_of(k).gap) <= 1e-13 * size_of(k, all);
         };
         // what comes to its surface at this very instant strikes with the others
-        const bool is_there = !has_fired && is_close() && rate(before, all, k) < 0.0;
+        const bool is_there = !is_closed && !has_fired && !conditions_->contacts()[at(k)].is_gone && comes_now(k);
         if (is_there) events.landing.push_back(k);
         // what a joint has held over it touches as well
-        const bool is_near = !joints_.empty() && is_close() && rate(before, all, k) <= 1e-13 * speed_of(k, all);
+        const bool is_near = !joints_.empty() && is_close() && rate(all, k) <= 1e-13 * speed_of(k, all);
         if (is_closed || has_fired || is_there || is_near) closed.push_back(k);
     }
     if (!fired.empty() && !joints_change && events.none()) return choose(after, t, x, {});
@@ -449,37 +451,50 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     std::vector<double> impulses(at(contacts()), 0.0);
     Strokes strokes;
     double remaining = 0.0;
+    const bool is_alone = closed.size() == 1 && landing.size() == 1 && rows_.empty() && resistances() == 0 &&
+                          joints_.empty() && !conditions_->is_rough() &&
+                          rate(all, closed.front()) < -1e-14 * speed_of(closed.front(), all);
+    const bool are_low = contacts() > 1 && std::any_of(landing.begin(), landing.end(), is_low);
     if (!landing.empty()) {
-        impulses = strike(mode, t, x, closed, strokes);
+        double made_alone = 0.0;
+        if (is_alone)
+            std::tie(impulses[at(closed.front())], made_alone) =
+                strike_alone(x, closed.front(), all, row_of(closed.front()));
+        else
+            impulses = strike(mode, t, x, closed, strokes);
         if (!strokes.impossible.empty()) {
             after.impossible = strokes.impossible;
             return;
         }
         ++after.jumps;
         events.stuck = strokes.stuck;
-        const auto motion = moving(t, x);
-        const auto rows = conditions_->rows<double>(*tree_, motion);
+        const auto motion = is_alone ? std::vector<mechanics::Moving<double>>() : moving(t, x);
         // what impulses make of velocities, and take again, leaves its rounding
-        const auto made = coupling(all, closed);
+        const auto made = is_alone ? std::vector<std::vector<double>>() : coupling(all, closed);
         const auto struck_size = [&](int k) {
+            if (is_alone) return speed_of(k, all) + 2.0 * made_alone;
             const auto i = static_cast<std::size_t>(std::find(closed.begin(), closed.end(), k) - closed.begin());
             double size = std::max(speed_of(k, motion), speed_of(k, all));
             for (std::size_t j = 0; j < closed.size(); ++j) size += std::abs(made[i][j] * impulses[at(closed[j])]);
             return size;
         };
         std::erase_if(at_rest, [&](int k) {
-            const double u = rate(rows, motion, k);
             const double e = conditions_->contacts()[at(k)].restitution, size = struck_size(k);
+            const double u = is_alone ? -e * rate(all, k) : rate(motion, k);
             const bool bounces = impulses[at(k)] <= 0.0 || e > 0.0;
             // what comes back as fast as its own restitution says is no rounding of others
-            const double back = -e * rate(before, all, k);
+            const double back = -e * rate(all, k);
             const bool opens = bounces && (u > 1e-13 * size || (back > 8.0 * epsilon * size && u > 0.5 * back));
             if (opens) after.slip[at(k)] = flies;
             return opens;
         });
         settle(mode, after, t, x, at_rest, events);
-        if (after.impossible.empty()) part(after, t, x, at_rest);
-        group = accumulating(after, t, x, closed, remaining);
+        if (after.impossible.empty() && !at_rest.empty()) part(after, t, x, at_rest);
+        forget();
+        if (are_low && after.impossible.empty()) meet(t, x, rest, closed);
+        // what bounces alone, its flights long yet, goes on
+        const bool goes_on = is_alone && goes_on_bouncing(closed.front(), t, flight, -rate(all, closed.front()), all);
+        if (!goes_on) group = accumulating(after, t, x, rest, closed, remaining);
         after.memory[0] = t;
         if (!group.empty()) {
             // what is left of their bounces is less than rounding: none of them moves any more
@@ -508,6 +523,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             // joints that slide resist what is left out, pressed as they are then
             if (!joints_.empty() && after.impossible.empty())
                 if (const auto law = joint_law(after, t)) come_to_rest(&*law);
+            std::fill(rest.begin() + tree_->positions(), rest.end(), 0.0);
         }
     } else {
         settle(mode, after, t, x, at_rest, events);
@@ -516,7 +532,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (const std::string why = lies_flat(closed, all); !why.empty()) after.impossible = why;
         return;
     }
-    hold(after, t, x);
+    hold(after, t, x, rest);
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
     };
@@ -540,9 +556,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                     {}};
         h.contact = k;
         h.impulse = impulses[at(k)];
-        h.push = strokes.pushed.empty()
-                     ? Vector3(conditions_->contacts()[at(k)].touching<double>(*tree_, all).normal * h.impulse)
-                     : strokes.pushed[at(k)];
+        h.push = strokes.pushed.empty() ? Vector3(touching_of(k).normal * h.impulse) : strokes.pushed[at(k)];
         if (comes && strokes.lowered < 1.0)
             h.note = "restitution lowered to " + text(strokes.lowered * conditions_->contacts()[at(k)].restitution) +
                      ": more would gain energy, or ask what no impulses do";
@@ -570,6 +584,7 @@ RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
 }
 
 RBDYN_INLINE void TreeModel::put_in_order(std::vector<Happening>& happenings) const {
+    if (happenings.size() < 2) return;
     const auto name = [&](const Happening& h) {
         return h.contact >= 0   ? conditions_->contacts()[at(h.contact)].name
                : h.subject >= 0 ? tree_->node(h.subject).name

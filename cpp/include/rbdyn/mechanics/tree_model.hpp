@@ -97,6 +97,8 @@ public:
     Mode begin(double t, std::span<double> x) const override;
     Mode next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
               std::vector<Happening>& happenings) const override;
+    Mode next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+                        std::span<double> rest, std::vector<Happening>& happenings) const override;
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
@@ -164,6 +166,12 @@ private:
     std::vector<double> strike(const Mode& before, double t, std::span<double> x, const std::vector<int>& struck,
                                Strokes& strokes) const;
     std::vector<double> strike_smooth(double t, std::span<double> x, const std::vector<int>& struck) const;
+    /// The same of one smooth contact that strikes where nothing else is held, from the row of its gap: its impulse,
+    /// and how much velocity that makes [N s, m/s].
+    std::pair<double, double> strike_alone(std::span<double> x, int struck,
+                                           const std::vector<mechanics::Moving<double>>& all,
+                                           const mechanics::Row<double>& row) const;
+
     // --- friction at contacts (tree_friction.ipp) ---
 
     /// Some contacts at a state where they touch: each smooth one, and each that slides, with one unknown force, the
@@ -241,15 +249,29 @@ private:
     /// slide, and of joints.
     void stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck,
               const friction::JointLaw* law = nullptr) const;
-    /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are
-    /// lower than the rounding of their gaps, or as short as that of the time. `remaining` [s]: the sum of those to
-    /// come.
-    std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x,
+    // --- bounces that get ever shorter (tree_bounces.ipp) ---
+
+    /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are as
+    /// short as the rounding of the time. `remaining` [s]: the sum of those to come.
+    std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x, std::span<const double> rest,
                                   const std::vector<int>& closed, double& remaining) const;
+    /// Whether a contact that came with a speed and strikes alone, after a flight, has bounces left that are longer
+    /// than the rounding of the time.
+    bool goes_on_bouncing(int contact, double t, double flight, double speed,
+                          const std::vector<mechanics::Moving<double>>& all) const;
+    /// The gaps of contacts, of a state in 32 digits.
+    std::vector<double> fine_gaps(double t, std::span<const double> x, std::span<const double> rest) const;
+    /// Moves a state so that contacts touch, to 32 digits.
+    void meet(double t, std::span<double> x, std::span<double> rest, const std::vector<int>& of) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    // heights, in sizes, below which gaps are followed to 32 digits: from there to the rounding of doubles it is as far
+    // as the square root of that
+    static constexpr double low_bounce = 0x1p-14;
     static constexpr double lowest_bounce = 4096.0;  // in units of the rounding of the gap
     // of the speed along the surface, some times what impulses take for rounding
     static constexpr double slowest_bounce = 3e-14;
+    // flights this much longer than the rounding of the time are not the last ones
+    static constexpr double many_roundings = 0x1p20;
     /// What a row has of acceleration at a state, and the size of what that is made of.
     static std::pair<double, double> acceleration_along(const mechanics::Row<double>& row,
                                                         const mechanics::TreeState& state);
@@ -272,7 +294,7 @@ private:
     bool pulls(const Mode& mode, double t, std::span<const double> x) const;
     /// What follows guards of contacts.
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
-               std::vector<Happening>& happenings) const;
+               std::span<double> rest, std::vector<Happening>& happenings) const;
     // --- rolling and pivoting (tree_rolling.ipp) ---
 
     int resistances() const { return static_cast<int>(conditions_->resistances().size()); }
@@ -379,8 +401,8 @@ private:
     /// The constraints of which some rows depend on others, but for a small part; empty if none do.
     std::string locked(double t, std::span<const double> x) const;
 
-    /// Moves a state onto the rows of a mode.
-    void hold(const Mode& mode, double t, std::span<double> x) const;
+    /// Moves a state onto the rows of a mode. `rest`: what it is short of.
+    void hold(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const;
     std::unique_ptr<Structure> record(const Mode& mode, const RecordedFor& state) const override;
 
     // --- actions that change the state (tree_change.ipp) ---

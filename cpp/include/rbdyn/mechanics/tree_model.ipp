@@ -385,6 +385,18 @@ RBDYN_INLINE Mode TreeModel::begin(double t, std::span<double> x) const {
 
 RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                                   std::vector<Happening>& happenings) const {
+    std::vector<double> rest(x.size(), 0.0);
+    return next_with_rest(mode, fired, t, x, rest, happenings);
+}
+
+RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+                                            std::span<double> rest, std::vector<Happening>& happenings) const {
+    const std::vector<double> reached(x.begin(), x.end());
+    // what is set is short of nothing
+    const auto forget = [&] {
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (x[i] != reached[i]) rest[i] = 0.0;
+    };
     std::vector<int> flipped;
     bool touches = false, rubs = false, has_changed = false, is_loose = false;
     int jumps = mode.jumps;
@@ -422,36 +434,45 @@ RBDYN_INLINE Mode TreeModel::next(const Mode& mode, std::span<const int> fired, 
         Mode anew = decided_anew(mode, was, t, x, happenings);
         if (anew.impossible.empty()) anew.impossible = jump_of_drives(mode, anew, t, x);
         anew.jumps = jumps;
+        forget();
         return anew;
     }
     Mode after = mode;
     after.jumps = jumps;
     if (touches || (rubs && contacts() > 0)) {
-        touch(mode, after, fired, t, x, happenings);
+        forget();
+        touch(mode, after, fired, t, x, rest, happenings);
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
     if (is_loose) {
         if (!flipped.empty()) choose(after, t, x, flipped);
         leave_or_land(mode, after, fired, t, x, happenings);
+        forget();
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
     if (rubs) {
         if (!flipped.empty()) choose(after, t, x, flipped);
         rub(mode, after, fired, t, x, happenings);
+        forget();
         if (after.impossible.empty()) after.impossible = jump_of_drives(mode, after, t, x);
         return after;
     }
     choose(after, t, x, flipped);
     if (const bool jumps_off = surfaces_jump(mode, after, t, x); jumps_off || joints_slip(after, t, x)) {
         const Mode passed = jumps_off ? mode : after;
-        contacts() > 0 ? touch(passed, after, {}, t, x, happenings) : rub(passed, after, {}, t, x, happenings);
+        if (contacts() > 0)
+            touch(passed, after, {}, t, x, rest, happenings);
+        else
+            rub(passed, after, {}, t, x, happenings);
+        forget();
         if (!after.impossible.empty()) return after;
     }
+    forget();
     after.impossible = jump_of_drives(mode, after, t, x);
     if (after.impossible.empty() && pulls(after, t, x)) {
-        touch(mode, after, {}, t, x, happenings);
+        touch(mode, after, {}, t, x, rest, happenings);
         return after;
     }
     if (same_motion(mode, after, flipped))

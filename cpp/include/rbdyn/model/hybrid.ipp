@@ -27,6 +27,16 @@ RBDYN_INLINE std::vector<double> HybridModel::winding(double /*t*/, std::span<co
 RBDYN_INLINE void HybridModel::wind(const Piece& /*piece*/, double /*length*/, std::vector<double>& /*winding*/) const {
 }
 
+RBDYN_INLINE Mode HybridModel::next_with_rest(const Mode& mode, std::span<const int> fired, double t,
+                                              std::span<double> x, std::span<double> rest,
+                                              std::vector<Happening>& happenings) const {
+    const std::vector<double> reached(x.begin(), x.end());
+    Mode after = next(mode, fired, t, x, happenings);
+    for (std::size_t i = 0; i < rest.size(); ++i)
+        if (x[i] != reached[i]) rest[i] = 0.0;
+    return after;
+}
+
 RBDYN_INLINE void HybridModel::observe(const Mode& mode, double /*t*/, std::span<const double> x,
                                        std::vector<Observed>& observed) const {
     observed.clear();

@@ -1,0 +1,69 @@
+// Definitions of rbdyn/event/search.hpp: gaps of contacts that bounce by turns, lower than the rounding of doubles.
+//
+// A gap is a difference of places: in doubles it is rounding where it is 1e-16 of them. What a contact that flies on
+// has left of it when another one strikes is known by the digits of the state beyond doubles
+// (mechanics/tree_bounces.ipp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/event/search.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/model/at_zero.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool EventSearch::is_gap(const Guard& guard, std::size_t g) const {
+    return guard.contact >= 0 && guard.kind == EventKind::land && guard.output >= 0 && !handled(g) &&
+           follows_bounces(model_);
+}
+
+RBDYN_INLINE double EventSearch::fine_value(const Mode& mode, const Guard& guard, double tau) {
+    if (fine_for_ != mode.equations) {
+        fine_ = std::make_unique<Evaluator<DoubleDouble>>(mode.equations->program);
+        fine_for_ = mode.equations;
+    }
+    const Piece& piece = engine_.piece();
+    std::vector<double> x(static_cast<std::size_t>(piece.variables)), rest(x.size());
+    engine_.state(tau, x);
+    engine_.rest(tau, x, rest);
+    std::vector<DoubleDouble> state;
+    for (std::size_t i = 0; i < x.size(); ++i) state.push_back(DoubleDouble(exact_sum(x[i], rest[i])));
+    fine_->set_parameters(std::vector<DoubleDouble>(mode.parameters.begin(), mode.parameters.end()));
+    (*fine_)(DoubleDouble(piece.at(tau)), state);
+    return static_cast<double>(fine_->output(guard.output));
+}
+
+RBDYN_INLINE std::optional<double> EventSearch::low_gap(const Mode& mode, const Guard& guard,
+                                                        const series::Coefficients& q) {
+    // far beside what it may become on the piece it is not low, or does not matter
+    if (degree_ < 2 || std::abs(q[0]) > 0x1p-10 * (std::abs(q[1]) + std::abs(q[2]))) return std::nullopt;
+    const double size = size_of_terms(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output);
+    if (std::abs(q[0]) > low_gaps * size) return std::nullopt;
+    const double value = fine_value(mode, guard, 0.0);
+    // what is open is not inside: it is at its surface, but for the rounding of these digits or of the place it was
+    // found
+    return value <= 0x1p-96 * size ? 0.0 : value;
+}
+
+RBDYN_INLINE double EventSearch::polished_low(const Mode& mode, const Guard& guard, double cut, double slope) {
+    double best = std::numeric_limits<double>::infinity(), place = cut;
+    for (int iteration = 0; iteration < 4; ++iteration) {
+        const double g = fine_value(mode, guard, place);
+        if (!(std::abs(g) < best)) break;
+        best = std::abs(g);
+        cut = place;
+        place = cut - g / slope;
+        if (!(std::abs(place - cut) < 1e-3 * cut) || place == cut || place <= 0.0) break;
+    }
+    return cut;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,145 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: bounces that get ever shorter, without end.
+//
+// A contact that bounces alone begins each flight at its surface, and is known as far as its time and its speed are.
+// Where several bounce by turns, as the ends of a rod do, each flies on while others strike: how high it is then, which
+// is less than the rounding of its gap in doubles, is known by the digits of the state beyond doubles. So what is
+// struck is put on its surface to 32 digits, and gaps are searched from values of as many (event/search_low.ipp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/instant.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+namespace bouncing {
+
+/// A state of two doubles a number.
+inline std::vector<DoubleDouble> wide(std::span<const double> x, std::span<const double> rest) {
+    std::vector<DoubleDouble> result;
+    for (std::size_t i = 0; i < x.size(); ++i) result.push_back(DoubleDouble(exact_sum(x[i], rest[i])));
+    return result;
+}
+
+}  // namespace bouncing
+
+RBDYN_INLINE bool TreeModel::goes_on_bouncing(int contact, double t, double flight, double speed,
+                                              const std::vector<mechanics::Moving<double>>& all) const {
+    const double e = conditions_->contacts()[at(contact)].restitution;
+    return e * flight > many_roundings * epsilon * std::abs(t) &&
+           e * speed > 1e3 * slowest_bounce * (speed_of(contact, all) + 2.0 * speed);
+}
+
+RBDYN_INLINE std::vector<double> TreeModel::fine_gaps(double t, std::span<const double> x,
+                                                      std::span<const double> rest) const {
+    const auto all = mechanics::closing::moving<DoubleDouble>(*tree_, t, bouncing::wide(x, rest));
+    std::vector<double> gaps;
+    for (const mechanics::ContactLaw& c : conditions_->contacts())
+        gaps.push_back(static_cast<double>(c.touching<DoubleDouble>(*tree_, all).gap));
+    return gaps;
+}
+
+RBDYN_INLINE void TreeModel::meet(double t, std::span<double> x, std::span<double> rest,
+                                  const std::vector<int>& of) const {
+    const auto now = moving(t, x);
+    std::vector<int> rows = rows_;
+    for (const int k : of) rows.push_back(conditions_->normal_row(k));
+    rows = mechanics::independent_rows(*tree_, *conditions_, rows, now, rows_.size());
+    const mechanics::closing::Responses responses(*tree_, *conditions_, rows, now);
+    std::vector<DoubleDouble> wide = bouncing::wide(x, rest);
+    double before = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < 4; ++pass) {
+        const auto gaps =
+            conditions_->gaps<DoubleDouble>(*tree_, mechanics::closing::moving<DoubleDouble>(*tree_, t, wide));
+        const std::vector<double> asked = mechanics::closing::chosen(gaps, rows);
+        const double left = mechanics::closing::largest(asked);
+        // as far as they get smaller: beyond that it is rounding
+        if (left == 0.0 || left > 1e-2 * before) break;
+        before = left;
+        mechanics::closing::move<DoubleDouble>(*tree_, t, responses.changes(asked), wide);
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        x[i] = wide[i].hi;
+        rest[i] = wide[i].lo;
+    }
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double t, std::span<const double> x,
+                                                      std::span<const double> rest, const std::vector<int>& closed,
+                                                      double& remaining) const {
+    // those that bounce, then those that are as near as that and would strike next
+    std::vector<int> bouncing, group;
+    const auto is_struck = [&](int k) { return std::find(closed.begin(), closed.end(), k) != closed.end(); };
+    for (const int k : closed)
+        if (after.slip[at(k)] == flies) bouncing.push_back(k);
+    if (bouncing.empty()) return group;
+    // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed; with
+    // friction only what bounces alone is
+    // (joints that turn back in a flight begin it anew)
+    const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && joints_.empty(),
+               is_coarse = ((conditions_->is_rough() || !joints_.empty()) && !is_alone) ||
+                           std::any_of(bouncing.begin(), bouncing.end(),
+                                       [&](int k) { return conditions_->contacts()[at(k)].restitution >= 1.0; });
+    const auto all = moving(t, x);
+    const auto rows = conditions_->rows<double>(*tree_, all);
+    const auto u_of = [&](int k) { return mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all); };
+    RoundingSizes sizes(after.equations->program);
+    sizes.set_parameters(after.parameters);
+    if (is_coarse) sizes(t, x);
+    const auto lowest = [&](int k) {
+        double gap_size = 0.0;
+        for (const Guard& guard : after.equations->guards)
+            if (guard.contact == k && guard.output >= 0) gap_size = sizes.size(guard.output);
+        return lowest_bounce * epsilon * gap_size;
+    };
+    std::vector<double> gaps;
+    if (contacts() > 1) gaps = fine_gaps(t, x, rest);
+    for (int k = 0; k < contacts(); ++k)
+        if (after.slip[at(k)] == flies && !is_struck(k) && !conditions_->contacts()[at(k)].is_gone &&
+            gaps[at(k)] <= 1e-9 * size_of(k, all))
+            bouncing.push_back(k);
+    const auto [w, noise] = opening(after, t, x, bouncing);
+    for (std::size_t i = 0; i < bouncing.size(); ++i) {
+        const int k = bouncing[i];
+        const double u = u_of(k), height = 0.5 * u * u / -w[i];
+        const bool falls = w[i] < -noise[i];
+        if (!is_struck(k)) {
+            if (!falls) continue;
+            const double end = std::sqrt(u * u + 2.0 * std::max(gaps[at(k)], 0.0) * -w[i]);
+            const bool is_near = is_coarse ? gaps[at(k)] <= lowest(k) && height <= lowest(k)
+                                           : (u + end) / -w[i] <= 64.0 * epsilon * std::abs(t) ||
+                                                 end <= 8.0 * slowest_bounce * speed_of(k, all);
+            if (is_near) group.push_back(k);
+            continue;
+        }
+        // what flies on for longer does not keep others from coming to rest
+        if (!is_coarse && (u <= 0.0 || !falls)) continue;
+        if (u <= 0.0 || !falls) return {};
+        const double next = 2.0 * u / -w[i];
+        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
+        const bool is_shortest = is_coarse ? height <= lowest(k) || next <= 64.0 * epsilon * std::abs(t)
+                                           : next <= 2.0 * epsilon * std::abs(t) ||
+                                                 (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
+        if (!is_coarse && !is_shortest) continue;
+        if (!is_shortest) return {};
+        // bounces get shorter by the coefficient of restitution, or as the last one did
+        const double ratio = e > 0.0 && e < 1.0 ? e : last > 0.0 ? next / last : 1.0;
+        // those that do not are no bounces once they are far below rounding
+        if (is_coarse && ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
+        remaining = std::max(remaining, next / (1.0 - std::min(ratio, 0.9)));
+        group.push_back(k);
+    }
+    const bool is_any = std::any_of(group.begin(), group.end(), is_struck);
+    return is_any ? group : std::vector<int>();
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
