@@ -40,6 +40,8 @@ def show(name, run, repeats, arguments=()):
 
 
 def siconos_runs():
+    # this file has the name of the package
+    sys.path.pop(0)
     import numpy as np
     import siconos.kernel as sk
 

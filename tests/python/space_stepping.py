@@ -197,8 +197,14 @@ def touching(space, c, places, axes):
     return far - reach - c.radius, n, middle - reach * n - place, on_other
 
 
+def slip(v, w, c, arm, on_other):
+    """The velocity of the point of a part against its surface."""
+    u = v[c.body] + np.cross(w[c.body], arm)
+    return u if on_other is None else u - v[c.other] - np.cross(w[c.other], on_other)
+
+
 def stepped(space, until, steps):
-    """Places, rotation matrices, velocities and angular velocities (along the axes of the world) at a time, in equal steps."""
+    """Places, rotation matrices, velocities, angular velocities (along the world's axes) at a time, in equal steps."""
     h = until / steps
     places = [b.place.copy() for b in space.bodies]
     axes = [matrix_of(b.attitude) for b in space.bodies]
@@ -221,14 +227,10 @@ def stepped(space, until, steps):
             if gap <= 0.0:
                 closed.append((index, c, n, arm, on_other))
 
-        def slip(c, arm, on_other):
-            u = v[c.body] + np.cross(w[c.body], arm)
-            return u if on_other is None else u - v[c.other] - np.cross(w[c.other], on_other)
-
-        before = [n @ slip(c, arm, on_other) for _, c, n, arm, on_other in closed]
+        before = [n @ slip(v, w, c, arm, on_other) for _, c, n, arm, on_other in closed]
         for i in range(len(v)):
             v[i] = v[i] + h * space.gravity
-        last = solve_contacts(space, closed, before, v, w, inverse, momenta, last, slip)
+        last = solve_contacts(space, closed, before, v, w, inverse, momenta, last)
         for i in range(len(places)):
             places[i] = places[i] + 0.5 * h * v[i]
             half = turned(axes[i], 0.25 * h * w[i])
@@ -238,7 +240,7 @@ def stepped(space, until, steps):
     return places, axes, v, w
 
 
-def solve_contacts(space, closed, before, v, w, inverse, momenta, last, slip):
+def solve_contacts(space, closed, before, v, w, inverse, momenta, last):
     """Impulses of what is closed, contact after contact until hardly any changes; velocities change with them."""
     if not closed:
         return {}
@@ -268,14 +270,14 @@ def solve_contacts(space, closed, before, v, w, inverse, momenta, last, slip):
     for _ in range(400):
         change, size = 0.0, 1e-300
         for k, (_, c, n, arm, on_other) in enumerate(closed):
-            u = slip(c, arm, on_other)
+            u = slip(v, w, c, arm, on_other)
             own, bound = masses[k]
             pressed = n @ found[k]
             normal = max(0.0, pressed - (n @ u + c.restitution * min(before[k], 0.0)) / own)
             push(c, arm, on_other, n * (normal - pressed))
             across = found[k] - n * pressed
             if c.mu > 0.0:
-                u = slip(c, arm, on_other)
+                u = slip(v, w, c, arm, on_other)
                 wanted = across - (u - n * (n @ u)) / bound
                 most = c.mu * normal
                 length = math.sqrt(wanted @ wanted)

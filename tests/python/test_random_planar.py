@@ -58,8 +58,8 @@ def test_nothing_goes_through_and_no_energy_is_gained(rough):
 
 
 def until_one_law_holds(planar, run, contacts):
-    """Up to the first impact of several contacts at once, of bodies that touch elsewhere, or with less restitution, or that
-    follow each other ever sooner.
+    """Up to the first impact of several contacts at once, of bodies that touch elsewhere, with less restitution, or to
+    impacts that follow each other within some steps.
 
     What time stepping goes to there depends on which of them is first by a step.
     """

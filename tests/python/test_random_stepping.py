@@ -5,7 +5,6 @@ RBDYN_TEST_STEPPED: how many of each kind (3); RBDYN_TEST_FIRST: the first seed.
 
 import os
 
-import numpy as np
 import pytest
 import rbdyn as rb
 from space_stepping import random_scene, stepped
