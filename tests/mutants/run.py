@@ -2,87 +2,151 @@
 
     python tests/mutants/run.py BUILD [--only NUMBERS] [--jobs N] [--module FOLDER] [--which FILTER] [--least PERCENT]
 
-BUILD: a build of the library as mutate.py writes it, with its C++ tests. Each mutant is run against the programs that
-meet it, the quick ones first. --module: a folder with the Python module of that build; what no C++ test catches is run
-against the Python tests too. The exit code is 1 if fewer than PERCENT (95) are caught.
+BUILD: a build of the library as mutate.py writes it, with its C++ tests. Each test is run once alone, to know what it
+meets and how long it takes (kept in BUILD/met.json as long as the programs are the same); each mutant is then run
+against the tests that meet it, the quick ones first. Times are those of the processor: other work on the machine makes
+no test too long. --module: a folder with the Python module of that build; what no C++ test catches is run against the
+Python tests too. The exit code is 1 if fewer than PERCENT (95) are caught.
 """
 
 import argparse
+import hashlib
+import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
-import time
+import threading
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 from mutate import ROOT, Mutant, mutants
 
 # what measures time, or builds and fetches things, tells nothing of a mutant
 PYTHON_LEFT_OUT = ["test_notebooks.py", "test_website.py", "test_types.py", "test_package.py", "test_documents.py"]
+# what is quick is run before what is not: seconds that the tests of a round take at most, each
+ROUNDS = [0.02, 0.2, 2.0, 20.0, float("inf")]
 
 
-def run(command: list[str], mutant: int, limit: float, **more: str) -> tuple[bool, float, str]:
-    """Whether it passes with a mutant at work, how long it took, and what it said of the first failure."""
+@dataclass
+class Outcome:
+    good: bool
+    seconds: float  # of the processor
+    why: str
+
+
+def run(command: list[str], mutant: int, limit: float, **more: str) -> Outcome:
+    """A command with a mutant at work, which may take so many seconds of the processor."""
     environment = {**os.environ, "RBDYN_MUTANT": str(mutant), **more}
-    start = time.monotonic()
     with tempfile.TemporaryFile("w+", errors="replace") as out:
-        try:
-            code = subprocess.run(command, env=environment, stdout=out, stderr=out, timeout=limit).returncode
-        except subprocess.TimeoutExpired:
-            return False, time.monotonic() - start, "it takes too long"
+        process = subprocess.Popen(command, env=environment, stdout=out, stderr=out)
+        seconds = int(limit) + 1
+        resource.prlimit(process.pid, resource.RLIMIT_CPU, (seconds, seconds))
+        # what waits for ever takes no time of the processor
+        ends = threading.Timer(60.0 + 40.0 * limit, process.kill)
+        ends.start()
+        _, status, used = os.wait4(process.pid, 0)
+        ends.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
         failed = [line.split()[3].rstrip(",") for line in out if line.startswith("[  FAILED  ] ") and "." in line]
-    return code == 0, time.monotonic() - start, failed[0] if failed else f"exit code {code}"
+    took = used.ru_utime + used.ru_stime
+    why = failed[0] if failed else "it takes too long" if took >= limit else f"exit code {process.returncode}"
+    return Outcome(process.returncode == 0, took, why)
 
 
-def tests_of(program: Path, which: str = "*") -> list[str]:
-    return [str(program), "--gtest_brief=1", "--gtest_fail_fast", f"--gtest_filter={which}"]
+@dataclass
+class Test:
+    """One test of a C++ program, as it is without a mutant."""
+
+    program: Path
+    name: str
+    seconds: float
+    met: set[int]
 
 
-class Programs:
-    """The C++ test programs of a build, as they are without a mutant."""
+def command(program: Path, names: list[str]) -> list[str]:
+    return [str(program), "--gtest_brief=1", "--gtest_fail_fast", f"--gtest_filter={':'.join(names)}"]
 
-    def __init__(self, build: Path, which: str) -> None:
-        self.which = which
-        self.seconds: dict[Path, float] = {}
-        self.met: dict[Path, set[int]] = {}
-        for program in sorted((build / "tests" / "cpp").glob("test_*")):
-            if program.suffix or not os.access(program, os.X_OK):
-                continue
-            with tempfile.NamedTemporaryFile("r") as file:
-                good, self.seconds[program], why = run(tests_of(program, which), 0, 3600.0, RBDYN_MUTANTS_MET=file.name)
-                self.met[program] = {int(line) for line in file}
-            if not good:
-                raise SystemExit(f"{program.name} fails without a mutant: {why}")
 
-    def catch(self, mutant: Mutant) -> str:
-        """By what it is caught, or nothing."""
-        for program in sorted(self.seconds, key=lambda p: self.seconds[p]):
-            if mutant.number not in self.met[program]:
-                continue
-            limit = 20.0 + 6.0 * self.seconds[program]
-            good, _, why = run(tests_of(program, self.which), mutant.number, limit)
-            if not good and self.is_confirmed(program, why, mutant, limit):
-                return f"{program.name}: {why}"
-        return ""
+def listed(program: Path, which: str) -> list[str]:
+    """The names of its tests."""
+    lines = subprocess.run(
+        [str(program), "--gtest_list_tests", f"--gtest_filter={which}"], capture_output=True, text=True, check=True
+    ).stdout.splitlines()
+    names, suite = [], ""
+    for line in lines:
+        if line.startswith("  "):
+            names.append(suite + line.split()[0])
+        elif line.split("#")[0].strip().endswith("."):
+            suite = line.split("#")[0].strip()
+    return names
 
-    def is_confirmed(self, program: Path, test: str, mutant: Mutant, limit: float) -> bool:
-        """Whether a test that failed fails again, and does not without the mutant: what measures time may do either."""
-        if "." not in test:
-            return True
-        again, alone = (run(tests_of(program, test), number, limit)[0] for number in (mutant.number, 0))
-        return alone and not again
 
-    def is_met(self, mutant: Mutant) -> bool:
-        return any(mutant.number in met for met in self.met.values())
+def looked_at(program: Path, name: str) -> Test:
+    """Runs it without a mutant."""
+    with tempfile.NamedTemporaryFile("r") as file:
+        outcome = run(command(program, [name]), 0, 3600.0, RBDYN_MUTANTS_MET=file.name)
+        if not outcome.good:
+            raise SystemExit(f"{program.name}: {name} fails without a mutant: {outcome.why}")
+        return Test(program, name, outcome.seconds, {int(line) for line in file})
+
+
+def tests_of(build: Path, which: str, jobs: int) -> list[Test]:
+    """All tests, with what they meet."""
+    programs = [p for p in sorted((build / "tests" / "cpp").glob("test_*")) if not p.suffix and os.access(p, os.X_OK)]
+    kept = build / "met.json"
+    known = json.loads(kept.read_text()) if kept.exists() else {}
+    tests, now = [], {}
+    with ThreadPoolExecutor(jobs) as pool:
+        for program in programs:
+            digest = hashlib.sha256(program.read_bytes()).hexdigest()
+            of_program = known.get(program.name, {})
+            if of_program.get("digest") != digest:
+                of_program = {"digest": digest, "tests": {}}
+            asked = listed(program, which)
+            lack = [name for name in asked if name not in of_program["tests"]]
+            for test in pool.map(lambda name, program=program: looked_at(program, name), lack):
+                of_program["tests"][test.name] = [test.seconds, sorted(test.met)]
+            now[program.name] = of_program
+            kept.write_text(json.dumps({**known, **now}))
+            for name in asked:
+                seconds, met = of_program["tests"][name]
+                tests.append(Test(program, name, seconds, set(met)))
+    return tests
+
+
+def catch(mutant: Mutant, tests: list[Test]) -> str:
+    """By which C++ test it is caught, or nothing."""
+    meeting = sorted((t for t in tests if mutant.number in t.met), key=lambda t: t.seconds)
+    least = 0.0
+    for most in ROUNDS:
+        of_program: dict[Path, list[Test]] = {}
+        for test in meeting:
+            if least <= test.seconds < most:
+                of_program.setdefault(test.program, []).append(test)
+        least = most
+        for program, some in of_program.items():
+            names, limit = [t.name for t in some], 20.0 + 6.0 * sum(t.seconds for t in some)
+            outcome = run(command(program, names), mutant.number, limit)
+            if not outcome.good and is_confirmed(program, names, outcome.why, mutant, limit):
+                return f"{program.name}: {outcome.why}"
+    return ""
+
+
+def is_confirmed(program: Path, names: list[str], why: str, mutant: Mutant, limit: float) -> bool:
+    """Whether what failed fails again, and does not without the mutant: what measures time may do either."""
+    again = [why] if why in names else names
+    return run(command(program, again), 0, limit).good and not run(command(program, again), mutant.number, limit).good
 
 
 def catch_in_python(mutant: Mutant, module: Path) -> str:
     left_out = [f"--ignore=tests/python/{name}" for name in PYTHON_LEFT_OUT]
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *left_out]
-    good, _, why = run(["env", "-C", str(ROOT), *command], mutant.number, 3600.0, PYTHONPATH=str(module))
-    return "" if good else f"Python: {why}"
+    pytest = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *left_out]
+    outcome = run(["env", "-C", str(ROOT), *pytest], mutant.number, 3600.0, PYTHONPATH=str(module))
+    return "" if outcome.good else f"Python: {outcome.why}"
 
 
 def main() -> int:
@@ -96,16 +160,15 @@ def main() -> int:
     asked = parser.parse_args()
     wanted = {int(number) for number in asked.only.split(",") if number}
     chosen = [m for m in mutants() if not wanted or m.number in wanted]
-    programs = Programs(asked.build, asked.which)
-    print(
-        f"{len(programs.seconds)} programs pass without a mutant in {sum(programs.seconds.values()):.0f} s", flush=True
-    )
+    tests = tests_of(asked.build, asked.which, asked.jobs)
+    print(f"{len(tests)} tests pass without a mutant in {sum(t.seconds for t in tests):.0f} s", flush=True)
 
     def judge(mutant: Mutant) -> bool:
-        by = programs.catch(mutant)
+        by = catch(mutant, tests)
         if not by and asked.module is not None:
             by = catch_in_python(mutant, asked.module)
-        verdict = f"caught   {by}" if by else "SURVIVED" if programs.is_met(mutant) else "SURVIVED, no test meets it"
+        is_met = any(mutant.number in test.met for test in tests)
+        verdict = f"caught   {by}" if by else "SURVIVED" if is_met else "SURVIVED, no test meets it"
         print(f"{mutant.number:4} {mutant.subject:12} {mutant.name:85} {verdict}", flush=True)
         return bool(by)
 
