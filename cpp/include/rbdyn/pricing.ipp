@@ -71,8 +71,7 @@ RBDYN_INLINE void Runner::look(double allowed) {
         compared_.times.insert(compared_.times.end(), times.begin(), times.end());
     }
     std::ranges::sort(compared_.times);
-    const auto rest = std::ranges::unique(compared_.times);
-    compared_.times.erase(rest.begin(), rest.end());
+    compared_.times.erase(std::unique(compared_.times.begin(), compared_.times.end()), compared_.times.end());
 }
 
 template <class Integrated>

@@ -241,8 +241,7 @@ RBDYN_INLINE std::vector<double> AccuracyCheck::places(const Record& run) {
     // short and quick phases of a long motion, where being late shows most
     for (const std::size_t i : quickest(run)) add(i, 2);
     std::ranges::sort(times);
-    const auto rest = std::ranges::unique(times);
-    times.erase(rest.begin(), rest.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
     return times;
 }
 
