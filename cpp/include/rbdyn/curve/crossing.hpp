@@ -58,6 +58,10 @@ public:
     /// the domain. `just_left`: the path begins there, with gap and first derivative of the gap zero within rounding.
     std::optional<Landing> first_landing(const Flight& path, int side, double last, bool just_left);
 
+    /// The parameter of the place of the curve nearest to a point that is on it but for rounding, in own axes; the turn
+    /// of a closed curve is that of `last`. It does not depend on what was looked for before.
+    double parameter_at(double x, double y, double last);
+
     /// Whether the last search looked everywhere.
     bool complete() const { return complete_; }
     const CurveCover& cover() const { return cover_; }
@@ -71,6 +75,9 @@ private:
     static constexpr int max_depth = 50, max_visits = 20000;
 
     using Path = PathCoefficients;
+
+    /// The turn of a closed curve that a parameter is on, as a sum for parameters of its domain.
+    double turn_of(double u) const;
 
     /// The path on [0, 1], coefficients at the end that are `negligible` against the motion left out; false if it does
     /// not move or is not finite.

@@ -29,8 +29,7 @@ RBDYN_INLINE std::optional<Landing> LandingFinder::first_landing(const Flight& p
     visits_ = 0;
     best_ = {std::numeric_limits<double>::infinity(), 0.0};
     if (!scale(path, just_left ? 0.0 : 0x1p-62)) return std::nullopt;
-    const double period = cover_.period();
-    turn_ = period > 0.0 ? std::floor((last - cover_.domain().begin) / period) * period : 0.0;
+    turn_ = turn_of(last);
     side_ = side;
     contact_ = last - turn_;
     just_left_ = just_left;
@@ -43,6 +42,46 @@ RBDYN_INLINE std::optional<Landing> LandingFinder::first_landing(const Flight& p
     search(0.0, 1.0, 0, 0, nodes_.size());
     if (!(best_.tau <= 1.0)) return std::nullopt;
     return Landing{best_.tau == 1.0 ? path.length : best_.tau * path.length, best_.u + turn_};
+}
+
+RBDYN_INLINE double LandingFinder::turn_of(double u) const {
+    const double period = cover_.period();
+    return period > 0.0 ? std::floor((u - cover_.domain().begin) / period) * period : 0.0;
+}
+
+RBDYN_INLINE double LandingFinder::parameter_at(double x, double y, double last) {
+    const Vector3 point{x, y, 0.0};
+    double least = std::numeric_limits<double>::infinity(), nearest = last;
+    const auto look = [&](double u) {
+        const double distance = (cover_.curve().own(u).position - point).norm();
+        if (distance < least) {
+            least = distance;
+            nearest = u + turn_of(last);
+        }
+    };
+    // a curve and a point that are computed are apart by rounding: a little is enough, as a rule
+    for (double wide = 0x1p-40 * (std::abs(x) + std::abs(y)) + std::numeric_limits<double>::min();
+         std::isinf(least) && std::isfinite(wide); wide *= 0x1p10) {
+        const Box box{x - wide, x + wide, y - wide, y + wide};
+        nodes_.clear();
+        cover_.find(box, nodes_);
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            const int node = nodes_[i];
+            if (!cover_.stretch(node).box.meets(box)) continue;
+            cover_.refine(node);
+            const CurveCover::Stretch s = cover_.stretch(node);
+            if (s.state == CurveCover::State::divided) {
+                nodes_.push_back(s.child);
+                nodes_.push_back(s.child + 1);
+            } else if (s.state == CurveCover::State::graph && s.box.meets(box)) {
+                const Graph& g = cover_.graph(s);
+                look(parameter(g, s, std::clamp(g.along_from(point), -1.0, 1.0)));
+            } else if (s.state == CurveCover::State::point) {
+                look(s.begin);
+            }
+        }
+    }
+    return nearest;
 }
 
 RBDYN_INLINE bool LandingFinder::scale(const Flight& path, double negligible) {

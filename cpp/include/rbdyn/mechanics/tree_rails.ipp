@@ -173,7 +173,7 @@ RBDYN_INLINE double TreeModel::land(Mode& mode, std::size_t k, double t, std::sp
     const mechanics::Moving<double>& bead = before[at(rail.body)];
     double& u = x[at(n.q)];
     if (rail.landing) {
-        u = rail.landing->place(bead.place);
+        u = rail.landing->place(bead.place, u);
     } else {
         const mechanics::Moving<double>& on = before[at(rail.parent)];
         const Vector3 place = on.to_body(Vector3(bead.place - on.place)) + rounded(rail.held);

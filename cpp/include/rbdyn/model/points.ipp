@@ -718,7 +718,7 @@ RBDYN_INLINE double PointsModel::land(Mode& mode, int i, double t, std::span<dou
     const int space = b.first_of_space(), velocity = b.first_of_velocity();
     const Vector3 r{variable(x, space), variable(x, space + 1), variable(x, space + 2)},
         v{variable(x, velocity), variable(x, velocity + 1), variable(x, velocity + 2)};
-    variable(x, b.first) = laws_->landing(i)->place(r);
+    variable(x, b.first) = laws_->landing(i)->place(r, variable(x, b.first));
     const CurvePoint<double> c = laws_->curve_point(b, variable(x, b.first));
     // along the normal: what rounding leaves along the rail is none
     const double along = dot<double>(c.first, v), rounding = 16.0 * epsilon * std::sqrt(c.speed_squared) * v.norm();

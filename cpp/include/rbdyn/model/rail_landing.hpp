@@ -35,8 +35,9 @@ public:
 
     std::optional<double> first(const Piece& piece, bool fresh) const override;
 
-    /// The parameter of the curve at a place on it, in the view: that of the landing just found.
-    double place(const Vector3& r) const;
+    /// The parameter of the curve at a place on it, in the view, of a bead that left it at `last`. Runs in several
+    /// threads have one landing between them: nothing is kept from one call for the next.
+    double place(const Vector3& r, double last) const;
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -52,7 +53,6 @@ private:
     Vector3 shift_;
     int parameter_, position_, velocity_;
     mutable std::mutex mutex_;
-    mutable double last_ = 0.0;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -58,14 +58,13 @@ RBDYN_INLINE std::optional<double> RailLanding::first(const Piece& piece, bool f
     const auto landing =
         finder_.first_landing({x.data(), y.data(), order, piece.length, doubt.data()}, side_, last, just_left);
     if (!landing || !meets(x, y, z, order, landing->tau)) return std::nullopt;
-    last_ = landing->u;
     return landing->tau;
 }
 
-RBDYN_INLINE double RailLanding::place(const Vector3& r) const {
+RBDYN_INLINE double RailLanding::place(const Vector3& r, double last) const {
     const std::lock_guard lock(mutex_);
     const Vector3 p = turn_ * r + shift_;
-    double u = last_;
+    double u = finder_.parameter_at(p.x(), p.y(), last);
     for (int i = 0; i < 8; ++i) {
         const CurvePoint<double> c = curve_.own<double>(u);
         const Vector3 away = p - c.position;

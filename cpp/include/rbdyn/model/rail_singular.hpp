@@ -33,7 +33,7 @@ public:
     /// A bead that starts at u. `parameter`, `rate`: the state variables u and w.
     RailSingularity(const Curve& curve, double u, int parameter, int rate);
 
-    std::optional<double> first(const Piece& piece, bool fresh) const override;
+    std::optional<double> first(const Piece& piece, bool /*fresh*/) const override;
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();

@@ -27,7 +27,7 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE RailSingularity::RailSingularity(const Curve& curve, double u, int parameter, int rate)
     : stretch_(curve, u), parameter_(parameter), rate_(rate) {}
 
-RBDYN_INLINE std::optional<double> RailSingularity::first(const Piece& piece, bool fresh) const {
+RBDYN_INLINE std::optional<double> RailSingularity::first(const Piece& piece, bool /*fresh*/) const {
     const double* u = piece.variable(parameter_);
     const double* w = piece.variable(rate_);
     const std::lock_guard lock(mutex_);
@@ -35,8 +35,8 @@ RBDYN_INLINE std::optional<double> RailSingularity::first(const Piece& piece, bo
     const series::Bounds range = series::bounds(scaled_.data(), piece.order);
     const double width = range.high - range.low;
     if (!std::isfinite(width)) return std::nullopt;
-    // it may have landed, or been put, elsewhere
-    if (fresh) stretch_.include(u[0]);
+    // it may have landed, or been put, elsewhere; or the bead of another run was looked at last, in another thread
+    stretch_.include(u[0]);
     // before it by what u is rounded, so that the last state is one of this side
     const double before = 16.0 * epsilon * std::max(std::abs(range.low), std::abs(range.high));
     std::optional<double> place;
