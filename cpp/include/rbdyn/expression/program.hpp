@@ -110,6 +110,9 @@ public:
     /// The weights with all their digits; none if they depend on parameters.
     const std::vector<DoubleDouble>* exact_weights() const { return scalar_steps_.empty() ? &constants_ : nullptr; }
 
+    /// A weight that no parameter changes, however it is rounded; NaN of others.
+    double constant(int scalar) const;
+
     /// What runs it in series, free to be borrowed.
     const KeptSeries& kept_series() const { return kept_series_; }
 

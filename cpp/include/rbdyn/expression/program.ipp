@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <sstream>
 #include <string>
@@ -23,6 +24,13 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE const Instruction* Program::norm(int index) const {
     const Instruction* i = maker(output(index));
     return i != nullptr && i->code == Code::norm ? i : nullptr;
+}
+
+RBDYN_INLINE double Program::constant(int scalar) const {
+    const DoubleDouble& c = constants_[static_cast<std::size_t>(scalar)];
+    const bool is_fixed =
+        c.lo == 0.0 && std::ranges::none_of(scalar_steps_, [&](const ScalarStep& s) { return s.out == scalar; });
+    return is_fixed ? c.hi : std::numeric_limits<double>::quiet_NaN();
 }
 
 RBDYN_INLINE Lowering::Lowering(Recorder& recorder, Program& program, int inputs) : r_(recorder), p_(program) {

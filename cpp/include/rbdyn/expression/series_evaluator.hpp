@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/expression/wavefront.hpp"
@@ -58,6 +59,12 @@ public:
     }
     /// From now on as on a processor without lanes of four: the same bits.
     void go_without_lanes_of_four() { run_ = &plain; }
+    /// From now on by machine code (machine_code.hpp) at once, or not at all; else from when it pays. The same bits.
+    void use_machine_code(bool is_used) {
+        run_ = is_used ? usual() : widest();
+        expansions_ = MachineCode::expansions;
+    }
+    bool has_machine_code() const { return code_ != nullptr; }
 
     /// Coefficients of an output, of a switch, of any slot.
     const double* output(int index) const { return coefficients(program_->output(index)); }
@@ -78,6 +85,8 @@ public:
     void set_unit(double unit) { unit_ = unit; }
 
 private:
+    friend class MachineCode;
+    friend class MachineCodeWriter;
     // instructions with their series found once
     struct ResolvedTerm {
         const double* series;
@@ -140,8 +149,11 @@ private:
     // code in four lanes (series/lanes.hpp)
     using Run = void (*)(SeriesEvaluator&, int first, int last, bool integrates);
     static Run widest();
+    static Run usual();
     static void plain(SeriesEvaluator& series, int first, int last, bool integrates);
     static void wide(SeriesEvaluator& series, int first, int last, bool integrates);
+    static void by_code(SeriesEvaluator& series, int first, int last, bool integrates);
+    static void compute_wide(SeriesEvaluator& series, const Step& step, int k);
     template <class Lanes>
     void run(int first, int last, bool integrates);
     template <class Lanes>
@@ -212,7 +224,9 @@ private:
     std::vector<series::LaneSpread> lane_spreads_;
     std::vector<series::LaneProduct> lane_products_;
     std::vector<series::LaneSum> lane_sums_;
-    Run run_ = widest();
+    std::unique_ptr<const MachineCode> code_;
+    int expansions_ = 0;  // so far, until there is code
+    Run run_ = usual();
 };
 
 inline void SeriesEvaluator::integrate(int k) {

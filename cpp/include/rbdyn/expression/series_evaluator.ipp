@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/program_weights.hpp"
 #include "rbdyn/expression/schedule.hpp"
@@ -35,7 +36,7 @@ RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_or
 
 RBDYN_INLINE void SeriesEvaluator::renew() {
     std::fill(storage_.begin(), storage_.end(), 0.0);
-    run_ = widest();
+    run_ = usual();
 }
 
 RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
@@ -66,6 +67,13 @@ RBDYN_INLINE SeriesEvaluator::Run SeriesEvaluator::widest() {
     if (__builtin_cpu_supports("avx2")) return &wide;
 #endif
     return &plain;
+}
+
+RBDYN_INLINE SeriesEvaluator::Run SeriesEvaluator::usual() {
+#ifdef RBDYN_WIDE_LANES
+    if (MachineCode::is_built() && widest() == &wide) return &by_code;
+#endif
+    return widest();
 }
 
 RBDYN_INLINE_LANES double SeriesEvaluator::linear(const ResolvedTerm* first, const ResolvedTerm* last, double sum,
@@ -192,6 +200,25 @@ RBDYN_INLINE void SeriesEvaluator::plain(SeriesEvaluator& series, int first, int
 __attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::wide(SeriesEvaluator& series, int first, int last,
                                                                         bool integrates) {
     series.run<series::Four>(first, last, integrates);
+}
+__attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::compute_wide(SeriesEvaluator& series,
+                                                                                const Step& step, int k) {
+    series.compute<series::Four>(step, k);
+}
+RBDYN_INLINE void SeriesEvaluator::by_code(SeriesEvaluator& series, int first, int last, bool integrates) {
+    if (series.code_ == nullptr) {
+        if (first > 0 || series.expansions_++ < MachineCode::expansions) return wide(series, first, last, integrates);
+        series.code_ = MachineCode::of(series);
+        if (series.code_ == nullptr) series.expansions_ = std::numeric_limits<int>::min();  // not again
+    }
+    // the first orders are other formulas
+    const int by_lists = series.code_ == nullptr ? last : std::min(last, MachineCode::first_order);
+    if (first < by_lists) wide(series, first, by_lists, integrates);
+    first = std::max(first, by_lists);
+    if (series.overflows_)
+        wide(series, first, last, integrates);
+    else if (first < last)
+        series.code_->run(series, first, last, integrates);
 }
 #endif
 

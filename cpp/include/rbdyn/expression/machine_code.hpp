@@ -1,0 +1,46 @@
+// Machine code made for one program's series: what SeriesEvaluator reads from lists is written out as instructions.
+//
+// The same operations in the same order, without fused multiply-add: the same bits (docs/decisions/23). For processors
+// with AVX2 under Linux; all others go on with the lists, as do programs larger than pays. The memory is never to be
+// written and run at a time; where a system forbids it altogether, there is no code.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "rbdyn/basics/form.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+class SeriesEvaluator;
+class MachineCodeWriter;  // machine_code_writer.hpp
+
+class MachineCode {
+public:
+    /// After so many expansions of an evaluator code is made: about what making it costs in what it gains.
+    static constexpr int expansions = 24;
+    /// The orders before are left to the lists.
+    static constexpr int first_order = 2;
+
+    /// Whether this library can make any (its CMake option RBDYN_MACHINE_CODE).
+    static bool is_built();
+    /// Of an evaluator's lists; none where there is none to be had, or it would not pay.
+    static std::unique_ptr<const MachineCode> of(const SeriesEvaluator& series);
+    MachineCode(const MachineCode&) = delete;
+    MachineCode& operator=(const MachineCode&) = delete;
+    ~MachineCode();
+
+    /// Orders first .. last - 1 of the evaluator.
+    void run(SeriesEvaluator& series, int first, int last, bool integrates) const;
+    std::size_t size() const { return size_; }
+
+private:
+    friend class MachineCodeWriter;
+    struct Frame;
+    MachineCode(void* memory, std::size_t size) : memory_(memory), size_(size) {}
+
+    void* memory_;
+    std::size_t size_;
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM

@@ -1,0 +1,131 @@
+// Writes the machine code of an evaluator's lists (machine_code.hpp), one order of odd k and one of even k.
+//
+// Registers: bx, bp: coefficient k of slot 0, forwards and backwards; r9: its coefficient 0; r12: lane values of order
+// k; r13: those of order 0; r14: the series in lanes, with their weights; r15: their sums; si: weights; r8: k.
+// Of an even order, ax, dx and r10 tell where the middle of each product's coefficients is.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/assembler.hpp"
+#include "rbdyn/expression/machine_code.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+
+#if defined(RBDYN_MACHINE_CODE) && defined(RBDYN_WIDE_LANES) && defined(__linux__) && defined(__LP64__)
+#define RBDYN_WRITES_MACHINE_CODE 1
+#endif
+
+#ifdef RBDYN_WRITES_MACHINE_CODE
+namespace rbdyn::inline RBDYN_FORM {
+
+/// What the code is given.
+struct MachineCode::Frame {
+    double* storage;
+    series::LaneValues* lanes;
+    const series::LaneSeries* series;
+    series::LaneSum* sums;
+    const double* scalars;
+    SeriesEvaluator* self;
+    double unit, minus_one;
+    std::int64_t integrates, k, last;
+};
+
+class MachineCodeWriter {
+public:
+    explicit MachineCodeWriter(const SeriesEvaluator& series) : e_(series) {}
+
+    /// Whether code would be shorter than what a processor holds near, and all is in it.
+    static bool takes(const SeriesEvaluator& series);
+    const std::vector<std::uint8_t>& write();
+
+private:
+    using At = machine_code::At;
+    using Register = machine_code::Register;
+    using Vector = machine_code::Vector;
+    using Assembler = machine_code::Assembler;
+    using Frame = MachineCode::Frame;
+    using Step = SeriesEvaluator::Step;
+    using Term = SeriesEvaluator::ResolvedTerm;
+
+    // vectors 0 to 7 are for what is computed; `first_known` and the following hold newest coefficients
+    static constexpr Vector sum_lanes = 8, next_lanes = 9, first_known = 10, known_count = 5, zero = 15, none = 255;
+    static constexpr std::ptrdiff_t nothing = -1;
+
+    // where things are
+    std::ptrdiff_t in_storage(const double* p) const { return 8 * (p - e_.storage_.data()); }
+    std::ptrdiff_t in_lanes(const series::LaneValues* p) const { return 32 * (p - e_.lanes_.data()); }
+    At newest(const double* p) const { return {Register::bx, in_storage(p)}; }
+    At fixed(const double* p) const { return {Register::r9, in_storage(p)}; }
+    At backwards(const double* p) const { return {Register::bp, in_storage(p)}; }
+    At next_of(const series::LaneSum& s) const;
+
+    // newest coefficients, and lanes of them, that are in registers
+    std::ptrdiff_t key(const double* slot) const { return 2 * in_storage(slot); }
+    std::ptrdiff_t key(const series::LaneValues* p) const { return 2 * in_lanes(p) + 1; }
+    Vector known(std::ptrdiff_t key) const;
+    Vector room();
+    void know(Vector at, std::ptrdiff_t key) { keys_[static_cast<std::size_t>(at - first_known)] = key; }
+    void forget() { keys_.fill(nothing); }
+    /// In a register: its own or the one offered.
+    Vector value(const double* slot, Vector otherwise);
+    Vector value(const series::LaneValues* p, Vector otherwise);
+    /// Stores what was computed of a slot in a register of room().
+    void give(double* out, Vector from);
+    void give(const series::View& out, Vector from);
+
+    void order(bool is_even);
+    void set_registers();
+    void integrate();
+    void block(const SeriesEvaluator::Block& b);
+    void copy(const series::View& v);
+    void terms(const Term* first, const Term* last, Vector to);
+    void mixed(const SeriesEvaluator::Mixed& m, const series::LaneSum* from);
+
+    // sums of products in lanes
+    void sums(const SeriesEvaluator::Sums& s);
+    void pair(const double* low, const double* high, Vector to);
+    void gather(const series::LaneSeries& s);
+    void spread(const series::LaneSpread& s);
+    void odd(const series::LaneSum& s);
+    void even(const series::LaneSum& s);
+    /// Pairs of coefficients of a product's middle, at most.
+    int middle() const { return e_.top_ > 3 ? (e_.top_ - 2) / 2 : 0; }
+    /// A lane of the sum computed last, in a register.
+    Vector lane(int l);
+
+    // what is no combination
+    void step(const Step& s);
+    void call(const Step& s);
+    void quotient(const Step& s);
+    void by_slope(const Step& s);
+    void power(const Step& s);
+    void norm(const Step& s);
+    struct Factors {
+        const double* a;        // its first coefficient
+        const series::View* b;  // read backwards
+    };
+    /// sum_{j < k + more} a[j] b_{k - before - j} for each, in vectors 0, 1, ...; 3 and 4 are used.
+    void dots(std::initializer_list<Factors> factors, int before, int more);
+    void slope(const Step& s);
+
+    const SeriesEvaluator& e_;
+    Assembler c_;
+    bool is_even_ = false;
+    int lanes_there_ = 0;  // of the sum computed last: a bit each
+    std::array<std::ptrdiff_t, known_count> keys_{};
+    Vector oldest_ = 0;
+    struct Detour {
+        std::size_t from, back;
+        const Step* step;
+    };
+    std::vector<Detour> detours_;  // norms that begin at zero
+};
+
+}  // namespace rbdyn::inline RBDYN_FORM
+#endif

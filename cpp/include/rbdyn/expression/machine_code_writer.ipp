@@ -1,0 +1,347 @@
+// Definitions of rbdyn/expression/machine_code_writer.hpp.
+#pragma once
+
+#include "rbdyn/expression/machine_code_writer.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <vector>
+
+#include "rbdyn/expression/assembler.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/product_sums.hpp"
+
+#ifdef RBDYN_WRITES_MACHINE_CODE
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
+    // measured: what no longer fits the second cache gains nothing
+    constexpr std::size_t most = 1U << 18;
+    const std::size_t products = e.lane_products_.size(), middle = static_cast<std::size_t>(e.top_) / 2;
+    const std::size_t about = products * (64 * middle + 200) + 100 * e.lane_series_.size() + 20 * e.terms_.size() +
+                              800 * e.steps_.size() + 30 * e.motion_.size();
+    return e.wavefront_ == nullptr && e.program_->calls().empty() && about < most;
+}
+
+RBDYN_INLINE const std::vector<std::uint8_t>& MachineCodeWriter::write() {
+    using enum Register;
+    constexpr Register saved[] = {bx, bp, r12, r13, r14, r15};
+    for (const Register r : saved) c_.push(r);
+    c_.push(di);
+    c_.move(ax, At{di, offsetof(Frame, k)});
+    c_.shift_left(ax, 3);
+    c_.move(bx, At{di, offsetof(Frame, storage)});
+    c_.move(bp, bx);
+    c_.add(bx, ax);
+    c_.subtract(bp, ax);
+    c_.shift_left(ax, 2);
+    c_.move(r13, At{di, offsetof(Frame, lanes)});
+    c_.move(r12, r13);
+    c_.add(r12, ax);
+    c_.move(r14, At{di, offsetof(Frame, series)});
+    c_.move(r15, At{di, offsetof(Frame, sums)});
+    c_.keep(ax, 32);
+    const std::size_t to_even = c_.jump_if(Assembler::When::equal);
+    const std::size_t first = c_.size();
+    order(false);
+    const std::size_t to_end = c_.jump_if(Assembler::When::at_least);
+    c_.land(to_even);
+    order(true);
+    c_.jump_if(Assembler::When::below, first);
+    c_.land(to_end);
+    c_.leave_four();
+    c_.pop(di);
+    for (auto r = std::rbegin(saved); r != std::rend(saved); ++r) c_.pop(*r);
+    c_.leave();
+    for (const Detour& d : detours_) {
+        c_.land(d.from);
+        call(*d.step);
+        c_.land(c_.jump(), d.back);
+    }
+    return c_.bytes();
+}
+
+RBDYN_INLINE MachineCodeWriter::At MachineCodeWriter::next_of(const series::LaneSum& s) const {
+    const auto offset = reinterpret_cast<const char*>(&s.next) - reinterpret_cast<const char*>(e_.lane_sums_.data());
+    return {Register::r15, offset};
+}
+
+RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::known(std::ptrdiff_t key) const {
+    for (Vector i = 0; i < known_count; ++i)
+        if (keys_[i] == key) return static_cast<Vector>(first_known + i);
+    return none;
+}
+
+RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::room() {
+    const Vector i = oldest_;
+    oldest_ = static_cast<Vector>((oldest_ + 1) % known_count);
+    keys_[i] = nothing;
+    return static_cast<Vector>(first_known + i);
+}
+
+RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::value(const double* slot, Vector otherwise) {
+    const Vector x = known(key(slot));
+    if (x != none) return x;
+    c_.load(otherwise, newest(slot));
+    return otherwise;
+}
+
+RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::value(const series::LaneValues* p, Vector otherwise) {
+    const Vector x = known(key(p));
+    if (x != none) return x;
+    c_.load_four(otherwise, At{Register::r12, in_lanes(p)});
+    return otherwise;
+}
+
+RBDYN_INLINE void MachineCodeWriter::give(double* out, Vector from) {
+    c_.store(newest(out), from);
+    know(from, key(out));
+}
+
+RBDYN_INLINE void MachineCodeWriter::give(const series::View& out, Vector from) {
+    give(out.forward, from);
+    c_.store(backwards(out.last), from);
+}
+
+RBDYN_INLINE void MachineCodeWriter::order(bool is_even) {
+    using enum Register;
+    is_even_ = is_even;
+    forget();
+    set_registers();
+    for (const SeriesEvaluator::Block& b : e_.blocks_) block(b);
+    integrate();
+    c_.move(r8, At{di, offsetof(Frame, k)});
+    c_.add(r8, 1);
+    c_.move(At{di, offsetof(Frame, k)}, r8);
+    c_.add(bx, 8);
+    c_.add(bp, -8);
+    c_.add(r12, 32);
+    c_.compare(r8, At{di, offsetof(Frame, last)});
+}
+
+/// Those that do not outlive a call.
+RBDYN_INLINE void MachineCodeWriter::set_registers() {
+    using enum Register;
+    c_.move(di, At{sp, 0});
+    c_.move(si, At{di, offsetof(Frame, scalars)});
+    c_.move(r8, At{di, offsetof(Frame, k)});
+    c_.move(r9, At{di, offsetof(Frame, storage)});
+    c_.clear(zero);
+    if (!is_even_ || middle() == 0) return;
+    // of 64 bytes each (even()), so many are passed over
+    c_.move(cx, r8);
+    c_.shift_right(cx, 1);
+    c_.move(r10, static_cast<std::uint64_t>(middle() + 1));
+    c_.subtract(r10, cx);
+    c_.shift_left(r10, 6);
+    c_.address(ax, At{r13, 64});
+    c_.subtract(ax, r10);
+    c_.address(dx, At{r12, -32});
+    c_.add(dx, r10);
+}
+
+RBDYN_INLINE void MachineCodeWriter::integrate() {
+    using enum Register;
+    c_.move(di, At{sp, 0});
+    c_.compare(At{di, offsetof(Frame, integrates)}, 0);
+    const std::size_t past = c_.jump_if(Assembler::When::equal);
+    c_.move(r8, At{di, offsetof(Frame, k)});
+    c_.add(r8, 1);
+    c_.convert(0, r8);
+    c_.load(1, At{di, offsetof(Frame, unit)});
+    c_.divide_one(0, 1, 0);
+    for (const SeriesEvaluator::Motion& m : e_.motion_) {
+        c_.multiply_one(1, 0, value(m.rate, 2));
+        c_.store(newest(m.input + 1), 1);
+    }
+    c_.land(past);
+}
+
+RBDYN_INLINE void MachineCodeWriter::block(const SeriesEvaluator::Block& b) {
+    using Kind = SeriesEvaluator::Kind;
+    const auto each = [&b]<class T>(const T*, const auto& write) {
+        for (const T* one = static_cast<const T*>(b.first); one != b.last; ++one) write(*one);
+    };
+    switch (b.kind) {
+        case Kind::copies: each(e_.copies_.data(), [this](const series::View& v) { copy(v); }); break;
+        case Kind::sums: each(e_.sums_.data(), [this](const SeriesEvaluator::Sums& s) { sums(s); }); break;
+        case Kind::linear:
+            each(e_.linear_.data(), [this](const SeriesEvaluator::Linear& l) {
+                const Vector to = room();
+                terms(l.first, l.last, to);
+                give(l.out, to);
+            });
+            break;
+        case Kind::mixed: each(e_.mixed_.data(), [this](const SeriesEvaluator::Mixed& m) { mixed(m, nullptr); }); break;
+        case Kind::steps: each(e_.steps_.data(), [this](const Step& s) { step(s); }); break;
+    }
+}
+
+RBDYN_INLINE void MachineCodeWriter::copy(const series::View& v) { c_.store(backwards(v.last), value(v.forward, 0)); }
+
+/// The sum begins with zero, as that of the lists: of a zero the sign is the same.
+RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, Vector to) {
+    Vector sum = zero;
+    for (; first != last; ++first, sum = to) {
+        const Vector x = known(key(first->series));
+        const double weight = e_.program_->constant(static_cast<int>(first->weight));
+        if (weight == 1.0 || weight == -1.0) {
+            const auto add = [&](auto which) {
+                weight > 0.0 ? c_.add_one(to, sum, which) : c_.subtract_one(to, sum, which);
+            };
+            x != none ? add(x) : add(newest(first->series));
+        } else {
+            c_.load(0, At{Register::si, 8 * first->weight});
+            x != none ? c_.multiply_one(0, 0, x) : c_.multiply_one(0, 0, newest(first->series));
+            c_.add_one(to, sum, 0);
+        }
+    }
+}
+
+RBDYN_INLINE void MachineCodeWriter::mixed(const SeriesEvaluator::Mixed& m, const series::LaneSum* from) {
+    const Vector to = room();
+    terms(m.first, m.last, to);
+    Vector sum = m.first == m.last ? zero : to;
+    for (const double* l = m.lane; l != m.lane_end; ++l, sum = to)
+        c_.add_one(to, sum, lane(static_cast<int>(l - reinterpret_cast<const double*>(&from->sum))));
+    give(m.out, to);
+}
+
+// --- sums of products in lanes ---
+
+RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::lane(int l) {
+    if (l == 0) return sum_lanes;
+    const auto to = static_cast<Vector>(l);
+    if ((lanes_there_ >> l & 1) != 0) return to;
+    if (l == 1) c_.high_lanes(to, sum_lanes, sum_lanes);
+    if (l == 2) c_.upper_half(to, sum_lanes);
+    if (l == 3) {
+        const Vector low = lane(2);
+        c_.high_lanes(to, low, low);
+    }
+    lanes_there_ |= 1 << l;
+    return to;
+}
+
+RBDYN_INLINE void MachineCodeWriter::sums(const SeriesEvaluator::Sums& s) {
+    for (const auto* x = s.series; x != s.series_end; ++x) gather(*x);
+    for (const auto* x = s.spread; x != s.spread_end; ++x) spread(*x);
+    for (const auto* sum = s.sum; sum != s.sum_end; ++sum) {
+        is_even_ ? even(*sum) : odd(*sum);
+        lanes_there_ = 0;
+        const auto* const first = reinterpret_cast<const double*>(&sum->sum);
+        for (const auto* l = s.lane; l != s.lane_end; ++l) {
+            if (l->sum < first || l->sum >= first + 4) continue;
+            const Vector from = lane(static_cast<int>(l->sum - first)), to = room();
+            c_.move_four(to, from);
+            give(l->out, to);
+        }
+        for (const auto* m = s.mixed; m != s.mixed_end; ++m)
+            if (m->lane >= first && m->lane < first + 4) mixed(*m, sum);
+    }
+}
+
+RBDYN_INLINE void MachineCodeWriter::pair(const double* low, const double* high, Vector to) {
+    if (low == high && known(key(low)) == none) return c_.load_twice(to, newest(low));
+    const Vector first = value(low, to), second = known(key(high));
+    second != none ? c_.low_lanes(to, first, second) : c_.load_high(to, first, newest(high));
+}
+
+RBDYN_INLINE void MachineCodeWriter::gather(const series::LaneSeries& s) {
+    const std::ptrdiff_t i = &s - e_.lane_series_.data();
+    const Schedule::Series& weights = e_.lane_weights_[static_cast<std::size_t>(i)];
+    const bool are_halves_same = s.from[0] == s.from[2] && s.from[1] == s.from[3];
+    const bool is_weighted = std::ranges::any_of(weights, [this](const Schedule::Weighted& w) {
+        return w.scalar != Schedule::one && (w.scalar < 0 || e_.program_->constant(w.scalar) != 1.0);
+    });
+    if (are_halves_same && s.from[0] == s.from[1]) {
+        const Vector x = known(key(s.from[0]));
+        x != none ? c_.spread(0, x) : c_.spread(0, newest(s.from[0]));
+    } else {
+        pair(s.from[0], s.from[1], 0);
+        if (!are_halves_same) pair(s.from[2], s.from[3], 1);
+        c_.join(0, 0, are_halves_same ? 0 : 1);
+    }
+    const Vector to = room();
+    const auto weight = static_cast<std::ptrdiff_t>(offsetof(series::LaneSeries, weight));
+    if (is_weighted)
+        c_.multiply_four(to, 0, At{Register::r14, i * static_cast<std::ptrdiff_t>(sizeof s) + weight});
+    else
+        c_.move_four(to, 0);
+    c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
+    know(to, key(s.to));
+}
+
+RBDYN_INLINE void MachineCodeWriter::spread(const series::LaneSpread& s) {
+    const Vector from = known(key(s.from)), to = room();
+    from != none ? c_.spread(to, from) : c_.spread(to, newest(s.from));
+    c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
+    know(to, key(s.to));
+}
+
+RBDYN_INLINE void MachineCodeWriter::odd(const series::LaneSum& s) {
+    c_.load_four(sum_lanes, next_of(s));
+    for (const auto* p = s.first; p != s.last; ++p) {
+        const Vector x = value(p->x, 4), y = value(p->y, 5);
+        c_.multiply_four(0, y, At{Register::r13, in_lanes(p->x)});
+        c_.multiply_four(1, x, At{Register::r13, in_lanes(p->y)});
+        c_.add_four(0, 0, 1);
+        c_.add_four(sum_lanes, sum_lanes, 0);
+    }
+}
+
+RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
+    using enum Register;
+    // of order k in a and b, of order k + 1 in c and d
+    constexpr Vector a = 0, b = 1, c = 2, d = 3;
+    for (const auto* p = s.first; p != s.last; ++p) {
+        const std::ptrdiff_t x = in_lanes(p->x), y = in_lanes(p->y);
+        c_.load_four(7, At{r12, y - 32});
+        c_.multiply_four(b, 7, At{r13, x + 32});
+        for (const Vector sum : {a, c, d}) c_.move_four(sum, zero);
+        if (middle() > 0) {
+            const std::size_t start = c_.place(cx);
+            c_.add(cx, r10);
+            c_.jump(cx);
+            c_.land(start);
+        }
+        // 64 bytes each, so that where to begin tells how many
+        for (int i = 0; i < middle(); ++i) {
+            const At even = Assembler::far({ax, x + 64 * i}), odd = Assembler::far({ax, x + 64 * i + 32});
+            const auto right = [&](int by) { return Assembler::far({dx, y - 64 * i - 32 * by}); };
+            c_.load_four(4, even);
+            c_.multiply_four(6, 4, right(1));
+            c_.add_four(a, a, 6);
+            c_.multiply_four(7, 4, right(0));
+            c_.add_four(c, c, 7);
+            c_.load_four(5, odd);
+            c_.multiply_four(6, 5, right(2));
+            c_.add_four(b, b, 6);
+            c_.multiply_four(7, 5, right(1));
+            c_.add_four(d, d, 7);
+        }
+        // the newest come last, for they come late
+        const Vector x_k = value(p->x, 4), y_k = value(p->y, 5);
+        c_.multiply_four(6, y_k, At{r13, x + 32});
+        c_.add_four(c, c, 6);
+        c_.multiply_four(7, x_k, At{r13, y + 32});
+        c_.add_four(d, d, 7);
+        c_.multiply_four(6, y_k, At{r13, x});
+        c_.add_four(a, a, 6);
+        c_.multiply_four(7, x_k, At{r13, y});
+        c_.add_four(b, b, 7);
+        c_.add_four(a, a, b);
+        c_.add_four(sum_lanes, p == s.first ? zero : sum_lanes, a);
+        c_.add_four(c, c, d);
+        c_.add_four(next_lanes, p == s.first ? zero : next_lanes, c);
+    }
+    c_.store_four(next_of(s), next_lanes);
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
+#endif

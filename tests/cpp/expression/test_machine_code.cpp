@@ -1,0 +1,209 @@
+// Machine code made for a program: the series that its lists give, bit for bit, zeros with their signs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "random.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/machine_code.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/series_evaluator.hpp"
+
+namespace rbdyn::test_machine_code {
+namespace {
+
+using E = Expression;
+using test::Random;
+
+struct Start {
+    double t, unit;
+    std::vector<double> x, parameters;
+};
+
+/// All coefficients that the evaluator has; `whole`: of the last order too, which comes by itself.
+std::vector<double> expanded(SeriesEvaluator& series, const Start& start, int order, bool whole) {
+    series.set_parameters(start.parameters);
+    series.begin(start.t, start.unit);
+    for (std::size_t i = 0; i < start.x.size(); ++i) series.set_input(static_cast<int>(i), 0, start.x[i]);
+    series.expand(order, whole);
+    std::vector<double> all;
+    for (int slot = 0; slot < series.program().slots(); ++slot)
+        all.insert(all.end(), series.coefficients(slot), series.coefficients(slot) + series.stride());
+    return all;
+}
+
+/// Of what is not a number, neither.
+bool are_same(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (std::isnan(a) && std::isnan(b));
+}
+
+bool are_same(const std::vector<double>& a, const std::vector<double>& b) {
+    return std::ranges::equal(a, b, [](double x, double y) { return are_same(x, y); });
+}
+
+/// Whether this library makes code for this machine; of others there is nothing to be held.
+bool is_made() {
+#ifdef __x86_64__
+    return MachineCode::is_built() && __builtin_cpu_supports("avx2");
+#else
+    return false;
+#endif
+}
+
+/// The same from several starts, one after the other.
+void hold(const Program& program, int order, const std::vector<Start>& starts) {
+    SeriesEvaluator by_code(program, order), by_lists(program, order);
+    by_code.use_machine_code(true);
+    by_lists.use_machine_code(false);
+    bool whole = false;
+    for (const Start& start : starts) {
+        const std::vector<double> ours = expanded(by_code, start, order, whole),
+                                  theirs = expanded(by_lists, start, order, whole);
+        for (std::size_t i = 0; i < ours.size(); ++i)
+            ASSERT_TRUE(are_same(ours[i], theirs[i]))
+                << "slot " << i / static_cast<std::size_t>(by_code.stride()) << ", "
+                << i % static_cast<std::size_t>(by_code.stride()) << " of order " << order << ": " << ours[i]
+                << " and not " << theirs[i] << "\n"
+                << program.text();
+        whole = !whole;
+    }
+    ASSERT_TRUE(by_code.has_machine_code());
+    ASSERT_FALSE(by_lists.has_machine_code());
+}
+
+/// Every instruction; norms that may begin at zero.
+Program everything() {
+    Recorder r;
+    const E x = r.input(0), y = r.input(1), z = r.input(2), t = r.time(), p = r.parameter(r.new_parameter());
+    std::vector<E> outputs = {p * y * z - 0.3 * x * sin(x) + exp(-x * y) + 0.1 * t,
+                              cos(z) * sqrt(x * x + 2.0) - x / (y * y + 1.0) + 0.25 * (x * x + y * y),
+                              tanh(x - y) + sinh(0.2 * z) * cosh(0.1 * x) - 0.5 * z + p * x * y};
+    outputs.push_back(log(x * x + 1.5) + pow(y * y + 0.5, 1.25) + pow(z * z + 0.25, -2.0) + 2.0);
+    outputs.push_back(recording::angle(y, x + 4.0) * length({x, y, z}));
+    outputs.push_back((x - y) * (x + y) * (z - x) + p);
+    outputs.push_back(outputs[0] * outputs[0]);
+    return Program(r, outputs, 3);
+}
+
+/// Rates of some variables in which some of what came before occurs, with weights that are often one or zero.
+Program random_program(Random& random, int inputs) {
+    Recorder r;
+    std::vector<E> known;
+    for (int i = 0; i < inputs; ++i) known.push_back(r.input(i));
+    if (random.chance(0.3)) known.push_back(r.time());
+    const E p = r.parameter(r.new_parameter());
+    const auto some = [&] {
+        return known[static_cast<std::size_t>(random.whole(0, static_cast<int>(known.size()) - 1))];
+    };
+    const auto weight = [&]() -> E {
+        switch (random.whole(0, 4)) {
+            case 0: return 1.0;
+            case 1: return -1.0;
+            case 2: return p;
+            default: return random.uniform(-2.0, 2.0);
+        }
+    };
+    const int count = random.whole(3, 25);
+    for (int i = 0; i < count; ++i) {
+        E sum = random.chance(0.3) ? E(random.uniform(-1.0, 1.0)) : E(0.0);
+        for (int term = random.whole(0, 3); term > 0; --term) sum = sum + weight() * some();
+        for (int term = random.whole(0, 6); term > 0; --term) sum = sum + weight() * some() * some();
+        known.push_back(sum);
+        switch (random.whole(0, 11)) {
+            case 0: known.push_back(some() / (2.0 + some() * some() * 0.01)); break;
+            case 1: known.push_back(sin(some()) * cos(some())); break;
+            case 2: known.push_back(length({some(), some(), some()})); break;
+            case 3: known.push_back(pow(some() * some() + 1.0, random.uniform(-1.0, 2.0))); break;
+            case 4: known.push_back(exp(0.1 * sin(some()))); break;
+            case 5: known.push_back(sqrt(some() * some() + 1.0)); break;
+            default: break;
+        }
+    }
+    std::vector<E> outputs;
+    for (int i = 0; i < inputs; ++i) outputs.push_back(i % 2 == 0 ? known.back() * (1.0 / (i + 1)) + some() : some());
+    for (int i = random.whole(0, 3); i > 0; --i) outputs.push_back(some());
+    return Program(r, outputs, inputs);
+}
+
+std::vector<Start> starts(Random& random, const Program& program, int count) {
+    std::vector<Start> all;
+    for (int n = 0; n < count; ++n) {
+        Start s{random.uniform(-1.0, 1.0), std::exp2(random.whole(-8, 1)), {}, {}};
+        // what is zero, of either sign, stays so in many slots
+        for (int i = 0; i < program.inputs(); ++i)
+            s.x.push_back(random.chance(0.25) ? (random.chance(0.5) ? 0.0 : -0.0) : random.uniform(-1.5, 1.5));
+        // parameters of norms say that they begin at zero
+        s.parameters.assign(static_cast<std::size_t>(program.parameters()), 0.0);
+        s.parameters[0] = random.uniform(0.5, 2.0);
+        all.push_back(s);
+    }
+    return all;
+}
+
+TEST(MachineCode, has_the_bits_of_the_lists_for_every_instruction_and_order) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
+    const Program program = everything();
+    Random random(1);
+    for (int order = 2; order <= 26; ++order) hold(program, order, starts(random, program, 20));
+}
+
+TEST(MachineCode, has_the_bits_of_the_lists_for_random_programs) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
+    Random random(2);
+    for (int trial = 0; trial < 300; ++trial) {
+        const Program program = random_program(random, random.whole(1, 6));
+        hold(program, random.whole(5, 24), starts(random, program, 8));
+        if (HasFatalFailure()) return;
+    }
+}
+
+TEST(MachineCode, leaves_what_grows_beyond_the_largest_double_to_the_lists) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
+    Recorder r;
+    const E x = r.input(0), y = r.input(1);
+    const Program program(r, std::vector<E>{y, -x / (1.0 + exp(x * x))}, 2);
+    hold(program, 20, {{0.0, 0.5, {0.1, 1.0}, {}}, {0.0, 0.5, {40.0, 1.0}, {}}, {0.0, 0.5, {0.2, 1.0}, {}}});
+}
+
+TEST(MachineCode, is_made_when_it_pays_once_and_kept) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
+    const Program program = everything();
+    const Start start{0.0, 0.25, {0.5, 0.25, -0.5}, {1.0, 0.0}};
+    std::vector<double> first;
+    {
+        const BorrowedSeries series(program, 20);
+        first = expanded(*series, start, 20, true);
+        for (int i = 1; i < MachineCode::expansions; ++i) expanded(*series, start, 20, true);
+        EXPECT_FALSE(series->has_machine_code());
+        EXPECT_TRUE(are_same(expanded(*series, start, 20, true), first));
+        EXPECT_TRUE(series->has_machine_code());
+    }
+    const BorrowedSeries again(program, 20);
+    EXPECT_TRUE(again->has_machine_code());
+    EXPECT_TRUE(are_same(expanded(*again, start, 20, true), first));
+}
+
+TEST(MachineCode, is_not_made_of_what_is_too_long_to_pay) {
+    Recorder r;
+    std::vector<E> rates;
+    const int count = 300;
+    for (int i = 0; i < count; ++i) {
+        E sum = 0.0;
+        for (int j = 1; j < 8; ++j) sum = sum + (0.5 + i + j) * r.input(i) * r.input((i + j) % count);
+        rates.push_back(sum);
+    }
+    const Program program(r, rates, count);
+    SeriesEvaluator series(program, 24);
+    series.use_machine_code(true);
+    expanded(series, {0.0, 1.0, std::vector<double>(count, 1e-3), {}}, 24, true);
+    EXPECT_FALSE(series.has_machine_code());
+}
+
+}  // namespace
+}  // namespace rbdyn::test_machine_code
