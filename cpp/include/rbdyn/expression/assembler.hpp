@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -28,8 +29,8 @@ using Vector = std::uint8_t;
 class Assembler {
 public:
     static At far(At at) { return {at.base, at.distance, true}; }
-    const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-    std::size_t size() const { return bytes_.size(); }
+    std::span<const std::uint8_t> bytes() const { return {bytes_.data(), size_}; }
+    std::size_t size() const { return size_; }
 
     // one lane
     void load(Vector to, At from) { vex(to, 0, from, Map::plain, Prefix::f2, false, 0x10); }
@@ -67,11 +68,11 @@ public:
     void spread(Vector to, Vector from) { vex(to, 0, from, Map::x38, Prefix::x66, true, 0x19); }
     void join(Vector to, Vector low, Vector high) {
         vex(to, low, high, Map::x3a, Prefix::x66, true, 0x18);
-        bytes_.push_back(1);
+        put({1});
     }
     void upper_half(Vector to, Vector from) {
         vex(from, 0, to, Map::x3a, Prefix::x66, true, 0x19);
-        bytes_.push_back(1);
+        put({1});
     }
     /// Before other code, which may use registers of two lanes.
     void leave_four() { put({0xc5, 0xf8, 0x77}); }
@@ -112,7 +113,7 @@ public:
     void move(Register to, std::uint64_t number) {
         prefix(false, index(to) > 7);
         put({static_cast<std::uint8_t>(0xb8 | (index(to) & 7))});
-        for (int i = 0; i < 8; ++i) bytes_.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
+        for (int i = 0; i < 8; ++i) put({static_cast<std::uint8_t>(number >> (8 * i))});
     }
     void push(Register r) {
         if (index(r) > 7) put({0x41});
@@ -160,7 +161,10 @@ private:
     enum class Prefix : std::uint8_t { none = 0, x66 = 1, f3 = 2, f2 = 3 };
 
     static std::uint8_t index(Register r) { return static_cast<std::uint8_t>(r); }
-    void put(std::initializer_list<std::uint8_t> bytes) { bytes_.insert(bytes_.end(), bytes); }
+    void put(std::initializer_list<std::uint8_t> bytes) {
+        if (size_ + bytes.size() > bytes_.size()) bytes_.resize(2 * bytes_.size());
+        for (const std::uint8_t byte : bytes) bytes_[size_++] = byte;
+    }
     std::size_t open() {
         put({0, 0, 0, 0});
         return size() - 4;
@@ -192,8 +196,10 @@ private:
         const bool is_short = !at.is_far && at.distance >= -128 && at.distance < 128;
         put({static_cast<std::uint8_t>((is_short ? 0x40 : 0x80) | (reg & 7) << 3 | low)});
         if (low == 4) put({0x24});
-        const auto distance = static_cast<std::uint32_t>(at.distance);
-        for (int i = 0; i < (is_short ? 1 : 4); ++i) bytes_.push_back(static_cast<std::uint8_t>(distance >> (8 * i)));
+        if (is_short)
+            put({static_cast<std::uint8_t>(at.distance)});
+        else
+            number_of(static_cast<std::int32_t>(at.distance));
     }
     void prefix(bool reg, bool rm) { put({static_cast<std::uint8_t>(0x48 | (reg ? 4 : 0) | (rm ? 1 : 0))}); }
     void whole(Register reg, Register rm, std::uint8_t code) {
@@ -211,11 +217,14 @@ private:
         number_of(number);
     }
     void number_of(std::int32_t number) {
-        for (int i = 0; i < 4; ++i)
-            bytes_.push_back(static_cast<std::uint8_t>(static_cast<std::uint32_t>(number) >> (8 * i)));
+        const auto bits = static_cast<std::uint32_t>(number);
+        put({static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8),
+             static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 24)});
     }
 
-    std::vector<std::uint8_t> bytes_;
+    // longer than what is written so far
+    std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(1U << 14);
+    std::size_t size_ = 0;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM::machine_code

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
-#include <vector>
+#include <span>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/machine_code_writer.hpp"
@@ -26,7 +26,7 @@ RBDYN_INLINE bool MachineCode::is_built() { return true; }
 RBDYN_INLINE std::unique_ptr<const MachineCode> MachineCode::of(const SeriesEvaluator& series) {
     if (!MachineCodeWriter::takes(series)) return nullptr;
     MachineCodeWriter writer(series);
-    const std::vector<std::uint8_t>& bytes = writer.write();
+    const std::span<const std::uint8_t> bytes = writer.write();
     void* memory = mmap(nullptr, bytes.size(), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) return nullptr;
     std::unique_ptr<const MachineCode> code(new MachineCode(memory, bytes.size()));

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -42,7 +43,7 @@ public:
 
     /// Whether code would be shorter than what a processor holds near, and all is in it.
     static bool takes(const SeriesEvaluator& series);
-    const std::vector<std::uint8_t>& write();
+    std::span<const std::uint8_t> write();
 
 private:
     using At = machine_code::At;

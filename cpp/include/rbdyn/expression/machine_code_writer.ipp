@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <span>
 #include <vector>
 
 #include "rbdyn/expression/assembler.hpp"
@@ -28,7 +29,7 @@ RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
     return e.wavefront_ == nullptr && e.program_->calls().empty() && about < most;
 }
 
-RBDYN_INLINE const std::vector<std::uint8_t>& MachineCodeWriter::write() {
+RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
     using enum Register;
     constexpr Register saved[] = {bx, bp, r12, r13, r14, r15};
     for (const Register r : saved) c_.push(r);

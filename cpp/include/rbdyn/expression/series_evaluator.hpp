@@ -17,6 +17,7 @@
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/lanes.hpp"
 #include "rbdyn/series/product_sums.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -180,14 +181,14 @@ private:
 
     /// Coefficient k of the slots of an instruction that is no combination.
     template <class Lanes>
-    void compute(const Step& i, int k);
+    RBDYN_INLINE_LANES void compute(const Step& i, int k);
 
     /// A function of the user's has a value and no more.
     void call(const Program::Call& c, int k);
 
     /// |v| for v = t^m d(t), d(0) not zero: t^m |d(t)|, so that a motion may start from v = 0.
     template <class Lanes>
-    void norm(const Step& i, const series::View& out, int k);
+    RBDYN_INLINE_LANES void norm(const Step& i, const series::View& out, int k);
 
     void resolve();
 
