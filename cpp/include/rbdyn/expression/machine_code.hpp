@@ -17,7 +17,7 @@ class MachineCodeWriter;  // machine_code_writer.hpp
 
 class MachineCode {
 public:
-    /// After so many expansions of an evaluator code is made: about what making it costs in what it gains.
+    /// After so many expansions of an evaluator code is made: about twice what making it costs in what it gains.
     static constexpr int expansions = 64;
     /// The orders before are left to the lists.
     static constexpr int first_order = 2;

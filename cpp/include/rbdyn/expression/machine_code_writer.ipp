@@ -21,7 +21,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
-    // measured: what no longer fits the second cache gains nothing
+    // a share of the second cache, where coefficients are too
     constexpr std::size_t most = 1U << 18;
     const std::size_t products = e.lane_products_.size(), middle = static_cast<std::size_t>(e.top_) / 2;
     const std::size_t about = products * (64 * middle + 200) + 100 * e.lane_series_.size() + 20 * e.terms_.size() +
