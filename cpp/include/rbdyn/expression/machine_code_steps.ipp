@@ -31,7 +31,7 @@ RBDYN_INLINE void MachineCodeWriter::step(const Step& s) {
 
 /// By the evaluator.
 RBDYN_INLINE void MachineCodeWriter::call(const Step& s) {
-    using enum Register;
+    using enum machine_code::Register;
     c_.leave_four();
     c_.move(di, At{sp, 0});
     c_.move(dx, At{di, offsetof(Frame, k)});
@@ -43,7 +43,7 @@ RBDYN_INLINE void MachineCodeWriter::call(const Step& s) {
 }
 
 RBDYN_INLINE void MachineCodeWriter::dots(std::initializer_list<Factors> factors, int before, int more) {
-    using enum Register;
+    using enum machine_code::Register;
     using When = Assembler::When;
     const auto each = [&](const auto& write) {
         Vector sum = 0;

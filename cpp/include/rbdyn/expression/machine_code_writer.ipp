@@ -30,7 +30,7 @@ RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
 }
 
 RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
-    using enum Register;
+    using enum machine_code::Register;
     constexpr Register saved[] = {bx, bp, r12, r13, r14, r15};
     for (const Register r : saved) c_.push(r);
     c_.push(di);
@@ -110,7 +110,7 @@ RBDYN_INLINE void MachineCodeWriter::give(const series::View& out, Vector from) 
 }
 
 RBDYN_INLINE void MachineCodeWriter::order(bool is_even) {
-    using enum Register;
+    using enum machine_code::Register;
     is_even_ = is_even;
     forget();
     set_registers();
@@ -127,7 +127,7 @@ RBDYN_INLINE void MachineCodeWriter::order(bool is_even) {
 
 /// Those that do not outlive a call.
 RBDYN_INLINE void MachineCodeWriter::set_registers() {
-    using enum Register;
+    using enum machine_code::Register;
     c_.move(di, At{sp, 0});
     c_.move(si, At{di, offsetof(Frame, scalars)});
     c_.move(r8, At{di, offsetof(Frame, k)});
@@ -147,7 +147,7 @@ RBDYN_INLINE void MachineCodeWriter::set_registers() {
 }
 
 RBDYN_INLINE void MachineCodeWriter::integrate() {
-    using enum Register;
+    using enum machine_code::Register;
     c_.move(di, At{sp, 0});
     c_.compare(At{di, offsetof(Frame, integrates)}, 0);
     const std::size_t past = c_.jump_if(Assembler::When::equal);
@@ -297,7 +297,7 @@ RBDYN_INLINE void MachineCodeWriter::odd(const series::LaneSum& s) {
 }
 
 RBDYN_INLINE void MachineCodeWriter::even(const series::LaneSum& s) {
-    using enum Register;
+    using enum machine_code::Register;
     // of order k in a and b, of order k + 1 in c and d
     constexpr Vector a = 0, b = 1, c = 2, d = 3;
     for (const auto* p = s.first; p != s.last; ++p) {
