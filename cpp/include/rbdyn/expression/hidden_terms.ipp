@@ -26,7 +26,9 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order)
 RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::span<const int> outputs)
     : order_(order), visible_(order - integrations), most_(0.5 * order) {
     const std::vector<bool> is_needed = needed(program, outputs);
-    const auto [degree, base] = powers(program);
+    const auto known = powers(program);
+    const std::vector<double>& degree = known.degree;
+    const std::vector<int>& base = known.base;
     const std::vector<std::vector<int>> constant = constants(program);
     const auto of = [&](int slot) { return degree[at(slot)]; };
     const auto add_inverse = [&](int slot, double rate) {
@@ -48,9 +50,9 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::sp
     std::vector<int> places(at(program.slots()), -1);
     int factors = 0;
     const auto place = [&](int slot) {
-        int& known = places[at(slot)];
-        if (known < 0) known = factors++;
-        return known;
+        int& found = places[at(slot)];
+        if (found < 0) found = factors++;
+        return found;
     };
     for (const Instruction& i : program.instructions()) {
         if (!is_needed[at(i.out)] && (i.out2 < 0 || !is_needed[at(i.out2)])) continue;
