@@ -61,6 +61,61 @@ class Hoop:
         return np.array([*y[:3], 0.0])
 
 
+class Turntable:
+    """A plate that a torque turns about a pin at the origin, across z, and a bead on a straight groove of it."""
+
+    def __init__(self, mass, moment, com, bead, point, along, gravity, torque):
+        self.mass, self.moment, self.com, self.bead = mass, moment, com, bead  # the moment about the pin
+        self.point, self.along, self.gravity, self.torque = point, along, gravity, torque
+
+    def solve(self, t, y, mu, sign, side):
+        """theta'', u'' and the reaction along n = z x t, friction taken for mu sign side times that."""
+        theta, u, w, rate = y
+        turned = np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
+        aside = np.array([[0.0, -1.0], [1.0, 0.0]])
+        tangent, r = turned @ self.along, turned @ (self.point + self.along * u)
+        normal, weight = aside @ tangent, np.array([0, -self.gravity])
+        push = normal - mu * sign * side * tangent
+        a, b = np.zeros((3, 3)), np.zeros(3)
+        a[:2] = self.bead * np.column_stack([aside @ r, tangent, -push / self.bead])
+        b[:2] = self.bead * (weight + r * w**2 - 2 * aside @ tangent * w * rate)
+        a[2] = [self.moment, 0, (aside @ r) @ push]
+        b[2] = (aside @ turned @ self.com) @ weight * self.mass + self.torque(t)
+        return np.linalg.solve(a, b)
+
+    def follow(self, y, until, mu):
+        """The state at the end, and its events while it never sticks: (kind, sign of the change, time)."""
+        t, events, y = 0.0, [], np.array(y, dtype=float)
+        sign = int(math.copysign(1, y[3]))
+        side = int(math.copysign(1, self.solve(t, y, 0.0, sign, 1)[2]))
+        while True:
+
+            def rates(t, y, sign=sign, side=side):
+                return [*y[2:], *self.solve(t, y, mu, sign, side)[:2]]
+
+            def stops(t, y):
+                return y[3]
+
+            def unloads(t, y, sign=sign, side=side):
+                return self.solve(t, y, mu, sign, side)[2]
+
+            stops.terminal = unloads.terminal = True
+            stops.direction, unloads.direction = -sign, -side
+            watched = [stops, unloads]
+            found = solve_ivp(
+                rates, (t, until), y, method="DOP853", rtol=3e-14, atol=1e-15, max_step=0.01, events=watched
+            )
+            t, y = found.t[-1], found.y[:, -1]
+            if found.status == 0:
+                return y, events
+            if len(found.t_events[0]):
+                sign = -sign
+                events.append(("reverse", sign, t))
+            else:
+                side = -side
+                events.append(("normal-zero", side, t))
+
+
 class Carriage:
     """Three carriages on each other, along x, y and z, the last one on a spring, and a bead on a curve of that one."""
 

@@ -1,13 +1,15 @@
 """Rough and moving rails beside bodies that are joined: against laws written down apart (rails_by_hand.py), against the
 same rail without a tree, and by what friction may do at all."""
 
+import functools
+import itertools
 import math
 import pickle
 
 import numpy as np
 import pytest
 import rbdyn as rb
-from rails_by_hand import Carriage, Hoop, follow, g
+from rails_by_hand import Carriage, Hoop, Turntable, follow, g
 from scipy.integrate import solve_ivp
 
 CARRIAGES = range(10)
@@ -53,6 +55,87 @@ def test_a_hoop_swings_as_a_pendulum_with_a_rough_bead_on_it(error):
     for e in run.events:
         if e.kind == "normal-zero":
             assert np.linalg.norm(run[bead].reaction(e.time)) < 100 * max(error, 1e-13)
+
+
+def turntable(plane, speed=24.2):
+    """A bead on a groove of a plate, and the plate turns in a plane: three axes, the last one across it."""
+    x, y, z = np.array(plane, dtype=float)
+    com, point, along, by = [-1.95, -2.25], [-2.88, -2.15], [0.96, 0.28], 26.0
+
+    def torque(t):
+        return 874.0 * np.sin(5.85 * t)
+
+    moments = np.abs(30 * x + 30 * y + 48.5 * z)
+    scene = rb.Scene(gravity=-by * y)
+    body = rb.RigidBody(6.7, moments, com=com[0] * x + com[1] * y)
+    plate = scene.add(body, rb.Revolute(z), angle=-0.18, rate=-0.23)
+    scene.apply(rb.JointTorque(lambda t, q, w: torque(t)), plate)
+    groove = rb.Line(along[0] * x + along[1] * y, point=point[0] * x + point[1] * y)
+    rail = rb.Rail(groove, friction=rb.Coulomb(0.8, 0.31))
+    bead = scene.add(rb.Particle(1.1), rail, parent=plate, parameter=0.98, speed=speed)
+    return scene, plate, bead
+
+
+@functools.cache
+def turntable_by_hand():
+    com, point, along = np.array([-1.95, -2.25]), np.array([-2.88, -2.15]), np.array([0.96, 0.28])
+    moment = 48.5 + 6.7 * np.dot(com, com)
+    system = Turntable(6.7, moment, com, 1.1, point, along, 26.0, lambda t: 874.0 * math.sin(5.85 * t))
+    return system.follow([-0.18, 0.98, -0.23, 24.2], 2.5, 0.31)
+
+
+PLANES = {
+    "across z": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "across y": [[0, 0, 1], [1, 0, 0], [0, 1, 0]],
+    "across x": [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
+}
+
+
+@pytest.mark.parametrize("error", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("plane", PLANES)
+def test_a_bead_in_a_groove_of_a_plate_is_pressed_from_side_to_side(plane, error):
+    """Each passage of its reaction through zero is told once, with the direction along n = b x t."""
+    scene, plate, bead = turntable(PLANES[plane])
+    y, events = turntable_by_hand()
+    assert [kind for kind, _, _ in events].count("normal-zero") > 3
+    run = rb.simulate(scene, until=2.5, error=error)
+    told = [(e.kind, 1 if e.direction == "rising" else -1) for e in run.events]
+    assert told == [(kind, sign) for kind, sign, _ in events]
+    assert max(abs(e.time - t) for e, (_, _, t) in zip(run.events, events, strict=True)) < max(error, 5e-12)
+    assert abs(run[plate].angle(2.5) - y[0]) < max(error, 5e-12)
+    assert abs(run[bead].parameter(2.5) - y[1]) < 30 * max(error, 5e-12)  # it goes 40 m
+    assert run.error <= error
+
+
+def test_what_presses_passes_zero_from_side_to_side_in_turns():
+    """It is continuous, so that each passage is the other way, later than the one before."""
+    for k in range(40):
+        scene, _, _ = turntable(PLANES["across z"], speed=24.0 + 0.03 * k)
+        passages = [e for e in rb.simulate(scene, until=2.5, error=1e-9).events if e.kind == "normal-zero"]
+        assert len(passages) > 3
+        for one, other in itertools.pairwise(passages):
+            assert one.direction != other.direction, k
+            assert other.time - one.time > 1e-3, k
+
+
+@pytest.mark.parametrize("across, normal", [([0, 1, 0], [0, 1, 0]), ([0, 0, 1], [0, 0, -1]), ([0, 1, 1], [0, 1, 1])])
+def test_what_presses_a_slide_passes_zero_in_a_direction(across, normal):
+    """b is z, or y where the plane has z in it, and t the axis: the plane of motion is that of x and `across`."""
+    scene = rb.Scene()
+    slide = rb.Prismatic([1, 0, 0], friction=rb.Coulomb(0.1))
+    block = scene.add(rb.RigidBody(1.0, [0.1, 0.1, 0.1]), slide, rate=20.0)
+    push = np.array(across, dtype=float)
+    scene.apply(
+        rb.Force(lambda t, r, v: [push[0], push[1] * np.sin(3 * t + 0.3), push[2] * np.sin(3 * t + 0.3)]), block
+    )
+    run = rb.simulate(scene, until=5.0, error=1e-11)
+    times = (np.arange(1, 5) * np.pi - 0.3) / 3
+    assert [e.kind for e in run.events] == ["normal-zero"] * 4
+    assert np.abs([e.time for e in run.events] - times).max() < 1e-11
+    # the reaction is -push sin(3 t + 0.3), and the cosine alternates from -1 on
+    rises = np.dot(push, normal) > 0
+    expected = ["rising" if rises == (k % 2 == 0) else "falling" for k in range(4)]
+    assert [e.direction for e in run.events] == expected
 
 
 def test_what_sticks_on_a_hoop_that_swings_does_not_creep():

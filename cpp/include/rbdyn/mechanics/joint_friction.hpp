@@ -85,6 +85,11 @@ struct RoughJoint {
         return is_nothing(Wrench<S>{along.move, along.turn});
     }
 
+    /// Whether what presses along a direction, parts of n_1 and n_2, is along n = b x t (1) or against it (-1), b
+    /// across the plane of t and what presses: on the side of e, and of what is straight on that of z, y or x of the
+    /// parent, the first that is not across b. Of a hinge 1.
+    int side(const std::array<double, 2>& along, double t, const std::vector<Moving<double>>& all) const;
+
     template <class S>
     std::array<Vector3Of<S>, 2> across(const S& t, const std::vector<Moving<S>>& all) const {
         const Vector3Of<S> x = exactly<S>(across_in[0]), y = exactly<S>(across_in[1]);

@@ -43,6 +43,20 @@ inline bool is_alone(const Scene& scene, const Tree& tree, int body) {
 
 }  // namespace tree_joints
 
+RBDYN_INLINE int RoughJoint::side(const std::array<double, 2>& along, double t,
+                                  const std::vector<Moving<double>>& all) const {
+    // the two directions across and the axis are right-handed
+    if (turns) return 1;
+    if (rail && !rail->curve->straight()) return along[0] < 0.0 ? -1 : 1;
+    const auto [first, second] = across<double>(t, all);
+    Vector3 b = second * along[0] - first * along[1];
+    if (parent >= 0) b = all[static_cast<std::size_t>(parent)].to_body(b);
+    constexpr double rounding = 1e-6;
+    for (const int k : {2, 1, 0})
+        if (std::abs(b[k]) > rounding) return b[k] < 0.0 ? -1 : 1;
+    return 1;
+}
+
 RBDYN_INLINE std::vector<RoughJoint> rough_joints(const Scene& scene, const Tree& tree) {
     std::vector<RoughJoint> result;
     for (int i = 0; i < tree.size(); ++i) {
@@ -215,7 +229,8 @@ RBDYN_INLINE void TreeWriter::rub(EquationsWriter& write) {
             guard(EventKind::switching, "load of", square - p.least_load * p.least_load);
             guard(EventKind::singular, "load of", S(1e-14) * square - said[3] * said[3]);
         } else {
-            guard(EventKind::normal_zero, "load of", p.along[0] * said[1] + p.along[1] * said[2]);
+            // friction goes on from zero there: of its new side the zero is known as of the old one
+            guard(EventKind::normal_zero, "load of", p.along[0] * said[1] + p.along[1] * said[2], false);
             guard(EventKind::switching, "load of", p.least_load - said[3]);
             guard(EventKind::switching, "load of", p.least_load + said[3]);
         }
@@ -595,12 +610,13 @@ RBDYN_INLINE bool TreeModel::heed_joints(const Mode& mode, Mode& after, std::spa
                                        "smaller coefficient has a motion";
                 return true;
             case EventKind::normal_zero:
-                // that of a rail has a sign: what of it is along n_1
-                happenings.push_back(
-                    {EventKind::normal_zero,
-                     guard.subject,
-                     joints_[at(guard.joint)].rail && memory.along[0] < 0.0 ? Direction::rising : Direction::falling,
-                     {}});
+                // what presses until then is along n or against it
+                happenings.push_back({EventKind::normal_zero,
+                                      guard.subject,
+                                      joints_[at(guard.joint)].side(memory.along, t, moving(mode, t, x)) < 0
+                                          ? Direction::rising
+                                          : Direction::falling,
+                                      {}});
                 for (double& part : memory.along) part = -part;
                 break;
             default:
