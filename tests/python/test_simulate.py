@@ -156,6 +156,31 @@ def test_ctrl_c_stops_a_run_within_a_second_and_keeps_it(interrupt):
     assert run[mass].position(run.end).shape == (3,)
 
 
+def test_a_run_that_is_ended_on_a_step_goes_on_from_where_the_step_began():
+    """A chain so long that a step asks on its way; told to stop, it keeps the steps that are done."""
+
+    class Enough(Exception):
+        pass
+
+    def enough(fraction):
+        raise Enough
+
+    scene, last = rb.Scene(gravity=[0, 0, -9.81]), {}
+    for i in range(150):
+        joint = rb.Spherical(at=[0, 0, -0.5 if i else 0.0], point=[0, 0, 0.5])
+        spin = [np.sin(i), np.cos(i), np.sin(2 * i)]
+        body = scene.add(rb.shapes.box(1.0, [0.1, 0.1, 1.0]), joint, angular_velocity=spin, **last)
+        last = {"parent": body}
+    whole = rb.simulate(scene, until=0.05, rtol=1e-9)
+    begun = rb.simulate(scene, until=0.001, rtol=1e-9)
+    with pytest.raises(Enough) as caught:
+        rb.simulate(begun, until=100.0, progress=enough)
+    ended = caught.value.run
+    assert ended.status == "stopped by user" and 0.001 <= ended.end < 0.05
+    on = rb.simulate(ended, until=0.05)
+    assert np.abs(on[body].position(0.05) - whole[body].position(0.05)).max() < 1e-7
+
+
 def test_ctrl_c_stops_the_pricing_of_a_scene(interrupt):
     scene, _ = oscillator()
     interrupt()

@@ -57,6 +57,9 @@ public:
     void pass_stops(double until) { stops_from_ = until; }
 
 private:
+    /// What ends a step on its way, where the monitor wants no more.
+    struct Stopped {};
+
     /// A part of a run, which returns whether it goes on. Of one that is over, or that throws, the end is kept.
     template <class Part>
     bool guarded(Record& record, const Part& part);
@@ -142,6 +145,7 @@ private:
     int in_row_ = 0;            // of these since the last step
     Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it
+    bool is_in_step_ = false;
     double stops_from_;
     mutable std::size_t kept_ = 0;
     mutable std::vector<double> winding_;

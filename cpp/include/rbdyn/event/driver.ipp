@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
@@ -42,7 +44,13 @@ RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64
 template <class Part>
 bool Driver::guarded(Record& record, const Part& part) {
     try {
-        if (part()) return true;
+        try {
+            if (part()) return true;
+        } catch (const Stopped&) {
+            finish(record, now_.at, Status::stopped_by_user);
+            // between the steps it was about to become another motion, and no run goes on from there
+            if (!is_in_step_) record.halt = nullptr;
+        }
         let_go(record, true);
     } catch (...) {
         record.thrown = std::current_exception();
@@ -131,8 +139,18 @@ RBDYN_INLINE void Driver::resume(Record& record) {
 
 RBDYN_INLINE void Driver::proceed(Record& record, double until) {
     if (!is_possible(record)) return;
-    while (comes_to_step(record, until) && is_going_on(record, engine_.step(until), until))
-        ;
+    // a single step of much may be long, and long ones ask on their way
+    std::optional<Interruption> asking;
+    if (monitor_)
+        asking.emplace([this] {
+            if (!monitor_(now_.at.hi)) throw Stopped{};
+        });
+    while (comes_to_step(record, until)) {
+        is_in_step_ = true;
+        const StepStatus step = engine_.step(until);
+        is_in_step_ = false;
+        if (!is_going_on(record, step, until)) break;
+    }
 }
 
 RBDYN_INLINE bool Driver::is_possible(Record& record) {

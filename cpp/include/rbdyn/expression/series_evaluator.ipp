@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -167,6 +168,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
     const bool is_skewed = wavefront_->is_skewed;
     const int fronts = is_skewed ? count + orders - 1 : count * orders;
     for (int front = 0; front < fronts; ++front) {
+        Interruption::point();
         const int first = is_skewed ? std::max(0, front - count + 1) : front / count,
                   last = is_skewed ? std::min(orders, front + 1) : first + 1;
         for (int k = first; k < last; ++k) {
@@ -187,7 +189,11 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::run(int first, int last, bool integrates) {
     if (integrates && first == 0 && wavefront_ != nullptr) return sweep<Lanes>(last);
+    // an order of as many takes much longer than to ask
+    constexpr std::size_t many = 1000;
+    const bool asks = program_->instructions().size() > many;
     for (int k = first; k < last; ++k) {
+        if (asks) Interruption::point();
         advance_in<Lanes>(k);
         if (integrates) integrate(k);
     }
