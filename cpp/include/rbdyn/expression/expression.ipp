@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -287,12 +288,30 @@ RBDYN_INLINE bool Recorder::is_locked_positive(std::int32_t index) const {
 }
 
 RBDYN_INLINE std::optional<Expression> Recorder::without(std::int32_t product, std::int32_t factor) {
-    if (product == factor) return Expression(1.0);
-    const Node n = node(product);
-    if (n.operation != Operation::multiply) return std::nullopt;
-    if (const auto rest = without(n.a, factor)) return *rest * Expression(this, n.b);
-    if (const auto rest = without(n.b, factor)) return Expression(this, n.a) * *rest;
-    return std::nullopt;
+    // products of products, the first factor of each first; one that several are made of is looked through once
+    struct Step {
+        std::int32_t product;
+        bool is_second;
+    };
+    std::vector<Step> way;
+    std::set<std::int32_t> seen;
+    for (std::int32_t here = product; here != factor;) {
+        if (node(here).operation == Operation::multiply && seen.insert(here).second) {
+            way.push_back({here, false});
+            here = node(here).a;
+            continue;
+        }
+        while (!way.empty() && way.back().is_second) way.pop_back();
+        if (way.empty()) return std::nullopt;
+        way.back().is_second = true;
+        here = node(way.back().product).b;
+    }
+    Expression rest = 1.0;
+    for (; !way.empty(); way.pop_back()) {
+        const Node n = node(way.back().product);
+        rest = way.back().is_second ? Expression(this, n.a) * rest : rest * Expression(this, n.b);
+    }
+    return rest;
 }
 
 RBDYN_INLINE std::optional<Expression> Recorder::over_multiple(const Expression& a, const Expression& b) {

@@ -182,6 +182,12 @@ private:
     /// The slot that holds a node's value, computed if it is not yet.
     int slot_of(std::int32_t n);
 
+    /// Computes what a node needs, however deep it lies: the call stack is only so large.
+    void make_operands(std::int32_t n);
+
+    /// The nodes whose slots a node's own instruction needs, those of variables and time left out.
+    std::vector<std::int32_t> needed(std::int32_t n);
+
     int append(const Instruction& i);
     int append_power(int base, double exponent, bool is_locked);
 
@@ -194,7 +200,10 @@ private:
 
     Expression value_of(std::int32_t n);
 
-    void gather(std::int32_t n, Expression weight, Combination& sum, bool is_root);
+    /// Calls part(of, weight) for each term of a sum that is one instruction, in order: weight times a parametric node,
+    /// or another one, or the product of two (else the second is -1).
+    template <class F>
+    void each_part(std::int32_t root, const F& part);
 
     /// The scalar that holds a parametric expression.
     int scalar_of(const Expression& x);
@@ -203,7 +212,10 @@ private:
     Program& p_;
     std::vector<int> uses_;
     std::vector<bool> parameter_used_;
-    ByNode parametric_, slots_, scalars_;
+    std::vector<bool> parametric_;
+    ByNode slots_, scalars_;
+    static constexpr int deepest = 200;  // calls of slot_of within each other
+    int depth_ = 0;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/node.hpp"
@@ -66,18 +67,18 @@ RBDYN_INLINE int Lowering::ByNode::set(std::int32_t n, int value) {
 }
 
 RBDYN_INLINE bool Lowering::parametric(std::int32_t n) {
-    const Node& node = r_.node(n);
-    switch (node.operation) {
-        case Operation::constant:
-        case Operation::parameter: return true;
-        case Operation::input:
-        case Operation::time:
-        case Operation::call: return false;
-        default: break;
+    // operands come before what is made of them
+    for (auto m = static_cast<std::int32_t>(parametric_.size()); m <= n; ++m) {
+        const Node& node = r_.node(m);
+        const auto operands = node.operands();
+        const bool varies = node.operation == Operation::input || node.operation == Operation::time ||
+                            node.operation == Operation::call ||
+                            std::any_of(operands.begin(), operands.end(), [&](std::int32_t operand) {
+                                return operand >= 0 && !parametric_[static_cast<std::size_t>(operand)];
+                            });
+        parametric_.push_back(!varies);
     }
-    if (const int known = parametric_[n]; known >= 0) return known == 1;
-    const bool result = parametric(node.a) && (node.b < 0 || parametric(node.b)) && (node.c < 0 || parametric(node.c));
-    return parametric_.set(n, result ? 1 : 0) == 1;
+    return parametric_[static_cast<std::size_t>(n)];
 }
 
 RBDYN_INLINE bool Lowering::parameter_used(int index) const {
@@ -113,6 +114,31 @@ RBDYN_INLINE int Lowering::uses(std::int32_t n) const {
     return n < static_cast<std::int32_t>(uses_.size()) ? uses_[static_cast<std::size_t>(n)] : 1;
 }
 
+template <class F>
+void Lowering::each_part(std::int32_t root, const F& part) {
+    std::vector<std::pair<std::int32_t, Expression>> left{{root, Expression(1.0)}};
+    for (bool is_root = true; !left.empty(); is_root = false) {
+        auto [n, weight] = left.back();
+        left.pop_back();
+        if (parametric(n)) {
+            part({n, -1}, weight);
+            continue;
+        }
+        const std::int32_t base = base_of(n, weight);
+        const Node node = r_.node(base);
+        const bool inlined = (is_root && base == n) || uses(base) <= 1;
+        if (inlined && node.operation == Operation::add) {
+            left.emplace_back(node.b, weight);
+            left.emplace_back(node.a, weight);
+        } else if (inlined && node.operation == Operation::multiply) {
+            const std::int32_t a = base_of(node.a, weight), b = base_of(node.b, weight);
+            part({a, b}, weight);
+        } else {
+            part({base, -1}, weight);
+        }
+    }
+}
+
 RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
     const Node node = r_.node(n);
     if (node.operation == Operation::input) return node.a;
@@ -121,6 +147,8 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
         return p_.inputs_;
     }
     if (slots_[n] >= 0) return slots_[n];
+    if (depth_ == deepest) make_operands(n);
+    ++depth_;
     int slot = -1;
     switch (parametric(n) ? Operation::constant : node.operation) {
         case Operation::constant:
@@ -205,10 +233,54 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
             break;
         default: break;
     }
+    --depth_;
     return slots_.set(n, slot);
 }
 
+RBDYN_INLINE void Lowering::make_operands(std::int32_t n) {
+    const int depth = std::exchange(depth_, 0);
+    std::vector<std::int32_t> open{n};
+    while (!open.empty()) {
+        const std::int32_t m = open.back();
+        const auto before = static_cast<std::ptrdiff_t>(open.size());
+        if (slots_[m] < 0)
+            for (const std::int32_t operand : needed(m))
+                if (slots_[operand] < 0) open.push_back(operand);
+        std::reverse(open.begin() + before, open.end());
+        if (static_cast<std::ptrdiff_t>(open.size()) > before) continue;
+        open.pop_back();
+        if (m != n) slot_of(m);
+    }
+    depth_ = depth;
+}
+
+RBDYN_INLINE std::vector<std::int32_t> Lowering::needed(std::int32_t n) {
+    std::vector<std::int32_t> result;
+    const auto add = [&](std::int32_t operand) {
+        const Operation operation = r_.node(operand).operation;
+        if (operation != Operation::input && operation != Operation::time) result.push_back(operand);
+    };
+    const Node node = r_.node(n);
+    if (parametric(n) || node.operation == Operation::input || node.operation == Operation::time) return result;
+    if (node.operation == Operation::call) {
+        for (const std::int32_t argument : r_.calls()[static_cast<std::size_t>(node.a)].arguments) add(argument);
+        return result;
+    }
+    if (node.operation != Operation::add && node.operation != Operation::multiply) {
+        for (const std::int32_t operand : node.operands())
+            if (operand >= 0) add(operand);
+        return result;
+    }
+    each_part(n, [&](std::pair<std::int32_t, std::int32_t> of, const Expression&) {
+        if (parametric(of.first)) return;
+        add(of.first);
+        if (of.second >= 0) add(of.second);
+    });
+    return result;
+}
+
 RBDYN_INLINE int Lowering::append(const Instruction& i) {
+    if (p_.instructions_.size() % 64 == 0) Interruption::point();
     p_.instructions_.push_back(i);
     return i.out;
 }
@@ -240,12 +312,6 @@ RBDYN_INLINE int Lowering::append(const Combination& sum) {
     return append(i);
 }
 
-RBDYN_INLINE Lowering::Combination Lowering::combination(std::int32_t n) {
-    Combination sum;
-    gather(n, 1.0, sum, true);
-    return sum;
-}
-
 RBDYN_INLINE std::int32_t Lowering::base_of(std::int32_t n, Expression& weight) {
     while (scaled(n)) {
         const Node node = r_.node(n);
@@ -261,44 +327,44 @@ RBDYN_INLINE Expression Lowering::value_of(std::int32_t n) {
     return node.operation == Operation::constant ? node.constant() : Expression(&r_, n);
 }
 
-RBDYN_INLINE void Lowering::gather(std::int32_t n, Expression weight, Combination& sum, bool is_root) {
-    if (parametric(n)) {
-        sum.constant = sum.constant + weight * value_of(n);
-        return;
-    }
-    const std::int32_t base = base_of(n, weight);
-    const Node node = r_.node(base);
-    const bool inlined = (is_root && base == n) || uses(base) <= 1;
-    if (inlined && node.operation == Operation::add) {
-        gather(node.a, weight, sum, false);
-        gather(node.b, weight, sum, false);
-    } else if (inlined && node.operation == Operation::multiply) {
-        const std::int32_t a = base_of(node.a, weight), b = base_of(node.b, weight);
-        const int i = slot_of(a), j = slot_of(b);
-        Expression& w = sum.products[{std::min(i, j), std::max(i, j)}];
+RBDYN_INLINE Lowering::Combination Lowering::combination(std::int32_t n) {
+    Combination sum;
+    each_part(n, [&](std::pair<std::int32_t, std::int32_t> of, const Expression& weight) {
+        if (parametric(of.first)) {
+            sum.constant = sum.constant + weight * value_of(of.first);
+            return;
+        }
+        const int i = slot_of(of.first), j = of.second < 0 ? -1 : slot_of(of.second);
+        Expression& w = j < 0 ? sum.terms[i] : sum.products[{std::min(i, j), std::max(i, j)}];
         w = w + weight;
-    } else {
-        Expression& w = sum.terms[slot_of(base)];
-        w = w + weight;
-    }
+    });
+    return sum;
 }
 
 RBDYN_INLINE int Lowering::scalar_of(const Expression& x) {
-    const std::int32_t n = r_.node_of(x);
-    if (scalars_[n] >= 0) return scalars_[n];
-    const Node node = r_.node(n);
-    const int out = static_cast<int>(p_.constants_.size());
-    p_.constants_.push_back({node.value, node.rest});
-    scalars_.set(n, out);
-    if (node.operation == Operation::parameter) {
-        p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
-    } else if (node.operation != Operation::constant) {
-        const int a = scalar_of({&r_, node.a});
-        const int b = node.b >= 0 ? scalar_of({&r_, node.b}) : -1;
-        const int c = node.c >= 0 ? scalar_of({&r_, node.c}) : -1;
-        p_.scalar_steps_.push_back({node.operation, out, a, b, c, node.value});
+    const std::int32_t root = r_.node_of(x);
+    std::vector<std::int32_t> open{root};
+    while (!open.empty()) {
+        const std::int32_t n = open.back();
+        const Node node = r_.node(n);
+        const auto before = static_cast<std::ptrdiff_t>(open.size());
+        const bool is_made = node.operation != Operation::parameter && node.operation != Operation::constant;
+        if (is_made && scalars_[n] < 0)
+            for (const std::int32_t operand : {node.c, node.b, node.a})
+                if (operand >= 0 && scalars_[operand] < 0) open.push_back(operand);
+        if (static_cast<std::ptrdiff_t>(open.size()) > before) continue;
+        open.pop_back();
+        if (scalars_[n] >= 0) continue;
+        const int out = scalars_.set(n, static_cast<int>(p_.constants_.size()));
+        p_.constants_.push_back({node.value, node.rest});
+        const auto scalar = [&](std::int32_t operand) { return operand >= 0 ? scalars_[operand] : -1; };
+        if (node.operation == Operation::parameter)
+            p_.scalar_steps_.push_back({node.operation, out, node.a, -1, -1, 0.0});
+        else if (is_made)
+            p_.scalar_steps_.push_back(
+                {node.operation, out, scalar(node.a), scalar(node.b), scalar(node.c), node.value});
     }
-    return out;
+    return scalars_[root];
 }
 
 RBDYN_INLINE Program::Program(Recorder& recorder, std::span<const Expression> outputs, int inputs) {

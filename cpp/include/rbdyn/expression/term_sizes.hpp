@@ -24,7 +24,8 @@ public:
 
     // a guard, the forces in it, what these are made of
     static constexpr int few = 3;
-    static constexpr int all = 1 << 20;
+    // as far as the call stack of a small thread reaches
+    static constexpr int many = 100;
 
     /// Of a series whose coefficients 0 .. order are known; `depth`: operations looked back.
     TermSizes(const SeriesEvaluator& series, int order, int depth = few);

@@ -88,7 +88,7 @@ RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double
                 for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
         }
         const double* g = series.output(output);
-        const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::all)(program.output(output));
+        const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::many)(program.output(output));
         for (int k = std::max(known_zeros, done + 1); k <= order; ++k)
             if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
                 return g[k] > 0.0 ? 1 : -1;
