@@ -25,6 +25,8 @@ inline constexpr double beside = 0.3, longest = 1.4, instead = 0.6;
 /// Of the length of a step: from how near on digits are lost, and what is looked at, to both sides, so that a step that
 /// ends before such a place is seen to.
 inline constexpr double loses = 4.0, reach = 1.5;
+/// Of a pivot where a step begins: what it is at least where several places are as one.
+inline constexpr double deep = 0x1p-6;
 
 }  // namespace near_singular
 
@@ -67,11 +69,16 @@ RBDYN_INLINE std::vector<std::complex<double>> NearSingular::places(const Series
                 p = p * place(i) + c[k];
             }
             p += 1.0;
-            if (!(half > 0.0)) continue;
-            const double middle = -0.5 * slope / half, square = p / half - middle * middle;
+            const double middle = -0.5 * slope / half;
+            if (!(half > 0.0) || !(std::abs(middle) < 2.0 * far / samples)) {
+                // no parabola, as between two places: of those here is the middle
+                if (i != 0 && p < near_singular::deep * first) found.emplace_back(place(i), 0.0);
+                continue;
+            }
+            const double square = p / half - middle * middle;
             // of two zeros that rounding has drawn apart the one between
             const std::complex<double> z(place(i) + middle, square > 0.0 ? std::sqrt(square) : 0.0);
-            if (std::abs(middle) < 0.25 * far && z.imag() < 0.25 * std::abs(z)) found.push_back(z);
+            if (z.imag() < 0.25 * std::abs(z)) found.push_back(z);
         }
     }
     return found;

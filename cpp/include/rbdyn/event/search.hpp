@@ -85,6 +85,8 @@ public:
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    // of a piece: how far beyond its ends a guard that is least there is seen
+    static constexpr double near_least = 1e-6;
 
     /// The side a watched function that was at zero where a mode begins goes to in it; 0: it stays, or no one can tell.
     /// `few`: to how much of themselves the numbers it is made of are known.
@@ -160,6 +162,11 @@ private:
 
     /// Finds where a guard sinks to its `least` on the piece, and rises again.
     void seek_least(const Record& record, const Mode& mode, std::size_t g);
+    /// The same by the series c of the guard: where the root of what it is more than its `least` changes its sign.
+    /// False: that has no series that holds on the piece.
+    bool seek_roots(const Record& record, const Mode& mode, std::size_t g, const double* c);
+    /// Takes such a place, in units of the piece, unless it is known. `doubt`: how well it is, on [0, 1] of the piece.
+    void add_least(const Record& record, const Mode& mode, std::size_t g, double place, double doubt);
     /// Where near a place of the piece, in its units, a value is least, if that is 1 at most; c: its series, if known.
     template <class F>
     std::optional<double> least_near(const F& exact, const double* c, double place) const;
@@ -304,6 +311,8 @@ private:
     std::unique_ptr<Evaluator<double>> evaluator_;
     std::unique_ptr<Evaluator<DoubleDouble>> fine_;
     series::Coefficients powers_{};  // of the piece's length
+    series::RootFinder root_finder_;
+    std::vector<double> roots_;
     int degree_ = 0;
     bool stops_ = false, at_start_ = false, begins_ = false;
     std::optional<bool> begins_on_edge_;  // none: not asked yet

@@ -143,6 +143,8 @@ public:
     }
     /// Of each row what counts as nothing: the square of rounding, where bodies cannot move against each other.
     double nothing(std::size_t row) const { return 1e-26 * extents_[row]; }
+    /// Of each row the square of all it could be, did its parts not cancel.
+    double extent(std::size_t row) const { return extents_[row]; }
     std::vector<std::vector<double>> matrix() const {
         std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
         for (std::size_t i = 0; i < a.size(); ++i)

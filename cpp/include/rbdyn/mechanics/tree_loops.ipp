@@ -35,6 +35,8 @@ namespace tree_loops {
 
 /// Of the scene's size: how far a start may be off, and how far constraints may open whose rows are not all used.
 inline constexpr double nearest_start = 1e-6, loosest = 1e-9;
+/// Of the square of all a row could be: what counts as none of it where a scene starts.
+inline constexpr double nothing = 1e-14;
 
 /// Finds where the first of some constraints opens.
 class Loosening : public Locator {
@@ -187,6 +189,13 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     const auto choose_at = [&](const std::vector<DoubleDouble>& x) {
         const auto all = mechanics::closing::moving<double>(*tree_, 0.0, mechanics::closing::nearest(x));
         rows_ = mechanics::independent_rows(*tree_, *conditions_, every, all);
+        // nor what is all but none by itself: a bar that is flat along an axis within 1e-7 rad
+        const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
+        const auto matrix = responses.matrix();
+        std::vector<int> kept;
+        for (std::size_t j = 0; j < rows_.size(); ++j)
+            if (matrix[j][j] > tree_loops::nothing * responses.extent(j)) kept.push_back(rows_[j]);
+        rows_ = std::move(kept);
     };
     choose_at(tree_->start(0.0));
     choose_at(exact_start(0.0));
@@ -277,6 +286,16 @@ RBDYN_INLINE std::optional<Acting> TreeModel::acting_near_singular(const Mode& m
         mechanics::closing::largest(mechanics::closing::chosen(conditions_->gaps<DoubleDouble>(*tree_, closed), rows_));
     if (!(open <= 1e-24 * size_of(moving(t, x)))) return std::nullopt;
     return acting_widely(mode, t, there);
+}
+
+RBDYN_INLINE double TreeModel::independence(const Mode& mode, double t, std::span<const double> x) const {
+    double least = 1.0;
+    if (first_pivots_.empty() || mode.equations == nullptr || rows_in(mode) != rows_) return least;
+    std::vector<double> pivots;
+    const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, moving(t, x));
+    mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &pivots);
+    for (std::size_t j = 0; j < pivots.size(); ++j) least = std::min(least, pivots[j] / responses.extent(j));
+    return least > 0.0 ? std::sqrt(least) : 0.0;
 }
 
 RBDYN_INLINE std::string TreeModel::opened(double t, std::span<const double> x) const {

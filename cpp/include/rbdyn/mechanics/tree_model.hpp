@@ -100,6 +100,7 @@ public:
     Mode next_with_rest(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                         std::span<double> rest, std::vector<Happening>& happenings) const override;
     void observe(const Mode& mode, double t, std::span<const double> x, std::vector<Observed>& observed) const override;
+    double independence(const Mode& mode, double t, std::span<const double> x) const override;
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;

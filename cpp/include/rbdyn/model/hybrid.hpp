@@ -106,6 +106,10 @@ public:
     /// What the time of an event and the motion after it are short of, relative, that no two runs differ by.
     virtual double unsure(const Event& /*event*/) const { return 0.0; }
 
+    /// Of the constraint that is nearest to depending on the others, how near: the sine of the angle between them, so
+    /// to speak. What a state is off by is over that in forces. 1: no constraints lose rank.
+    virtual double independence(const Mode& /*mode*/, double /*t*/, std::span<const double> /*x*/) const { return 1.0; }
+
     /// The value of a guard that is none of the program's outputs.
     virtual double guard_value(const Guard& /*guard*/, const Mode& /*mode*/, double /*t*/,
                                std::span<const double> /*x*/) const;

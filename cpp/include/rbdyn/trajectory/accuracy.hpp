@@ -102,6 +102,13 @@ private:
     /// there do so ever faster, and are known as well as the time of that is.
     bool ends_at_once(const Record& run, std::size_t piece, Instant at) const;
 
+    /// Whether constraints are so near to losing rank that forces, which may be infinite where they do, are known to
+    /// less than is wanted from any state in doubles.
+    bool loses_forces(const Mode& mode, double t, std::span<const double> x) const;
+    /// Whether that is to be asked: one of the motions passes such a place, or forces of the two differ.
+    bool is_doubtful() const;
+    static bool is_force(const Observed& o) { return o.alike == Alike::force || o.alike == Alike::torque; }
+
     /// The events of a run; which of several comes first that the accuracy cannot tell apart is settled by what they
     /// are. `start`: of the motion.
     std::vector<Event> in_order(const Record& r, double start) const;
@@ -133,6 +140,7 @@ private:
     std::vector<double> x_, y_;
     std::function<bool(double)> proceed_;
     bool stopped_ = false;
+    bool loses_rank_ = false;  // one of the two motions passes where constraints do
     int samples_ = 0;
     double start_ = 0.0;                   // of the motion
     double last_ = 0.0;                    // time compared

@@ -46,6 +46,8 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     const double start = before_ != nullptr ? before_->origin : run.start;
     start_ = start;
     const double span = std::max(run.end.hi - start, std::numeric_limits<double>::min());
+    const auto loses_rank = [](const Event& e) { return e.kind == EventKind::singular; };
+    loses_rank_ = std::ranges::any_of(run.events, loses_rank) || std::ranges::any_of(better.events, loses_rank);
 
     // times of events
     double uncertain = std::numeric_limits<double>::infinity();
@@ -281,8 +283,16 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
                &fine_mode = is_formula(better) ? better.modes.front() : better.mode(place.fine_piece);
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
+    const bool is_lost = is_doubtful() && loses_forces(fine_mode, at.hi, y_);
+    // nothing is measured against forces that are as large as a place there is near
+    if (is_lost)
+        for (Observed& o : fine_) {
+            o.drive = 0.0;
+            if (o.alike == Alike::turning) o.whole = safe_norm(o.value);
+            if (is_force(o)) o = {.alike = o.alike};
+        }
     scales_.widen(fine_);
-    const bool has_forces = !ends_at_once(run, place.piece, at);
+    const bool has_forces = !is_lost && !ends_at_once(run, place.piece, at);
     note(1.0, false, has_forces);
     // what half a unit in the last place of the state does, which two runs may share; a sample of long runs will do
     const int sample = samples_++;
@@ -305,11 +315,25 @@ RBDYN_INLINE bool AccuracyCheck::ends_at_once(const Record& run, std::size_t pie
     return false;
 }
 
+RBDYN_INLINE bool AccuracyCheck::loses_forces(const Mode& mode, double t, std::span<const double> x) const {
+    // not farther away than forces are to be known from anywhere, nor nearer than the distance itself is known
+    constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon(), least = 0x1p-20, widest = 0x1p-6;
+    return model_.independence(mode, t, x) < std::clamp(rounding / wanted_, least, widest);
+}
+
+RBDYN_INLINE bool AccuracyCheck::is_doubtful() const {
+    if (loses_rank_) return true;
+    for (std::size_t k = 0; k < fine_.size(); ++k)
+        if (is_force(fine_[k]) && safe_norm(seen_[k].value - fine_[k].value) > wanted_ * safe_norm(fine_[k].value))
+            return true;
+    return false;
+}
+
 RBDYN_INLINE void AccuracyCheck::note(double weight, bool is_shared, bool has_forces) {
     std::vector<double>& largest = largest_[is_shared ? 1 : 0];
     largest.resize(fine_.size(), -1.0);
     for (std::size_t k = 0; k < fine_.size(); ++k) {
-        if (!has_forces && (fine_[k].alike == Alike::force || fine_[k].alike == Alike::torque)) continue;
+        if (!has_forces && is_force(fine_[k])) continue;
         const double value = weight * safe_norm(seen_[k].value - fine_[k].value);
         if (!(value > largest[k])) continue;
         largest[k] = value;
