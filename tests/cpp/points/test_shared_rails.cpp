@@ -27,7 +27,7 @@ struct Flight {
         coefficients = {left_at, 0.0};
         for (int i = 0; i < 3; ++i) coefficients.insert(coefficients.end(), {from[i], velocity[i]});
         for (int i = 0; i < 3; ++i) coefficients.insert(coefficients.end(), {velocity[i], 0.0});
-        return {.length = 1.0, .variables = 7, .order = 1, .coefficients = coefficients.data()};
+        return {.start = {}, .length = 1.0, .variables = 7, .order = 1, .coefficients = coefficients.data()};
     }
     Vector3 at(double tau) const { return from + velocity * tau; }
 };
@@ -59,7 +59,9 @@ struct Step {
     std::vector<double> coefficients;
 
     Step(double from, double to) : coefficients{from, to - from, to - from, 0.0} {}
-    Piece piece() const { return {.length = 1.0, .variables = 2, .order = 1, .coefficients = coefficients.data()}; }
+    Piece piece() const {
+        return {.start = {}, .length = 1.0, .variables = 2, .order = 1, .coefficients = coefficients.data()};
+    }
 };
 
 // cusps at pi, 3 pi, ...; one run goes on in its arch after another has begun in its own
