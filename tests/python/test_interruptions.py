@@ -16,16 +16,6 @@ def chain(n):
     return scene
 
 
-def balls(n):
-    """A chain in space, a step of which is long."""
-    scene, above = rb.Scene(gravity=[0, 0, -9.81]), {}
-    for i in range(n):
-        joint = rb.Spherical(at=[0, 0, -0.5 if i else 0.0], point=[0, 0, 0.5])
-        spin = [np.sin(i), np.cos(i), np.sin(2 * i)]
-        above = {"parent": scene.add(rb.shapes.box(1.0, [0.1, 0.1, 1.0]), joint, angular_velocity=spin, **above)}
-    return scene
-
-
 def swinging():
     scene = rb.Scene(gravity=[0, 0, -9.81])
     body = scene.add(rb.shapes.box(1, [1, 1.2, 1.3]), angular_velocity=[1, 0.1, 0.2])
@@ -45,7 +35,6 @@ def long_calls():
     places = np.linspace(0.0, 19.0, 5_000_000)
     points = np.random.default_rng(1).normal(size=(60_000, 3))
     long, hanging = chain(64), springs(150, 1.0, aside=0.0)
-    begun = rb.simulate(balls(400), 1e-7, rtol=1e-9, keep="end")
     rest = rb.equilibria(hanging)[0]
     system = rb.simulate(rb.System(lambda t, x: [x[1], -x[0]], [1.0, 0.0]), 5.0)
     hill = rb.Scene(gravity=[0, 0, -9.81])
@@ -71,7 +60,6 @@ def long_calls():
         "the plan of many springs": lambda: rb.plan(springs(3000, 1.0)),
         "the plan of many modes": lambda: rb.plan(springs(400, 0.0)),
         "a run that is planned": lambda: rb.simulate(springs(1500, 1.0), 1e-6),
-        "steps of a long chain": lambda: rb.simulate(begun, 100.0),
         "assemble": lambda: crank().assemble(),
     }
 

@@ -156,6 +156,19 @@ def test_ctrl_c_stops_a_run_within_a_second_and_keeps_it(interrupt):
     assert run[mass].position(run.end).shape == (3,)
 
 
+def test_steps_of_a_long_chain_ask_on_their_way():
+    """They are so long that to ask after each 64 is too late."""
+    scene, last = rb.Scene(gravity=[0, 0, -9.81]), {}
+    for i in range(250):
+        hinge = rb.Revolute([0, 1, 0] if i % 2 else [1, 0, 0], at=[0, 0, -0.5 if i else 0.0], point=[0, 0, 0.5])
+        last = {"parent": scene.add(rb.shapes.box(1.0, [0.1, 0.1, 1.0]), hinge, angle=np.sin(i), **last)}
+    asked = []
+    run = rb.simulate(scene, 100.0, rtol=1e-9, max_steps=40, progress=lambda fraction: asked.append(time.monotonic()))
+    assert run.status == "step limit"
+    assert len(asked) > 5
+    assert np.diff(asked).max() < 1.0
+
+
 def test_a_run_that_is_ended_on_a_step_goes_on_from_where_the_step_began():
     """A chain so long that a step asks on its way; told to stop, it keeps the steps that are done."""
 
