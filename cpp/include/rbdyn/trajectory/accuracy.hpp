@@ -102,9 +102,9 @@ private:
     /// there do so ever faster, and are known as well as the time of that is.
     bool ends_at_once(const Record& run, std::size_t piece, Instant at) const;
 
-    /// Whether constraints are so near to losing rank that forces, which may be infinite where they do, are known to
-    /// less than is wanted from any state in doubles.
-    bool loses_forces(const Mode& mode, double t, std::span<const double> x) const;
+    /// Where constraints all but lose rank forces, which may be infinite where they do, are known to rounding over the
+    /// distance. Whether that is less than is wanted from any state in doubles.
+    bool weigh_forces(const Mode& mode, double t, std::span<const double> x);
     /// Whether that is to be asked: one of the motions passes such a place, or forces of the two differ.
     bool is_doubtful() const;
     static bool is_force(const Observed& o) { return o.alike == Alike::force || o.alike == Alike::torque; }

@@ -283,14 +283,7 @@ RBDYN_INLINE void AccuracyCheck::compare_at(const Place& place, const Record& ru
                &fine_mode = is_formula(better) ? better.modes.front() : better.mode(place.fine_piece);
     model_.observe(mode, at.hi, x_, seen_);
     model_.observe(fine_mode, at.hi, y_, fine_);
-    const bool is_lost = is_doubtful() && loses_forces(fine_mode, at.hi, y_);
-    // nothing is measured against forces that are as large as a place there is near
-    if (is_lost)
-        for (Observed& o : fine_) {
-            o.drive = 0.0;
-            if (o.alike == Alike::turning) o.whole = safe_norm(o.value);
-            if (is_force(o)) o = {.alike = o.alike};
-        }
+    const bool is_lost = is_doubtful() && weigh_forces(fine_mode, at.hi, y_);
     scales_.widen(fine_);
     const bool has_forces = !is_lost && !ends_at_once(run, place.piece, at);
     note(1.0, false, has_forces);
@@ -315,10 +308,23 @@ RBDYN_INLINE bool AccuracyCheck::ends_at_once(const Record& run, std::size_t pie
     return false;
 }
 
-RBDYN_INLINE bool AccuracyCheck::loses_forces(const Mode& mode, double t, std::span<const double> x) const {
+RBDYN_INLINE bool AccuracyCheck::weigh_forces(const Mode& mode, double t, std::span<const double> x) {
     // not farther away than forces are to be known from anywhere, nor nearer than the distance itself is known
     constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon(), least = 0x1p-20, widest = 0x1p-6;
-    return model_.independence(mode, t, x) < std::clamp(rounding / wanted_, least, widest);
+    const double near = model_.independence(mode, t, x);
+    const bool is_lost = near < std::clamp(rounding / wanted_, least, widest);
+    for (Observed& o : fine_) {
+        // nothing is measured against forces that are as large as a place there is near
+        if (is_lost) {
+            o.drive = 0.0;
+            if (o.alike == Alike::turning) o.whole = safe_norm(o.value);
+            if (is_force(o)) o = {.alike = o.alike};
+        } else if (is_force(o)) {
+            // their rounding is over the distance, also of those that are none
+            o.whole *= std::max(1.0, widest / near);
+        }
+    }
+    return is_lost;
 }
 
 RBDYN_INLINE bool AccuracyCheck::is_doubtful() const {
