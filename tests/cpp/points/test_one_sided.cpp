@@ -408,17 +408,20 @@ TEST(Landing, on_top_of_a_rough_sphere_a_falling_bead_sticks) {
     EXPECT_LE((run[drop.bead.handle].reaction(2.0) + down).norm(), 1e-13);
 }
 
-TEST(Landing, on_a_rough_slope_a_falling_bead_goes_on_with_its_velocity_along_it) {
-    const double angle = 0.3;
-    const Drop drop(angle, 0.5, Coulomb{0.6, 0.5});
-    const Trajectory run = drop.bead.run(2.0);
-    const double v = std::sqrt(2.0 * gravity * 0.5);
-    ASSERT_GE(run.events().size(), 2u);
-    EXPECT_EQ(run.events()[1].kind, EventKind::land);
-    const double t = run.events()[1].time;
-    EXPECT_NEAR(run[drop.bead.handle].parameter(t), angle, 1e-12);
-    EXPECT_NEAR(run[drop.bead.handle].speed(t), v * std::sin(angle), 1e-11);
-    EXPECT_NEAR(run.events()[1].impulse, v * std::cos(angle), 1e-11);
+// Coulomb's law of impulses: what it has along the rail is taken, up to mu_dynamic times the impulse across it
+TEST(Landing, on_a_rough_slope_a_falling_bead_is_slowed_by_the_impulse_of_friction) {
+    const double angle = 0.3, v = std::sqrt(2.0 * gravity * 0.5);
+    for (const double mu : {0.5, 0.1}) {
+        const Drop drop(angle, 0.5, Coulomb{mu + 0.1, mu});
+        const Trajectory run = drop.bead.run(2.0);
+        ASSERT_GE(run.events().size(), 2u);
+        EXPECT_EQ(run.events()[1].kind, EventKind::land);
+        const double t = run.events()[1].time;
+        EXPECT_NEAR(run[drop.bead.handle].parameter(t), angle, 1e-12);
+        const double along = std::min(mu * std::cos(angle), std::sin(angle));
+        EXPECT_NEAR(run[drop.bead.handle].speed(t), v * (std::sin(angle) - along), 1e-11) << mu;
+        EXPECT_NEAR(run.events()[1].impulse, v * std::hypot(std::cos(angle), along), 1e-11) << mu;
+    }
 }
 
 TEST(Landing, along_the_normal_of_a_slope_a_bead_sticks_or_slips_as_the_cone_says) {
