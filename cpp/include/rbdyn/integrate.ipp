@@ -337,7 +337,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         if (comparison.amplifies && comparison.error > doubtful * options.error && finer.tolerance <= to_rounding &&
             is_judge && engine == "taylor" && !finer.manner.is_refined) {
             amplifies = true;
-            continue;
+            if (comparison.same_events && comparison.error <= options.error) continue;
         }
         if (comparison.same_events && comparison.error <= options.error) break;
         // what is left is the rounding of doubles, and what the motion makes of it

@@ -4,6 +4,7 @@
 #include "rbdyn/trajectory/accuracy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -99,20 +100,29 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     else
         compare_motion(run, better, times, uncertain);
     scales_.settle(wanted_, span);
-    // what begins as rounding and ends as a hundred times that has grown with the motion: the better run's, too
-    constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon(), growth = 100.0;
-    double early = std::numeric_limits<double>::epsilon();
+    // what begins as rounding and ends as many times that has grown with the motion, and has in the better run, too:
+    // after a quarter of the time, or where it grows quicker, after as little as makes it more than what any power up
+    // to the second of the time does
+    constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon();
+    struct Early {
+        double part, growth, found = std::numeric_limits<double>::epsilon();
+    };
+    std::array<Early, 2> earlies{{{0.25, 100.0}, {1.0 / 32.0, 2000.0}}};
     for (const Difference& d : differences_) {
         const double found = d.what < 0 ? d.value : scales_.relative(static_cast<std::size_t>(d.what), d.value);
         double& difference = d.what < 0 ? result.event_difference : result.motion_difference;
-        if (!d.is_shared) difference = std::max(difference, found);
-        if (!d.is_shared && d.since - start < 0.25 * span) early = std::max(early, found);
+        if (!d.is_shared) {
+            difference = std::max(difference, found);
+            for (Early& early : earlies)
+                if (d.since - start < early.part * span) early.found = std::max(early.found, found);
+        }
         const double error = widening_ * found;
         result.error = std::max(result.error, error);
         if (error > wanted_) uncertain = std::min(uncertain, d.since);
     }
-    result.amplifies =
-        early <= rounding && std::max(result.motion_difference, result.event_difference) > growth * early;
+    const double most = std::max(result.motion_difference, result.event_difference);
+    result.amplifies = std::ranges::any_of(
+        earlies, [&](const Early& early) { return early.found <= rounding && most > early.growth * early.found; });
     // rounding: what two runs share is not seen by comparing them
     const double steps = static_cast<double>(std::max<std::size_t>(run.entries().size(), 1));
     const double floor = std::numeric_limits<double>::epsilon() * std::sqrt(steps);
