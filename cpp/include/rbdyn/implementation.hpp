@@ -16,6 +16,7 @@
 #include "rbdyn/body/validation.ipp"
 #include "rbdyn/closed_form/carlson.ipp"
 #include "rbdyn/closed_form/closed_form.ipp"
+#include "rbdyn/closed_form/forced_modes.ipp"
 #include "rbdyn/closed_form/free_rotation.ipp"
 #include "rbdyn/closed_form/kepler_motion.ipp"
 #include "rbdyn/closed_form/lagrange_top.ipp"

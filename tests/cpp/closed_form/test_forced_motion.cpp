@@ -4,7 +4,10 @@
 #include "rbdyn/closed_form/waves.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include "random.hpp"
 #include "rbdyn/rbdyn.hpp"
@@ -98,6 +101,76 @@ TEST(ForcedMotion, is_that_of_the_series) {
             EXPECT_LE((closed.run[made.mass].velocity(t) - series.run[made.mass].velocity(t)).norm(), told * s.speed)
                 << i;
         }
+    }
+}
+
+/// n masses of 1 kg on a line, each joined to the next and the outer ones to walls by springs of 4 N/m.
+struct ForcedChain {
+    Scene scene;
+    std::vector<BodyHandle> masses;
+};
+ForcedChain forced_chain(int n) {
+    ForcedChain made;
+    for (int i = 0; i < n; ++i) made.masses.push_back(made.scene.add(Particle{1.0}, {.position = {i + 1.0, 0, 0}}));
+    for (int i = 0; i + 1 < n; ++i)
+        made.scene.connect(Spring{.stiffness = 4.0}, made.masses[static_cast<std::size_t>(i)],
+                           made.masses[static_cast<std::size_t>(i + 1)]);
+    made.scene.connect(Spring{.stiffness = 4.0}, made.masses.front(), Vector3(0, 0, 0));
+    made.scene.connect(Spring{.stiffness = 4.0}, made.masses.back(), Vector3(n + 1.0, 0, 0));
+    return made;
+}
+
+TEST(ForcedMotion, of_a_long_chain_is_that_of_its_modes) {
+    // x_j = j + sum over k of sqrt(2/(n+1)) sin(jk pi/(n+1)) y_k, y_k'' + p_k^2 y_k = f_k sin(w t), at rest
+    constexpr int n = 30;
+    constexpr long double pi = std::numbers::pi_v<long double>;
+    const auto pace = [](int k) { return 4.0L * std::sin(k * pi / (2.0L * (n + 1))); };
+    const auto shape = [](int j, int k) { return std::sqrt(2.0L / (n + 1)) * std::sin(j * k * pi / (n + 1)); };
+    for (const double w : {0.7, 2.0, static_cast<double>(pace(3))}) {
+        ForcedChain made = forced_chain(n);
+        made.scene.apply(Force([w](const auto& t, const auto&, const auto&) { return along_x(0.5 * sin(w * t)); }),
+                         made.masses[1]);
+        const Trajectory run = simulate(made.scene, {.until = 200.0, .error = 1e-12});
+        ASSERT_EQ(run.engine(), "closed form");
+        for (const double t : {0.5, 20.0, 200.0})
+            for (const int j : {1, 2, 17, 30}) {
+                long double x = j;
+                for (int k = 1; k <= n; ++k) {
+                    const long double p = pace(k), off = w - p, force = 0.5L * shape(2, k);
+                    // (sin wt - w/p sin pt)/(p^2 - w^2), without cancelling beside resonance
+                    const long double beat = off == 0.0L ? t / 2.0L : std::sin(off * t / 2.0L) / off;
+                    const long double y = (std::sin(p * t) / p - 2.0L * std::cos((w + p) * t / 2.0L) * beat) / (w + p);
+                    x += shape(j, k) * force * y;
+                }
+                EXPECT_NEAR(run[made.masses[static_cast<std::size_t>(j - 1)]].position(t)[0], static_cast<double>(x),
+                            2e-16 * j + 1e-16 * t)
+                    << w << ' ' << t << ' ' << j;
+            }
+    }
+}
+
+TEST(ForcedMotion, of_many_masses_in_space_with_drag_is_that_of_the_series) {
+    Random random(20261126);
+    for (int i = 0; i < 6; ++i) {
+        ForcedChain made = forced_chain(random.whole(9, 16));
+        const double w = random.uniform(0.3, 3.0), g = random.uniform(-0.4, 0.1), c = random.uniform(0.01, 0.3);
+        for (const BodyHandle& mass : made.masses) made.scene.apply(Drag{.linear = c}, mass);
+        made.scene.apply(Force([w, g](const auto& t, const auto&, const auto&) {
+                             using S = std::decay_t<decltype(t)>;
+                             return Vector3Of<S>{cos(w * t), S(0.2) * t, exp(g * t) * sin(w * t)};
+                         }),
+                         made.masses[static_cast<std::size_t>(random.whole(0, 8))]);
+        const double start = random.uniform(-3.0, 3.0), until = start + 15.0;
+        const Trajectory closed = simulate(made.scene, {.until = until, .start = start, .error = 1e-11});
+        ASSERT_EQ(closed.engine(), "closed form") << i;
+        const Trajectory series =
+            simulate(made.scene, {.until = until, .start = start, .error = 1e-11, .engine = "taylor"});
+        for (const BodyHandle& mass : made.masses)
+            for (const double t : {start + 4.0, until}) {
+                const Scales s = scales(closed, mass);
+                EXPECT_LE((closed[mass].position(t) - series[mass].position(t)).norm(), 2e-11 * s.extent) << i;
+                EXPECT_LE((closed[mass].velocity(t) - series[mass].velocity(t)).norm(), 2e-11 * s.speed) << i;
+            }
     }
 }
 

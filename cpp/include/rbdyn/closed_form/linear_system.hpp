@@ -3,6 +3,7 @@
 //
 //   a variable that changes evenly                                        x0 + b t
 //   q'' = f - K q - D q', K symmetric in some scales, D = a + b K         normal modes (linear_modes.hpp)
+//   the same, forced in time, if it is large                              modes that are forced (forced_modes.hpp)
 //   anything else                                                         exp(A t) (linear_flow.hpp)
 #pragma once
 
@@ -60,13 +61,14 @@ private:
 /// The blocks that A falls into: their variables, in order.
 std::vector<std::vector<int>> blocks(const LinearSystem& system);
 
-/// A block as q'' = f - K q - D q'.
+/// A block as q'' = f + B z - K q - D q': the variables z from `own` on force it.
 struct SecondOrder {
-    std::vector<int> positions, velocities;
+    std::vector<int> positions, velocities, drivers;
     WideMatrix stiffness, damping;
 };
-/// None if not every variable is a position or the velocity of one.
-[[gnu::cold]] std::optional<SecondOrder> second_order(const LinearSystem& system, const std::vector<int>& block);
+/// None if not every one of its own variables is a position or the velocity of one.
+[[gnu::cold]] std::optional<SecondOrder> second_order(const LinearSystem& system, const std::vector<int>& block,
+                                                      int own);
 
 template <class Of>
 std::vector<DoubleDouble> gathered(const std::vector<DoubleDouble>& all, const Of& places) {
@@ -88,6 +90,8 @@ struct LinearBlocks {
 // long
 inline constexpr int most_modes = 64, most_in_flow = 16;
 
-[[gnu::cold]] LinearBlocks solve(const LinearSystem& system);
+/// Variables from `own` on are those of what forces the others in time, and depend on none of these.
+[[gnu::cold]] LinearBlocks solve(const LinearSystem& system, int own);
+[[gnu::cold]] inline LinearBlocks solve(const LinearSystem& system) { return solve(system, system.size()); }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -16,6 +16,7 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
+#include "rbdyn/closed_form/forced_modes.hpp"
 #include "rbdyn/closed_form/linear_flow.hpp"
 #include "rbdyn/closed_form/linear_modes.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"
@@ -92,24 +93,31 @@ RBDYN_INLINE std::vector<std::vector<int>> blocks(const LinearSystem& system) {
     return result;
 }
 
-RBDYN_INLINE std::optional<SecondOrder> second_order(const LinearSystem& system, const std::vector<int>& block) {
+RBDYN_INLINE std::optional<SecondOrder> second_order(const LinearSystem& system, const std::vector<int>& block,
+                                                     int own) {
     SecondOrder result;
     std::vector<int> index(at(system.size()), -1);
     for (const int i : block) {
+        if (i >= own) {
+            result.drivers.push_back(i);
+            continue;
+        }
         if (index[at(i)] >= 0) continue;
         const auto& row = system.rows[at(i)];
         if (row.size() != 1 || row[0].value != DoubleDouble(1.0) || system.constants[at(i)].hi != 0.0)
             return std::nullopt;
         const int velocity = row[0].column;
-        if (velocity == i || index[at(velocity)] >= 0) return std::nullopt;
+        if (velocity == i || velocity >= own || index[at(velocity)] >= 0) return std::nullopt;
         index[at(i)] = index[at(velocity)] = static_cast<int>(result.positions.size());
         result.positions.push_back(i);
         result.velocities.push_back(velocity);
     }
+    if (result.positions.empty()) return std::nullopt;
     const int n = static_cast<int>(result.positions.size());
     result.stiffness = result.damping = WideMatrix(n);
     for (int i = 0; i < n; ++i)
         for (const LinearSystem::Entry& e : system.rows[at(result.velocities[at(i)])]) {
+            if (e.column >= own) continue;
             const int j = index[at(e.column)];
             (result.positions[at(j)] == e.column ? result.stiffness : result.damping)(i, j) -= e.value;
         }
@@ -120,7 +128,7 @@ RBDYN_INLINE std::optional<SecondOrder> second_order(const LinearSystem& system,
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE LinearBlocks solve(const LinearSystem& system) {
+RBDYN_INLINE LinearBlocks solve(const LinearSystem& system, int own) {
     using linear::at;
     LinearBlocks result;
     const std::vector<DoubleDouble> rates = system.rates();
@@ -134,17 +142,25 @@ RBDYN_INLINE LinearBlocks solve(const LinearSystem& system) {
                                                                                system.constants[at(first)]));
             continue;
         }
-        if (const auto pairs = linear::second_order(system, block)) {
+        const auto pairs = linear::second_order(system, block, own);
+        // of few variables that are forced one flow is set up as quickly as many
+        if (pairs && (pairs->drivers.empty() || size > most_in_flow)) {
             const auto symmetric = LinearModes::symmetric(pairs->stiffness);
             const auto damping = LinearModes::proportional(pairs->damping, pairs->stiffness);
             if (symmetric && damping) {
-                if (size > 2 * most_modes) {
+                if (pairs->positions.size() > at(most_modes) || pairs->drivers.size() > at(most_in_flow)) {
                     result.too_large = size;
                     return result;
                 }
                 if (!modes || !(last == symmetric->matrix)) {
                     modes = std::make_shared<const SymmetricModes>(symmetric_modes(symmetric->matrix));
                     last = symmetric->matrix;
+                }
+                if (!pairs->drivers.empty()) {
+                    result.by_modes = false;
+                    result.blocks.push_back(
+                        std::make_unique<const ForcedModes>(system, *pairs, *symmetric, *modes, *damping));
+                    continue;
                 }
                 // the force at the start and at rest: what damping adds to it is the mode's
                 std::vector<DoubleDouble> pull = linear::gathered(rates, pairs->velocities);

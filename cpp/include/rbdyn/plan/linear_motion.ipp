@@ -134,7 +134,7 @@ RBDYN_INLINE LinearBlock::Range LinearMotion::range(std::span<const double> fact
 
 RBDYN_INLINE std::shared_ptr<const ClosedForm> LinearMotion::begun(double time) const {
     if (!forced_ || time == 0.0) return nullptr;
-    return std::make_shared<const LinearMotion>(forced_, solve(forced_->begun(time)), start_, groups_);
+    return std::make_shared<const LinearMotion>(forced_, solve(forced_->begun(time), forced_->own()), start_, groups_);
 }
 
 RBDYN_INLINE std::string LinearMotion::name() const {
@@ -261,7 +261,7 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     const LinearSystem whole = system->begun(0.0);
     if (!whole.is_finite()) return {nullptr, "its equations have numbers that are not finite"};
     if (whole.is_polynomial()) return {nullptr, polynomial};
-    LinearBlocks solution = solve(whole);
+    LinearBlocks solution = solve(whole, system->own());
     if (solution.too_large > 0)
         return {nullptr, "linear, but " + std::to_string(solution.too_large) +
                              (is_forced ? " variables, those of what forces them among them, depend on each other: "
