@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/instant.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
@@ -215,11 +216,30 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<do
     return impulses;
 }
 
-RBDYN_INLINE std::pair<double, double> TreeModel::strike_alone(std::span<double> x, int struck,
+RBDYN_INLINE double TreeModel::fine_rate(int contact, double t, std::span<const double> x,
+                                         std::span<const double> rest) const {
+    using Real = long double;
+    std::vector<Real> wide;
+    for (std::size_t i = 0; i < x.size(); ++i) wide.push_back(static_cast<Real>(x[i]) + static_cast<Real>(rest[i]));
+    const auto at_contact =
+        conditions_->contacts()[at(contact)].touching<Real>(*tree_, mechanics::closing::moving<Real>(*tree_, t, wide));
+    return static_cast<double>(dot<Real>(at_contact.normal, at_contact.velocity));
+}
+
+RBDYN_INLINE std::pair<double, double> TreeModel::strike_alone(double t, std::span<double> x, std::span<double> rest,
+                                                               int struck,
                                                                const std::vector<mechanics::Moving<double>>& all,
                                                                const mechanics::Row<double>& row) const {
-    const double u = mechanics::Conditions::rate(row, all),
+    // what is fast along a surface is slow across it at last: the difference is taken, and kept, beyond doubles
+    const double u = fine_rate(struck, t, x, rest),
                  asked = -(1.0 + conditions_->contacts()[at(struck)].restitution) * u;
+    const auto change = [&](int v, double by) {
+        const std::size_t i = at(tree_->positions() + v);
+        const Instant sum = exact_sum(x[i], by);
+        const Instant whole = exact_sum(sum.hi, sum.lo + rest[i]);
+        x[i] = whole.hi;
+        rest[i] = whole.lo;
+    };
     // of particles that carry nothing the velocity is all there is
     const auto is_lone = [&](int i) {
         return i < 0 || (tree_->node(i).joint.as<mechanics::FreePointLaw>() != nullptr && tree_->node(i).parent < 0 &&
@@ -231,8 +251,7 @@ RBDYN_INLINE std::pair<double, double> TreeModel::strike_alone(std::span<double>
         const double own =
             row.on_a.force.squaredNorm() * inverse(row.a) + row.on_b.force.squaredNorm() * inverse(row.b);
         for (const auto& [i, force] : {std::pair{row.a, row.on_a.force}, std::pair{row.b, row.on_b.force}})
-            for (int k = 0; i >= 0 && k < 3; ++k)
-                x[at(tree_->positions() + tree_->node(i).v + k)] += asked / own * inverse(i) * force[k];
+            for (int k = 0; i >= 0 && k < 3; ++k) change(tree_->node(i).v + k, asked / own * inverse(i) * force[k]);
         return {asked / own, asked};
     }
     const auto accelerate = mechanics::accelerate<double>(*tree_, all);
@@ -241,7 +260,7 @@ RBDYN_INLINE std::pair<double, double> TreeModel::strike_alone(std::span<double>
     std::vector<double> made(at(accelerate.freedoms()), 0.0);
     for (const auto& [n, one] : response) made[at(n)] += one * impulse;
     const std::vector<double> changes = mechanics::velocity_changes<double>(*tree_, accelerate.spread(made));
-    for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    for (int k = 0; k < tree_->velocities(); ++k) change(k, changes[at(k)]);
     return {impulse, asked};
 }
 
@@ -382,6 +401,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                                    std::span<double> x, std::span<double> rest,
                                    std::vector<Happening>& happenings) const {
     const std::vector<double> was(x.begin(), x.end());
+    std::vector<double> known = was;  // what `rest` belongs to
     const auto all = moving(t, x);
     // positions stay what they are: so does how contacts lie
     std::vector<std::optional<mechanics::Touching<double>>> touching(at(contacts()));
@@ -397,7 +417,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     if (!after.impossible.empty()) return;
     const auto forget = [&] {
         for (std::size_t i = 0; i < x.size(); ++i)
-            if (x[i] != was[i]) rest[i] = 0.0;
+            if (x[i] != known[i]) rest[i] = 0.0;
     };
     forget();
     // bounces of several contacts, so low that doubles do not tell how high each of them is
@@ -457,11 +477,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     const bool are_low = contacts() > 1 && std::any_of(landing.begin(), landing.end(), is_low);
     if (!landing.empty()) {
         double made_alone = 0.0;
-        if (is_alone)
+        if (is_alone) {
             std::tie(impulses[at(closed.front())], made_alone) =
-                strike_alone(x, closed.front(), all, row_of(closed.front()));
-        else
+                strike_alone(t, x, rest, closed.front(), all, row_of(closed.front()));
+            known.assign(x.begin(), x.end());
+        } else {
             impulses = strike(mode, t, x, closed, strokes);
+        }
         if (!strokes.impossible.empty()) {
             after.impossible = strokes.impossible;
             return;

@@ -169,9 +169,11 @@ private:
     std::vector<double> strike_smooth(double t, std::span<double> x, const std::vector<int>& struck) const;
     /// The same of one smooth contact that strikes where nothing else is held, from the row of its gap: its impulse,
     /// and how much velocity that makes [N s, m/s].
-    std::pair<double, double> strike_alone(std::span<double> x, int struck,
+    std::pair<double, double> strike_alone(double t, std::span<double> x, std::span<double> rest, int struck,
                                            const std::vector<mechanics::Moving<double>>& all,
                                            const mechanics::Row<double>& row) const;
+    /// How fast a contact opens, by the digits of the state beyond doubles.
+    double fine_rate(int contact, double t, std::span<const double> x, std::span<const double> rest) const;
 
     // --- friction at contacts (tree_friction.ipp) ---
 

@@ -77,8 +77,8 @@ private:
         double here = 0.0, there = 0.0;  // on the pieces, in their units
         bool is_chosen = true;
     };
-    /// None where the two are in different modes: just before an event one of them may be past it already, and then
-    /// its time tells. `j`: the piece of the better run, or one before it.
+    /// None where the two are in different modes, or before and after an impact: just before an event one of them may
+    /// be past it already, and then its time tells. `j`: the piece of the better run, or one before it.
     static std::optional<Place> place_of(Instant at, const Record& run, std::size_t i, const Record& better,
                                          std::size_t& j);
 

@@ -274,6 +274,12 @@ RBDYN_INLINE std::optional<AccuracyCheck::Place> AccuracyCheck::place_of(Instant
     place.fine_piece = j;
     place.there = (at - fine.start) / fine.unit;
     if (place.there > fine.length * (1.0 + 1e-9)) return std::nullopt;
+    // an event that leaves the mode as it was, an impact, is past in one of them: the nearest of the better run is its
+    // own
+    const auto& entries = run.entries();
+    const bool ends_at_event =
+        i + 1 < entries.size() && entries[i + 1].after_event && at.hi == piece.at(piece.length).hi;
+    if (ends_at_event && better.entries()[j].after_event && place.there < 0.5 * fine.length) return std::nullopt;
     place.there = std::clamp(place.there, 0.0, fine.length);
     return place;
 }
