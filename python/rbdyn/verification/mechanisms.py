@@ -31,7 +31,7 @@ def _point(body: BodyHandle, place: Any) -> Any:
 
 @mechanism(
     "four-bar linkage",
-    row="linkages over many turns",
+    row="linkages over many turns; a walking linkage",
     hard="constraints drift apart",
     source="reference m_four_bar_gravity, 25 digits",
     holds=STEPS,
@@ -54,7 +54,7 @@ def four_bar(solve: Solve) -> Answers:
 
 @mechanism(
     "four-bar linkage for 1000 s",
-    row="linkages over many turns",
+    row="linkages over many turns; a walking linkage",
     hard="constraints drift apart",
     source="conservation",
     error=1e-6,
@@ -161,7 +161,7 @@ def cardan(solve: Solve) -> Answers:
 
 @mechanism(
     "stiff governor",
-    row="stiff governor",
+    row="stiff governor; Andrews' mechanism",
     hard="a spring of 8e5 N/m with a damper of 4e4",
     source="reference m_flyball_governor, 25 digits",
     error=1e-6,
