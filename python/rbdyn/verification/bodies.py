@@ -6,6 +6,7 @@ import cmath
 import math
 from decimal import Decimal, localcontext
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -254,7 +255,7 @@ def forced(solve: Solve) -> Answers:
         lambda t, x: [-2 * x[1] * x[2], 1.25 * x[0] * x[2], -0.5 * x[0] * x[1] + 0.25 * np.sin(t) ** 2],
         [1.0, 0.0, 0.9],
     )
-    run = solve(system, 20.0)
+    run: Any = solve(system, 20.0)
     yield Answer("after 10 s", run.x(10.0), [-0.6688624229801340104, -0.5876984022040686022, 2.010777393073610821768])
     yield Answer("after 20 s", run.x(20.0), [-0.8337911612328247375, 0.4364575433604751425, 3.281619148536095776005])
 

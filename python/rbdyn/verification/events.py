@@ -84,7 +84,7 @@ def saw(solve: Solve) -> Answers:
     """x' = 1 back to zero each time that it is 1: a hundred times."""
     tooth = System(lambda t, x: [1.0 + 0.0 * x[0]], [0.0])
     tooth.watch("full", lambda now: now[0] - 1.0, action=lambda now: [0.0])
-    run = solve(tooth, 100.5)
+    run: Any = solve(tooth, 100.5)
     yield Answer("times", run.events.times("full"), np.arange(1.0, 101.0))
     yield Answer("end", run.x(100.5)[0], 0.5, scale=1.0)
 
@@ -135,8 +135,9 @@ def not_a_number(solve: Solve) -> Answers:
 
 @event("a pole of the equations", row="NaN from a user's guard or force", hard="steps shrink for ever")
 def pole(solve: Solve) -> Answers:
-    """x' = x^2 from 1 has no solution beyond t = 1."""
-    blows = System(lambda t, x: [x[0] * x[0]], [1.0])
-    run, why = solve.ending(blows, 2.0)
-    yield Answer("ends at", run.end, 1.0, given=1e-3)
-    yield says(f"{run.status}: {why}", "not finite")
+    """x' = x^2 from 1 has no solution beyond t = 1, and none beyond 1e-15 from 1e15."""
+    for start in (1.0, 1e15):
+        blows = System(lambda t, x: [x[0] * x[0]], [start])
+        run, why = solve.ending(blows, 2.0)
+        yield Answer("ends at", run.end * start, 1.0, given=1e-3)
+        yield says(f"{run.status}: {why}", "not finite")

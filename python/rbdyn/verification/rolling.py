@@ -1,7 +1,7 @@
 """Bodies that roll and slide on a table: tippe top, rattleback, Euler's disk.
 
 The numbers of 20 digits are from Newton's and Euler's laws written down apart from the library and integrated by
-extrapolation in 32 digits; tests/python/test_verification.py makes twelve of them anew.
+extrapolation in 32 digits; tests/python/test_verification.py makes the earlier ones anew, to the digits of SciPy.
 """
 
 from __future__ import annotations
