@@ -115,6 +115,12 @@ def walking_leg(rate: float) -> tuple[Scene, BodyHandle, list[ConstraintHandle]]
 WALKS = 1.4228462691879339036899921432
 
 
+def _closed(solve: Solve, gap: float, turns: int) -> Answer:
+    """That a gap is below 1e-10 m and what rounding leaves: three angles of so many turns, at arms of up to 2 m."""
+    scale = 1e-10 / solve.error
+    return Answer("gap", gap, 0.0, scale=scale, given=3 * 2.2e-16 * turns * math.tau / scale)
+
+
 def walk(turns: int, solve: Solve, **options: object) -> Answers:
     """So many turns of its crank."""
     scene, crank, pins = walking_leg(2 * math.pi)
@@ -125,7 +131,7 @@ def walk(turns: int, solve: Solve, **options: object) -> Answers:
     given = 8e-16 * turns * math.tau
     yield Answer("crank turned by", run[crank].angle(t), turns * math.tau, scale=1.0, given=given)
     yield Answer("its rate", run[crank].rate(t), math.tau)
-    yield Answer("gaps", max(float(run[pin].gap(t)) for pin in pins), 0.0, scale=1.0, given=given)
+    yield _closed(solve, max(float(run[pin].gap(t)) for pin in pins), turns)
 
 
 @linkage(
@@ -195,4 +201,4 @@ def turn(turns: int, solve: Solve) -> Answers:
     run = solve(scene, t, keep="end", rtol=1e-12, max_steps=1_000_000 if solve.engine == "taylor" else 3000)
     yield Answer("crank turned by", run[crank].angle(t), turns * math.tau, scale=1.0)
     yield Answer("energy", max(run.drift.values()), 0.0, scale=1e-5)
-    yield Answer("gap", run[pin].gap(t), 0.0, scale=1e-5)
+    yield _closed(solve, float(run[pin].gap(t)), turns)
