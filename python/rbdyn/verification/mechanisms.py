@@ -60,7 +60,7 @@ def four_bar(solve: Solve) -> Answers:
     source="conservation",
     error=1e-6,
     quick=False,
-    holds=("taylor", "dop853"),
+    holds=("taylor",),
 )
 def four_bar_long(solve: Solve) -> Answers:
     """Energy and closure after a thousand seconds."""

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from rbdyn._core import BodyHandle, Free, Gravitation, Line, Particle, Rail, Revolute, RigidBody, Scene, Spring
-from rbdyn.verification.case import ALL, STEPS, TAYLOR, Answer, Answers, Engine, Solve, case
+from rbdyn.verification.case import ALL, STEPS, TAYLOR, Answer, Answers, Engine, Solve, Unfinished, case
 
 Z = [0.0, 0.0, 1.0]
 
@@ -234,6 +234,8 @@ def chain(solve: Solve) -> Answers:
 )
 def long_chain(solve: Solve) -> Answers:
     """Springs of 1 m in space, the first mass kicked askew."""
+    if solve.engine != "taylor":
+        raise Unfinished("the case leaves engines of lower order no time: they hold a thousand masses in seconds")
     return kicked(100_000, solve)
 
 
@@ -245,8 +247,7 @@ def kicked(n: int, solve: Solve) -> Answers:
         balls.append(scene.add(Particle(1.0), position=[k, 0, 0], velocity=velocity))
         if k:
             scene.connect(Spring(100.0, rest_length=1.0), balls[k - 1], balls[k])
-    # engines of lower order take minutes for so many
-    run = solve(scene, 1.0, keep="end", max_steps=100_000 if solve.engine == "taylor" else 1)
+    run = solve(scene, 1.0, keep="end")
     known = [0.11382375302281502187, 0.39743850911849476894, 0.19871925455924738447]
     yield Answer("place of mass 1", run[balls[0]].position(1.0), known)
     known = [0.016613593977514342952, -8.6219519791927836815e-10, -4.3109759895963918407e-10]
