@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 import rbdyn as rb
 from rbdyn.command_line import main
-from rbdyn.verification.case import CASES, Answer, case, kinds, says
+from rbdyn.verification import linkages, rolling, systems
+from rbdyn.verification.case import CASES, Answer, Solve, case, kinds, says
 from rbdyn.verification.rows import ROWS, cases_of, table
 from rbdyn.verification.runner import judged
 
@@ -143,6 +144,77 @@ def test_numbers_that_are_copied_from_references_stand_in_their_files(root):
             assert any(abs(value - float(number)) <= 2e-16 * value for value in there), (one.name, number)
             compared += 1
     assert compared > 40
+
+
+@pytest.mark.parametrize(
+    "answers",
+    [
+        lambda solve: linkages.walk(20, solve),
+        lambda solve: linkages.turn(300, solve),
+        lambda solve: systems.kicked(1000, solve),
+    ],
+)
+def test_short_forms_of_the_slow_cases_are_held(answers):
+    solve = Solve("taylor", 1e-8)
+    found = list(answers(solve))
+    assert len(found) >= 2
+    for answer in found:
+        # the scales of gaps and drifts are of the slow ones
+        assert answer.error <= solve.error + answer.given, answer
+
+
+def by_hand(lowest, mass, inertia, turn, omega, times, **friction):
+    """The axis z of a body on the table and its angular velocity, world, at times: by equations of their own."""
+    pytest.importorskip("scipy")
+    from rolling_by_hand import Body
+
+    body = Body(mass, inertia, lowest, rolling.G, **friction)
+    rows = body.run(turn, omega, [0.0, *times], v=[0, 0, 0] if "mu" in friction else None)[1:]
+    return rows[:, [2, 5, 8]], rows[:, 15:]
+
+
+def test_numbers_of_bodies_that_roll_are_those_of_equations_written_apart():
+    pytest.importorskip("scipy")
+    from rolling_by_hand import disc, ellipsoid
+
+    inertia = np.array([[2.5e-4, -7.5e-5, 0], [-7.5e-5, 1.5e-3, 0], [0, 0, 1.7e-3]])
+    surface = ellipsoid([0.2, 0.03125, 0.02], [0, 0, 0.01])
+    omega = [0.0078125, 0.0078125, -3.0]
+    # the first of its numbers: the second takes SciPy half a minute
+    t, known = rolling.RATTLES[0]
+    _, turns = by_hand(surface, 1.0, inertia, np.eye(3), omega, [t])
+    assert np.allclose(turns, [known], rtol=0, atol=3e-9)
+
+    top = rolling.TOP
+    surface = ellipsoid([top["radius"]] * 3, [0, 0, top["off"]])
+    t, axis, known = rolling.TURNS_OVER[0]
+    inertia = np.diag(rolling.MOMENTS)
+    axes, turns = by_hand(surface, top["mass"], inertia, rolling.tilted(0.8, 0.6), [0, 120, 160], [t], mu=0.1)
+    assert np.allclose(axes, [axis], rtol=0, atol=1e-7)
+    assert np.allclose(turns, [known], rtol=0, atol=2e-5)
+
+    inertia = 0.4 * 0.0375**2 / 4 * np.diag([1, 1, 2])
+    times = [t for t, *_ in rolling.FALLING]
+    start = rolling.tilted(0.96, 0.28)
+    axes, turns = by_hand(disc(0.0375), 0.4, inertia, start, [0, 17.119190011991417, 0], times, rolling=0.004)
+    assert np.allclose(axes, [axis for _, axis, _ in rolling.FALLING], rtol=0, atol=1e-8)
+    assert np.allclose(turns, [known for *_, known in rolling.FALLING], rtol=0, atol=2e-7)
+
+
+def test_periods_of_linkages_are_those_of_quadratures():
+    # of the flywheel linkage: T(angle) of a rate of 1, and the trapezoid rule over a turn, which is periodic
+    angle = np.arange(400, dtype=np.longdouble) * 2 * np.pi / 400
+    size, coupler, rocker, ground = (np.longdouble(x) for x in (0.0625, 2, 1.5, 2))
+    end = size * np.exp(1j * angle)
+    rate = 1j * end
+    reach = abs(ground - end)
+    x = (coupler**2 - rocker**2 + reach**2) / (2 * reach)
+    meet = end + (ground - end) / reach * (x + 1j * np.sqrt(coupler**2 - x**2))
+    # (v - rate) is across the coupler, v across the rocker
+    along, arm = meet - end, 1j * (meet - ground)
+    v = arm * (rate * along.conj()).real / (arm * along.conj()).real
+    kinetic = 5 + (abs(rate) ** 2 + (rate * v.conj()).real + 2 * abs(v) ** 2) / 6
+    assert np.sqrt(kinetic / kinetic[0]).mean() == pytest.approx(linkages.FLYWHEEL, rel=1e-15)
 
 
 def test_one_case_one_engine_and_names_that_are_none():

@@ -6,11 +6,12 @@ import cmath
 import math
 from decimal import Decimal, localcontext
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from rbdyn import shapes
-from rbdyn._core import EulerAngles, Free, Particle, Revolute, RigidBody, Scene, Spherical
+from rbdyn._core import EulerAngles, Free, Particle, Revolute, RigidBody, Scene, Spherical, System
 from rbdyn.verification.case import ALL, Answer, Answers, Engine, Solve, case, says
 
 G = 9.81
@@ -240,6 +241,23 @@ def kovalevskaya(solve: Solve) -> Answers:
     )
     known = [-0.1285968748329442701, -1.5904538711749802628, 2.80414171379479968724]
     yield Answer("omega", solve(scene, 5.0)[top].angular_velocity(5.0), known)
+
+
+@rotation(
+    "a rigid body forced in time",
+    row="forced rigid body",
+    hard="a yardstick of other libraries",
+    source="series of 45 digits, 25 digits",
+)
+def forced(solve: Solve) -> Answers:
+    """Euler's equations with the coefficients -2, 1.25, -0.5 and sin(t)^2/4 on the third."""
+    system = System(
+        lambda t, x: [-2 * x[1] * x[2], 1.25 * x[0] * x[2], -0.5 * x[0] * x[1] + 0.25 * np.sin(t) ** 2],
+        [1.0, 0.0, 0.9],
+    )
+    run: Any = solve(system, 20.0)
+    yield Answer("after 10 s", run.x(10.0), [-0.6688624229801340104, -0.5876984022040686022, 2.010777393073610821768])
+    yield Answer("after 20 s", run.x(20.0), [-0.8337911612328247375, 0.4364575433604751425, 3.281619148536095776005])
 
 
 def _period(angle: float) -> Decimal:

@@ -124,34 +124,6 @@ def disc(solve: Solve) -> Answers:
     yield says(state, "slides")
 
 
-@contact(
-    "rolling in a steady circle",
-    row="Euler's disk",
-    hard="a disc that rolls on its edge",
-)
-def euler_disk(solve: Solve) -> Answers:
-    """With its centre at rest a thin disc tilted by a goes round at omega^2 = 4 g/(r sin a)."""
-    r, tilt = 0.25, 0.5
-    around = math.sqrt(4 * G / (r * math.sin(tilt)))
-    scene = Scene(gravity=[0, 0, -G])
-    # tilted about x; the lowest point is along -y of the body, omega along that diameter
-    attitude = [math.cos(tilt / 2), math.sin(tilt / 2), 0, 0]
-    disc = scene.add(
-        shapes.disc(2.0, r, Z),
-        Free(),
-        position=[0, 0, r * math.sin(tilt)],
-        attitude=attitude,
-        angular_velocity=[0, around * math.sin(tilt), 0],
-    )
-    scene.contact(disc.disc(r, Z), Plane(Z), friction=Coulomb(10.0))
-    t = 0.5
-    run = solve(scene, t)
-    axis = run[disc].rotation_matrix(t)[:, 2]
-    known = [math.sin(tilt) * math.sin(around * t), -math.sin(tilt) * math.cos(around * t), math.cos(tilt)]
-    yield Answer("axis", axis, known)
-    yield Answer("centre", run[disc].position(t), [0, 0, r * math.sin(tilt)])
-
-
 def _ladder(angle: float, mu: float | None) -> tuple[Scene, BodyHandle, ContactHandle, ContactHandle]:
     scene = Scene(gravity=[0, -G, 0])
     place = [2 * math.cos(angle), 2 * math.sin(angle)]

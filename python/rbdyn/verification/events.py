@@ -65,7 +65,9 @@ def ends(solve: Solve) -> Answers:
     yield Answer("end", run.events.times("end"), [1.0])
 
 
-@event("time events 1e-8 apart", row="time events 1e-8 apart after a long run", hard="an endless loop, a lost order")
+@event(
+    "time events 1e-8 apart", row="event after a reset; time events 1e-8 apart", hard="an endless loop, a lost order"
+)
 def close_together(solve: Solve) -> Answers:
     """Five of them, in order, after 1e6 s."""
     clock = System(lambda t, x: [1.0 + 0.0 * x[0]], [0.0])
@@ -75,6 +77,16 @@ def close_together(solve: Solve) -> Answers:
     ticks = [int(one.name[-1]) for one in run.events]
     yield Answer("order", ticks, [1, 2, 3, 4, 5], scale=0.0)
     yield Answer("times", [one.time for one in run.events], 1e6 + 1e-8 * np.arange(1, 6))
+
+
+@event("a watch that resets what it watches", row="event after a reset; time events 1e-8 apart", hard="an endless loop")
+def saw(solve: Solve) -> Answers:
+    """x' = 1 back to zero each time that it is 1: a hundred times."""
+    tooth = System(lambda t, x: [1.0 + 0.0 * x[0]], [0.0])
+    tooth.watch("full", lambda now: now[0] - 1.0, action=lambda now: [0.0])
+    run: Any = solve(tooth, 100.5)
+    yield Answer("times", run.events.times("full"), np.arange(1.0, 101.0))
+    yield Answer("end", run.x(100.5)[0], 0.5, scale=1.0)
 
 
 @event("an event in the first of a million seconds", row="long steps: until = 1e6 s", hard="zero measured by the step")
@@ -123,8 +135,9 @@ def not_a_number(solve: Solve) -> Answers:
 
 @event("a pole of the equations", row="NaN from a user's guard or force", hard="steps shrink for ever")
 def pole(solve: Solve) -> Answers:
-    """x' = x^2 from 1 has no solution beyond t = 1."""
-    blows = System(lambda t, x: [x[0] * x[0]], [1.0])
-    run, why = solve.ending(blows, 2.0)
-    yield Answer("ends at", run.end, 1.0, given=1e-3)
-    yield says(f"{run.status}: {why}", "not finite")
+    """x' = x^2 from 1 has no solution beyond t = 1, and none beyond 1e-15 from 1e15."""
+    for start in (1.0, 1e15):
+        blows = System(lambda t, x: [x[0] * x[0]], [start])
+        run, why = solve.ending(blows, 2.0)
+        yield Answer("ends at", run.end * start, 1.0, given=1e-3)
+        yield says(f"{run.status}: {why}", "not finite")

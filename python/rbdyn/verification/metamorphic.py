@@ -6,7 +6,21 @@ from functools import partial
 
 import numpy as np
 
-from rbdyn._core import Drag, Fixed, Free, Particle, Revolute, RigidBody, Scene, Spring
+from rbdyn._core import (
+    Circle,
+    Curve,
+    Drag,
+    Fixed,
+    Force,
+    Free,
+    Particle,
+    Potential,
+    Rail,
+    Revolute,
+    RigidBody,
+    Scene,
+    Spring,
+)
 from rbdyn.verification.case import ALL, STEPS, Answer, Answers, Solve, case
 
 same = partial(case, subject="Metamorphic checks", source="symmetry", holds=STEPS)
@@ -32,6 +46,33 @@ def turned(solve: Solve) -> Answers:
         scene.connect(Spring(30.0, rest_length=0.5), body.point([0.1, 0.2, 0]), shift)
         places.append(turn.T @ (solve(scene, 2.0)[body].position(2.0) - shift))
     yield Answer("place", places[1], places[0])
+
+
+@same("mirrored world", row="mirror the world", hard="a turn that is taken for its opposite")
+def mirrored(solve: Solve) -> Answers:
+    """A heavy body on a spring, and its image in a plane: places are mirrored, turns mirrored and reversed."""
+    normal = np.array([2.0, -1.0, 2.0]) / 3
+    image = np.eye(3) - 2 * np.outer(normal, normal)
+    turn, _ = np.linalg.qr(np.array([[1.0, 2, 3], [-2, 1, 0.5], [0.3, -1, 2]]))
+    turn *= np.linalg.det(turn)
+    inertia = np.array([[0.3, 0.05, -0.02], [0.05, 0.4, 0.03], [-0.02, 0.03, 0.5]])
+    ends = []
+    for m in (np.eye(3), image):
+        reverse = np.linalg.det(m)
+        scene = Scene(gravity=m @ [0, 0, -9.81])
+        body = scene.add(
+            RigidBody(1.1, m @ inertia @ m.T),
+            Free(),
+            position=m @ [1.3, 0, 0],
+            attitude=m @ turn @ m.T,
+            velocity=m @ [0.25, 0.5, 0],
+            angular_velocity=reverse * m @ [0.5, 1.5, -0.25],
+        )
+        scene.connect(Spring(30.0, rest_length=0.5), body.point(m @ [0.1, 0.2, 0]), np.zeros(3))
+        run = solve(scene, 2.0)
+        ends.append((m.T @ run[body].position(2.0), reverse * m.T @ run[body].angular_velocity(2.0)))
+    yield Answer("place", ends[1][0], ends[0][0], given=solve.estimate or 0.0)
+    yield Answer("angular velocity", ends[1][1], ends[0][1], given=solve.estimate or 0.0)
 
 
 @same("bodies in another order", row="permute bodies", hard="depends on the order of writing")
@@ -108,3 +149,26 @@ def zero(solve: Solve) -> Answers:
             scene.apply(Drag(linear=0.0, quadratic=0.0), ball)
         ends.append(solve(scene, 2.0)[ball].position(2.0))
     yield Answer("place", ends[1], ends[0], scale=0.0)
+
+
+@same("built in, and written in Python", row="C++ against Python", hard="two descriptions of one motion")
+def written(solve: Solve) -> Answers:
+    """A circle, drag and a spring of C++, and the same as functions of one's own."""
+    ends = []
+    for own in (False, True):
+        scene = Scene(gravity=[0, 0, -9.81])
+        if own:
+            curve = Curve(lambda u: [0.5 * np.sin(u), 0.0 * u, -0.5 * np.cos(u)], domain=(-20, 20))
+            bead = scene.add(Particle(0.5), Rail(curve), parameter=0.25, speed=4.0)
+            scene.apply(Force(lambda t, r, v: -(0.05 + 0.02 * np.linalg.norm(v)) * v), bead)
+            # a force is the gradient of its potential
+            scene.apply(Potential(lambda r: -3.0 * (np.linalg.norm(r - np.array([0.75, 0.5, 0])) - 0.25) ** 2), bead)
+        else:
+            curve = Circle(radius=0.5, start=[0, 0, -1], toward=[1, 0, 0])
+            bead = scene.add(Particle(0.5), Rail(curve), parameter=0.25, speed=4.0)
+            scene.apply(Drag(linear=0.05, quadratic=0.02), bead)
+            scene.connect(Spring(6.0, rest_length=0.25), bead, [0.75, 0.5, 0])
+        run = solve(scene, 3.0)
+        ends.append((run[bead].position(3.0), run[bead].reaction(3.0)))
+    yield Answer("place", ends[1][0], ends[0][0], given=solve.estimate or 0.0)
+    yield Answer("reaction", ends[1][1], ends[0][1], given=solve.estimate or 0.0)

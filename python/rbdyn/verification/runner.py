@@ -9,12 +9,23 @@ from time import perf_counter
 
 from rbdyn.errors import AccuracyError, Error, IntegrationError, InvalidInput
 from rbdyn.progress import Bar
-from rbdyn.verification import bodies, contacts, events, mechanisms, metamorphic, rails, systems
+from rbdyn.verification import (
+    bodies,
+    contacts,
+    events,
+    linkages,
+    mechanisms,
+    metamorphic,
+    rails,
+    rolling,
+    systems,
+    trees,
+)
 from rbdyn.verification.case import CASES, ENGINES, ROUNDING, Answer, Case, Engine, Solve, Unfinished
 from rbdyn.verification.scorecard import Row, Scorecard
 
 # importing them enters their cases
-SUBJECTS = (rails, bodies, systems, mechanisms, contacts, events, metamorphic)
+SUBJECTS = (rails, bodies, systems, trees, mechanisms, linkages, contacts, rolling, events, metamorphic)
 
 
 def verify(
