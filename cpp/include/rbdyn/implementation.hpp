@@ -76,6 +76,7 @@
 #include "rbdyn/event/driver_ends.ipp"
 #include "rbdyn/event/event.ipp"
 #include "rbdyn/event/memory_watch.ipp"
+#include "rbdyn/event/other_rounding.ipp"
 #include "rbdyn/event/passages.ipp"
 #include "rbdyn/event/progress.ipp"
 #include "rbdyn/event/record.ipp"

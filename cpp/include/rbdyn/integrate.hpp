@@ -61,7 +61,8 @@ inline bool streams_events(const SimulateOptions& options) { return options.rtol
 
 /// What drives an engine of a tolerance through it.
 std::unique_ptr<Driver> make_driver(const HybridModel& model, Engine& engine, const SimulateOptions& options,
-                                    const Beginning& beginning, double tolerance, const Keep& keep);
+                                    const Beginning& beginning, double tolerance, const Keep& keep,
+                                    const Manner& manner);
 
 /// One integration, from the state x where the motion begins.
 Timed integrate(const HybridModel& model, const std::vector<double>& x, const SimulateOptions& o,

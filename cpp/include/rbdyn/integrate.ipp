@@ -73,9 +73,11 @@ RBDYN_INLINE std::unique_ptr<Engine> make_engine(const std::string& name, double
 }
 
 RBDYN_INLINE std::unique_ptr<Driver> make_driver(const HybridModel& model, Engine& engine, const SimulateOptions& o,
-                                                 const Beginning& beginning, double tolerance, const Keep& keep) {
+                                                 const Beginning& beginning, double tolerance, const Keep& keep,
+                                                 const Manner& manner) {
     auto driver = std::make_unique<Driver>(model, engine, o.max_steps, keep, o.monitor,
                                            tolerance * (o.until - beginning.origin), o.rtol.has_value(), tolerance);
+    if (manner.rounding == Program::Rounding::other) driver->round_otherwise(manner.chance);
     driver->pass_stops(beginning.stops_from);
     if (streams_events(o)) driver->keep_events(o.events);
     // those that are let go while it runs do not count
@@ -94,7 +96,7 @@ RBDYN_INLINE Timed integrate(const HybridModel& model, const std::vector<double>
         return std::make_unique<ClosedFormEngine>(form, Instant{beginning.origin, 0.0}, tolerance, manner.order);
     };
     const std::unique_ptr<Engine> engine = made();
-    const std::unique_ptr<Driver> driver = make_driver(model, *engine, o, beginning, tolerance, keep);
+    const std::unique_ptr<Driver> driver = make_driver(model, *engine, o, beginning, tolerance, keep, manner);
     Timed result{beginning.halt != nullptr ? driver->go_on(*beginning.halt, o.until)
                                            : driver->run(beginning.origin, x, o.until)};
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
@@ -292,6 +294,14 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     bool amplifies = false, has_retried = false;
     // a closed form is not wrong itself
     AccuracyCheck check(model, options.error, options.monitor, form ? 1.25 : 2.0);
+    const auto broken_by = [&](std::exception_ptr thrown) {
+        take(std::move(run));
+        result.record.status = Status::stopped_by_user;
+        result.outcome = Outcome::thrown;
+        result.thrown = std::move(thrown);
+        result.certain_until = result.record.start;
+        return std::move(result);
+    };
     for (;;) {
         if (is_cut_short(run)) return result;
         const Pass finer = judging_pass(options, engine, is_judge, first, run.record, amplifies);
@@ -312,12 +322,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             else
                 comparison = check(run.record, better.record, finer.keep.times);
         } catch (...) {
-            take(std::move(run));
-            result.record.status = Status::stopped_by_user;
-            result.outcome = Outcome::thrown;
-            result.thrown = std::current_exception();
-            result.certain_until = result.record.start;
-            return result;
+            return broken_by(std::current_exception());
         }
         if (comparison.stopped) {
             if (run.record.status != Status::step_limit) run.record.status = Status::stopped_by_user;
@@ -339,7 +344,24 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             amplifies = true;
             if (comparison.same_events && comparison.error <= options.error) continue;
         }
-        if (comparison.same_events && comparison.error <= options.error) break;
+        // what chance has pushed apart it may have pushed together: where events multiply rounding a second judge,
+        // which rounds otherwise again, has to say the same
+        const auto is_right = [&](const Comparison& c) { return c.same_events && c.error <= options.error; };
+        if (is_right(comparison) && comparison.amplifies && run.record.modes.size() > 1) {
+            Pass again = finer;
+            ++again.manner.chance;
+            const Timed other = run_with(judge, again);
+            if (other.record.status == Status::reached_end || other.record.status == Status::stopped_by_event) {
+                const Comparison second = check(run.record, other.record, finer.keep.times);
+                comparison.same_events = comparison.same_events && second.same_events;
+                result.error = comparison.error = std::max(comparison.error, second.error);
+                result.certain_until = comparison.certain_until =
+                    std::min(comparison.certain_until, second.certain_until);
+            } else if (other.record.thrown) {
+                return broken_by(other.record.thrown);
+            }
+        }
+        if (is_right(comparison)) break;
         // what is left is the rounding of doubles, and what the motion makes of it
         if (engine == "taylor" && !first.manner.is_refined && first.tolerance <= 10.0 * least_tolerance(engine)) {
             const Pass refined{least_tolerance(engine), {.is_refined = true}, first.keep};

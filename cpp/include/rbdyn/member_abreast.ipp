@@ -60,7 +60,8 @@ RBDYN_INLINE void MemberAbreast::begin(Pass pass) {
     // none that is refined is foreseen
     auto engine = std::unique_ptr<TaylorEngine>(
         static_cast<TaylorEngine*>(make_engine(engine_, pass_.tolerance, pass_.manner).release()));
-    auto driver = make_driver(*planned_.plan.model, *engine, options_, {options_.start}, pass_.tolerance, pass_.keep);
+    auto driver = make_driver(*planned_.plan.model, *engine, options_, {options_.start}, pass_.tolerance, pass_.keep,
+                              pass_.manner);
     run_ = std::make_unique<RunAbreast>(std::move(engine), std::move(driver), options_.until, numbers_);
     run_->begin(options_.start, x_);
 }

@@ -136,7 +136,7 @@ RBDYN_INLINE Solution solve_by_modes(const HybridModel& model, const std::vector
     const Keep keep = keeps_all || options.rtol ? options.keep : compared_pieces(options);
     const auto run = [&](double tolerance, int order) {
         ClosedFormEngine engine(forms, tolerance, order);
-        const std::unique_ptr<Driver> driver = make_driver(model, engine, options, beginning, tolerance, keep);
+        const std::unique_ptr<Driver> driver = make_driver(model, engine, options, beginning, tolerance, keep, {});
         Record record = beginning.halt != nullptr ? driver->go_on(*beginning.halt, options.until)
                                                   : driver->run(beginning.origin, x, options.until);
         return std::pair(std::move(record), engine.forms_so_far());

@@ -17,6 +17,7 @@ struct Manner {
     bool is_refined = false;  // Taylor series whose states go on in more digits than doubles have
     Program::Rounding rounding = Program::Rounding::nearest;  // of constants, so that no rounded one is shared
     bool gives_way = false;                                   // Taylor series that leave to BDF what is stiff
+    int chance = 0;                                           // which of the ways to round events otherwise
 
     bool operator==(const Manner&) const = default;
 };

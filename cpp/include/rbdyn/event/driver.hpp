@@ -55,6 +55,12 @@ public:
     void watch_memory(MemoryWatch watch) { memory_ = std::move(watch); }
     /// Events up to then do not end the run.
     void pass_stops(double until) { stops_from_ = until; }
+    /// It rounds the other way where events are, as one that another is held against (other_rounding.ipp).
+    void round_otherwise(int chance) {
+        rounds_otherwise_ = true;
+        roundings_ = static_cast<std::int64_t>(chance) << 32;
+        search_.round_otherwise(roundings_);
+    }
 
 private:
     /// What ends a step on its way, where the monitor wants no more.
@@ -81,6 +87,8 @@ private:
     bool is_going_on(Record& record, StepStatus step, double until);
     /// What the guards `fired` change. `piece`, `cut`: where, if it is on one. Returns false where the run is over.
     bool change(Record& record, const std::vector<int>& fired, const Piece* piece, double cut);
+    /// What an event has changed of the velocities goes over to its other neighbours.
+    void round_otherwise(std::span<const double> before);
     /// Those of the guards that fired which do not stop the run.
     std::vector<int> without_stops(const std::vector<int>& fired) const;
 
@@ -145,7 +153,8 @@ private:
     int in_row_ = 0;            // of these since the last step
     Instant chattered_;         // when there had been the last thousand
     Halt now_;  // where it has come to; the state where the mode began, as long as no step was made in it
-    bool is_in_step_ = false;
+    bool is_in_step_ = false, rounds_otherwise_ = false;
+    std::int64_t roundings_ = 0;  // otherwise, so far
     double stops_from_;
     mutable std::size_t kept_ = 0;
     mutable std::vector<double> winding_;

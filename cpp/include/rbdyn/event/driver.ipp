@@ -315,6 +315,7 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         for (std::size_t g = 0; g < handled.size(); ++g)
             handled[g] = handled[g] || opens(*before, fired, after.equations->guards[g]);
     now_.mode = std::move(after);
+    if (rounds_otherwise_) round_otherwise(reached);
     // what is at zero where the motion begins, or rounding beside it, tells how it begins and is no event
     now_.begins =
         now_.begins && piece != nullptr && (search_.fires_at_start() || has_not_moved(record, *piece, cut, reached));

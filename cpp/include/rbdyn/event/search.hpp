@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -50,6 +51,13 @@ public:
     void forget_side(const Guard& guard);
     /// Events that follow each other at one instant are made by rounding: look less closely.
     void set_crowded(int crowded);
+    /// Events are as much later as rounding of what is watched leaves open (event/other_rounding.ipp).
+    void round_otherwise(std::int64_t first) {
+        rounds_otherwise_ = true;
+        roundings_ = first;
+    }
+    /// Whether rounding number n goes up in it.
+    static bool is_up(std::int64_t n);
 
     /// Looks for events on the engine's piece. Records watched ones; returns tau of the first change of mode or stop,
     /// or a negative number.
@@ -147,6 +155,8 @@ private:
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better. A guard
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
+    /// A root of a guard where a run that rounds otherwise takes it; of others the same (other_rounding.ipp).
+    double otherwise(const Mode& mode, std::size_t g, double place);
     // --- gaps lower than their rounding in doubles (search_low.ipp) ---
 
     /// Whether a guard is the gap of a contact, followed so, that has not just left its surface.
@@ -314,7 +324,8 @@ private:
     series::RootFinder root_finder_;
     std::vector<double> roots_;
     int degree_ = 0;
-    bool stops_ = false, at_start_ = false, begins_ = false;
+    bool stops_ = false, at_start_ = false, begins_ = false, rounds_otherwise_ = false;
+    std::int64_t roundings_ = 0;          // otherwise, so far
     std::optional<bool> begins_on_edge_;  // none: not asked yet
     std::optional<AtZero> zeros_;         // where the mode begins; none: not asked yet
     double touch_ = 0.0;  // where slip touches zero and rounding decides whether it passes, on [0, 1] of the piece

@@ -120,7 +120,8 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         noted = together - first->doubt + std::min(first->doubt, 0x1p-40);
         fire(guards, *first, together, noted);
     }
-    const double cut = first != found_.end() ? polished(mode, first->place * piece.length) : -1.0;
+    const double cut =
+        first != found_.end() ? otherwise(mode, first->guard, polished(mode, first->place * piece.length)) : -1.0;
     // the side to which a function would go beyond the end of the mode is not the one it was on
     for (Watched& w : watched_)
         if (w.known_from > 0.0 && cut >= 0.0 && w.known_from * piece.length >= cut) w.side = 0;
@@ -141,7 +142,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
             passed_at_end_[f.guard] = true;
         }
         if (f.is_pole || f.is_silent || guard.role != GuardRole::record || !matches(guard, f.product_rises)) continue;
-        const double place = f.place * piece.length;
+        const double place = otherwise(mode, f.guard, f.place * piece.length);
         note(record, guard, direction_of(f.product_rises), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
     // what a guard that fired is where it did, so that it is known again

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/double_double_vector.hpp"
 #include "rbdyn/basics/error.hpp"
+#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/mechanics/joint/held.hpp"
 #include "rbdyn/scene/constraints.hpp"
 #include "rbdyn/scene/contacts.hpp"
@@ -61,6 +63,7 @@ inline ContactLaw law_of(const Scene::Touch& touch, const Tree& tree) {
     }
     const auto take_plane = [&](const Plane& plane, int body) {
         c.normal = unit(plane.normal);
+        c.given = widened(Vector3(plane.normal * std::ldexp(1.0, -std::ilogb(safe_norm(plane.normal)))));
         Vector3 least = Vector3::Zero();
         least[rbdyn::least(sizes(rounded(c.normal)))] = 1.0;
         c.tangents[0] = unit_across(least, c.normal);

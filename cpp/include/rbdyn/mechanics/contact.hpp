@@ -109,6 +109,7 @@ struct ContactLaw {
     Anchor a, b;                               // centre of the part; a point of the plane, or the surface's centre
     DoubleDouble radius, surface_radius;       // of a ball or a disc; of a ball or a bowl
     Vector3Of<DoubleDouble> axis{}, normal{};  // of a disc, axes of a; of a plane, axes of b
+    Vector3Of<DoubleDouble> given{};           // of a plane: its normal as it was given, as it is or in powers of two
     Vector3Of<DoubleDouble> own[3] = {};       // of an ellipsoid: its axes, each as long as its semi-axis, axes of a
     bool is_gone = false;                      // taken away: it never closes
     double restitution = 0.0;
@@ -117,6 +118,18 @@ struct ContactLaw {
     Vector3Of<DoubleDouble> tangents[2] = {};  // of a plane: two directions along it, axes of b
 
     bool is_rough() const { return !mu_static.is_zero(); }
+
+    /// What has the sign of the gap, and up to twice its size: of a ball on a plane by the normal as it was given,
+    /// which no root has rounded. What slides far along a plane is held to it by no more digits than its normal has.
+    template <class S>
+    S sign(const Tree& tree, const std::vector<Moving<S>>& all, const Touching<S>& touching) const {
+        if (surface != Surface::plane || part != Part::ball) return touching.gap;
+        Moving<S> on;
+        if (b.body >= 0) on = all[static_cast<std::size_t>(b.body)];
+        const Vector3Of<S> apart = tree.point<S>(a, all).place - tree.point<S>(b, all).place;
+        const DoubleDouble length = sqrt(dot<DoubleDouble>(given, given));
+        return dot<S>(on.to_world(exactly<S>(given)), apart) - exactly<S>(DoubleDouble(radius * length));
+    }
 
     template <class S>
     Touching<S> touching(const Tree& tree, const std::vector<Moving<S>>& all) const {

@@ -301,7 +301,8 @@ RBDYN_INLINE void TreeWriter::touch(EquationsWriter& write) const {
         const ContactLaw& c = conditions_.contacts()[k];
         const int contact = static_cast<int>(k);
         if (states_[k] == flies && !c.is_gone)
-            write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name}, touching_[k].gap);
+            write.guard({.kind = EventKind::land, .contact = contact, .name = "gap of " + c.name},
+                        c.sign<Expression>(tree_, moving_, touching_[k]));
         if (contact_state::slides(states_[k]) || contact_state::is_held(states_[k]) ||
             (states_[k] == contact_state::rests && c.is_rough())) {
             guard_friction(write, contact);
