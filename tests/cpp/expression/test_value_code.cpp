@@ -1,9 +1,9 @@
 // Machine code made for a program's values: those that its lists give, bit for bit, zeros with their signs.
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <iterator>
 #include <limits>
-#include <span>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -139,7 +139,7 @@ TEST(ValueCode, is_made_once_by_many_threads) {
     EXPECT_NE(program.kept_code().get(), nullptr);
 }
 
-TEST(ValueCode, is_not_made_of_what_is_called_back_or_too_long_to_pay) {
+TEST(ValueCode, is_not_made_of_what_is_too_long_to_pay) {
     Recorder r;
     std::vector<E> rates;
     const int count = 2000;
@@ -152,6 +152,20 @@ TEST(ValueCode, is_not_made_of_what_is_called_back_or_too_long_to_pay) {
     Evaluator<double> values(program);
     values.use_machine_code(true);
     EXPECT_FALSE(values.has_machine_code());
+}
+
+TEST(ValueCode, is_not_made_of_what_is_called_back) {
+    const auto function = std::make_shared<Callback>();
+    function->inputs = function->outputs = 1;
+    function->function = [](const double*, double*) { throw 1; };
+    Recorder r;
+    const std::vector<E> arguments{r.input(0)};
+    const Program program(r, r.call(function, arguments), 1);
+    Evaluator<double> values(program);
+    values.use_machine_code(true);
+    EXPECT_FALSE(values.has_machine_code());
+    // so that what is thrown gets through
+    EXPECT_THROW(values(0.0, std::vector<double>{1.0}), int);
 }
 
 }  // namespace

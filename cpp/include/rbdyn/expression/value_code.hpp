@@ -20,8 +20,8 @@ struct Instruction;
 class ValueCode {
 public:
     /// After so many evaluations of a program code is made: about what making it costs in what it gains.
-    static constexpr int evaluations = 512;
-    /// What is between them and room for the rates is a multiple of this.
+    static constexpr int evaluations = 256;
+    /// Rates are written so many at a time.
     static constexpr std::size_t lanes = 4;
     static constexpr std::size_t padded(std::size_t count) { return (count + lanes - 1) / lanes * lanes; }
 

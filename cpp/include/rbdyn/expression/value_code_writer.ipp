@@ -132,22 +132,21 @@ RBDYN_INLINE void ValueCodeWriter::give_rates() {
 RBDYN_INLINE void ValueCodeWriter::instruction(const Instruction& i) {
     if (is_called(i.code)) return call(i);
     if (i.code == Code::combine) return combine(i);
+    const Vector to = room();
     if (i.code == Code::divide) {
         const Vector a = value(i.a, 0);
-        with(i.b, [&](auto b) { c_.divide_one(1, a, b); });
+        with(i.b, [&](auto b) { c_.divide_one(to, a, b); });
     } else if (i.code == Code::square_root) {
-        c_.root_one(1, value(i.a, 0));
+        c_.root_one(to, value(i.a, 0));
     } else {
-        product(1, i.a, i.a);
+        product(to, i.a, i.a);
         for (const int part : {i.b, i.c}) {
             product(0, part, part);
-            c_.add_one(1, 1, 0);
+            c_.add_one(to, to, 0);
         }
-        c_.root_one(1, 1);
+        c_.root_one(to, to);
     }
-    store(i.out, 1);
-    const Vector to = room();
-    c_.move_four(to, 1);
+    store(i.out, to);
     know(to, i.out);
 }
 
