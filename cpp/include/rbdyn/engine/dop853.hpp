@@ -26,10 +26,10 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
@@ -79,7 +79,7 @@ private:
     struct Workshop {
         Workshop(const Equations& equations, bool fits_guards, double tolerance);
         Evaluator<double> evaluator;
-        std::unique_ptr<SeriesEvaluator> series;
+        std::unique_ptr<const BorrowedSeries> series;
         HiddenAhead ahead;
         PieceGuards guards;
         double step = 0.0;  // the length of the next one; 0: not known yet
@@ -150,15 +150,16 @@ private:
 
     Instant t_;  // where the motion has come to
     // the state there, what rounding left out of it, and its slope; zeros after them (dop853_step.hpp)
-    std::vector<double> x_, low_, slope_;
+    Dop853Step::Doubles x_, low_, slope_;
     Instant start_t_;  // the same at the start of the last step
-    std::vector<double> start_, start_low_, start_slope_;
+    Dop853Step::Doubles start_, start_low_, start_slope_;
     mutable Dop853Step step_;
     std::vector<double> y_, defect_;  // another state; and slope
     bool has_slope_ = false, is_first_ = true, is_cut_ = false;
     Piece whole_;                               // the whole step, where guards cut it
     double offset_ = 0.0, natural_ = 1.0;       // where the piece begins on it
-    std::vector<double> coefficients_, part_;   // of the whole step; of a part of it
+    Dop853Step::Doubles coefficients_;          // of the whole step
+    std::vector<double> part_;                  // of a part of it
     std::vector<double> allowed_;               // per group, error of the step that is tried
     std::vector<double> rounding_, spread_;     // per group, what rounding does to slopes, and more of it in unit time
     mutable double anchor_ = 0.0;               // a place on the whole step

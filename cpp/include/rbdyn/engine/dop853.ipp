@@ -18,10 +18,10 @@
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/series/polynomial.hpp"
@@ -142,9 +142,9 @@ RBDYN_INLINE Dop853Engine::Workshop::Workshop(const Equations& equations, bool f
     : evaluator(equations.program),
       series(fits_guards || !series_are_known(equations)
                  ? nullptr
-                 : std::make_unique<SeriesEvaluator>(equations.program, series_order)),
+                 : std::make_unique<const BorrowedSeries>(equations.program, series_order)),
       ahead(equations.program),
-      guards(equations, series.get(), series_order, tolerance * std::exp2(guard_slack)) {}
+      guards(equations, series ? &**series : nullptr, series_order, tolerance * std::exp2(guard_slack)) {}
 
 RBDYN_INLINE Dop853Engine::Workshop& Dop853Engine::workshop_for(const Equations& equations) {
     for (auto& [known, workshop] : workshops_)
@@ -158,9 +158,8 @@ RBDYN_INLINE void Dop853Engine::resize(std::size_t variables) {
     const std::size_t padded = Dop853Step::padded(variables);
     x_.resize(padded);
     std::fill(x_.begin() + n_, x_.end(), 0.0);
-    for (std::vector<double>* v : {&low_, &slope_, &start_, &start_low_, &start_slope_, &anchor_state_})
-        v->assign(padded, 0.0);
-    for (std::vector<double>* v : {&y_, &defect_}) v->assign(variables, 0.0);
+    for (Dop853Step::Doubles* v : {&low_, &slope_, &start_, &start_low_, &start_slope_}) v->assign(padded, 0.0);
+    for (std::vector<double>* v : {&y_, &defect_, &anchor_state_}) v->assign(variables, 0.0);
     coefficients_.assign(padded * (order + 1), 0.0);
     part_.assign(variables * (order + 1), 0.0);
     allowed_.assign(equations_->groups.size(), 0.0);
@@ -170,7 +169,7 @@ RBDYN_INLINE void Dop853Engine::resize(std::size_t variables) {
 
 RBDYN_INLINE void Dop853Engine::set_parameters() {
     workshop_->evaluator.set_parameters(parameters_, constants_);
-    if (workshop_->series) workshop_->series->set_parameters(parameters_, constants_);
+    if (workshop_->series) (*workshop_->series)->set_parameters(parameters_, constants_);
     workshop_->ahead.set_parameters(parameters_, constants_);
     workshop_->guards.set_parameters(parameters_, constants_);
 }

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,8 +19,25 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+/// Doubles that begin where a line of the cache does, so that no lanes of them lie in two.
+template <class T>
+class InLines {
+public:
+    using value_type = T;
+    InLines() = default;
+    template <class Other>
+    InLines(const InLines<Other>&) {}
+    T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), line)); }
+    void deallocate(T* start, std::size_t) { ::operator delete(start, line); }
+    bool operator==(const InLines&) const = default;
+
+private:
+    static constexpr std::align_val_t line{64};
+};
+
 class Dop853Step {
 public:
+    using Doubles = std::vector<double, InLines<double>>;
     static constexpr int order = 7;  // of the interpolant
     // the interpolant's error is steepest near here
     static constexpr double defect_place = 0.65625;
@@ -44,7 +62,7 @@ public:
     /// After attempt(): the polynomial through the step, and how far it misses the equations at one place.
     bool interpolate(const Start& from, double h) { return run_(*this, Part::interpolant, from, h); }
     /// Rows of order + 1.
-    std::vector<double>& coefficients() { return coefficients_; }
+    Doubles& coefficients() { return coefficients_; }
     double defect(int variable) const { return defect_[static_cast<std::size_t>(variable)]; }
 
     /// After attempt(): state, what rounding leaves out of it, and slope at its end.
@@ -55,6 +73,9 @@ public:
 
     /// The state at the end of a step of length h alone, in end(); false if a slope on the way is not finite.
     bool go(const Start& from, double h) { return run_(*this, Part::state, from, h); }
+
+    /// From now on as on a processor without lanes of four: the same bits.
+    void go_without_lanes_of_four() { run_ = &plain; }
 
     /// Evaluations since it was asked last.
     std::int64_t evaluations() { return std::exchange(evaluations_, 0); }
@@ -74,34 +95,54 @@ private:
         while (first < s - 1 && dop853::a[s][first] == 0.0) ++first;
         return first;
     }
+    /// What is read and written all along, for the compiler to keep: through the step itself it would be looked up
+    /// again after every store.
+    struct Arrays {
+        const double *x, *low, *slope;
+        double *k, *y;  // differences of slopes, a row a stage
+        std::ptrdiff_t stride;
+        double h;
+    };
+    Arrays arrays(const Start& from, double h) {
+        return {from.x, from.low, from.slope, differences_.data(), y_.data(), stride_, h};
+    }
     /// sum_j w_j k_j with the weights of a row, j = lo .. hi - 1, in pairs of pairs: the same sum everywhere, and a
-    /// short way through it.
+    /// short way through it. `newest`: k of the last one.
     template <int row, int lo, int hi, class Lanes>
-    RBDYN_INLINE_LANES void weighted(std::ptrdiff_t i, Lanes& sum) const;
-    /// h^-1 times the change up to stage s.
+    RBDYN_INLINE_LANES static void weighted(const double* k, std::ptrdiff_t stride, const Lanes& newest, Lanes& sum);
+    /// The state at stage s of variables from i on, for the newest of the slopes before.
     template <int s, class Lanes>
-    RBDYN_INLINE_LANES void advance(const double* slope, std::ptrdiff_t i, Lanes& sum) const;
-    /// The state there.
-    template <int s, class Lanes>
-    RBDYN_INLINE_LANES void state(const Start& from, double h);
-    /// The slope there less that at the start; false if it is not finite, and that is looked at here.
-    template <int s, class Lanes>
-    RBDYN_INLINE_LANES bool stage(const Start& from, double h);
+    RBDYN_INLINE_LANES static void state(const Arrays& a, std::ptrdiff_t i, const Lanes& newest);
+    /// Differences at stage s, of which there is the slope in their place; then the state at the next one, if there is.
+    template <int s, int next, class Lanes>
+    RBDYN_INLINE_LANES void go_on(const Arrays& a);
+    /// The slope at stage s, and what follows from it; false if it is not finite, and that is looked at here.
+    template <int s, int next, class Lanes>
+    RBDYN_INLINE_LANES bool stage(const Start& from, const Arrays& a);
     template <class Lanes, int... s>
-    RBDYN_INLINE_LANES bool stages(std::integer_sequence<int, s...>, const Start& from, double h);
+    RBDYN_INLINE_LANES bool stages(std::integer_sequence<int, s...>, const Start& from, const Arrays& a);
     /// The slope at (t, y).
-    bool evaluate(Instant t, double* slope);
+    bool evaluate(double t, double* slope);
+    /// The time of a stage, as Instant has it.
+    RBDYN_INLINE_LANES static double time(Instant t, double h);
     template <class Lanes>
-    RBDYN_INLINE_LANES void estimate();
+    RBDYN_INLINE_LANES void estimate(const Arrays& a);
     template <class Lanes>
-    RBDYN_INLINE_LANES void polynomial(const Start& from, double h);
+    RBDYN_INLINE_LANES bool interpolant(const Start& from, const Arrays& a);
     template <class Lanes>
-    RBDYN_INLINE_LANES void close(const Start& from, double h);
+    RBDYN_INLINE_LANES void polynomial(const Arrays& a);
+    /// The polynomial and its derivative there, from coefficient k down.
+    template <int k, class Lanes>
+    RBDYN_INLINE_LANES static void horner(const Lanes* c, Lanes& value, Lanes& change);
+    /// Rows of coefficients from lanes of variables.
+    template <int lane, class Lanes>
+    RBDYN_INLINE_LANES static void rows(const double* lanes, double* out);
+    template <class Lanes>
+    RBDYN_INLINE_LANES void close(const Arrays& a);
     template <class Lanes>
     RBDYN_INLINE_LANES static bool is_finite(const double* a, std::ptrdiff_t count);
 
     double* difference(int s) { return differences_.data() + s * stride_; }
-    const double* difference(int s) const { return differences_.data() + s * stride_; }
 
     Evaluator<double>* equations_ = nullptr;
     // what is called back is not to be asked about what is no number; of all else it is enough to look at the whole
@@ -111,8 +152,8 @@ private:
     std::ptrdiff_t stride_ = 0;  // the same, padded
     Run run_ = widest();
     std::int64_t evaluations_ = 0;
-    std::vector<double> y_, differences_;  // of the stage; slopes of the stages less that at the start
-    std::vector<double> fifth_, third_, defect_, coefficients_;
+    Doubles y_, differences_;  // of the stage; slopes of the stages less that at the start
+    Doubles fifth_, third_, defect_, coefficients_;
     struct {
         double *x, *low, *slope;
     } next_{};
