@@ -4,6 +4,7 @@
 #include "rbdyn/engine/band.ipp"
 #include "rbdyn/engine/closed_form.ipp"
 #include "rbdyn/engine/dop853.ipp"
+#include "rbdyn/engine/dop853_step.ipp"
 #include "rbdyn/engine/engine.ipp"
 #include "rbdyn/engine/guard_fit.ipp"
 #include "rbdyn/engine/motion_scales.ipp"

@@ -22,14 +22,14 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/instant.hpp"
-#include "rbdyn/engine/dop853_coefficients.hpp"
+#include "rbdyn/engine/dop853_step.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 
@@ -68,11 +68,10 @@ public:
 
 private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
-    static constexpr int order = 7;  // of the interpolant
+    static constexpr int order = Dop853Step::order;
     static constexpr int series_order = 12;
     static constexpr double tiny = 0x1p-960;  // no motion: where doubles end they lose their digits
-    // the interpolant's error is steepest near here, and its slope there two to four times its largest value
-    static constexpr double defect_place = 0.65625;
+    // the interpolant's slope at the place of its defect is two to four times its error's largest value
     static constexpr double defect_weight = 0.25;
     static std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
@@ -80,7 +79,7 @@ private:
     struct Workshop {
         Workshop(const Equations& equations, bool fits_guards, double tolerance);
         Evaluator<double> evaluator;
-        std::unique_ptr<SeriesEvaluator> series;
+        std::unique_ptr<const BorrowedSeries> series;
         HiddenAhead ahead;
         PieceGuards guards;
         double step = 0.0;  // the length of the next one; 0: not known yet
@@ -97,49 +96,10 @@ private:
     /// x' at (t, x); false if it is not finite, or not asked for since x is not.
     bool evaluate(Instant t, std::span<const double> x, double* slope) const;
 
-    /// sum_j w_j k[j stride] with the weights of a row, j = lo .. hi - 1, in pairs of pairs: the same sum everywhere,
-    /// and a short way through it.
-    template <int row, int lo, int hi>
-    static double weighted(const double* k, std::ptrdiff_t stride) {
-        if constexpr (hi - lo == 1) {
-            constexpr double weight = dop853::weight(row, lo);
-            return weight * k[lo * stride];
-        } else {
-            constexpr int middle = (lo + hi) / 2;
-            return weighted<row, lo, middle>(k, stride) + weighted<row, middle, hi>(k, stride);
-        }
-    }
-    /// Where the weights of a stage begin, that of stage 0 left out.
-    static constexpr int first_of(int s) {
-        int first = 1;
-        while (first < s - 1 && dop853::a[s][first] == 0.0) ++first;
-        return first;
-    }
-
-    /// h^-1 times the change of variable i up to stage s.
-    template <int s>
-    double advance(const double* slope, int i) const {
-        if constexpr (s == 1)
-            return dop853::c[1] * slope[i];
-        else
-            return dop853::c[s] * slope[i] +
-                   weighted<s, first_of(s), s>(differences_.data() + i, static_cast<std::ptrdiff_t>(n()));
-    }
-
-    /// The slope at stage s of a step of length h from (t, x + low); false if it is not finite.
-    template <int s>
-    bool stage(Instant t, const double* x, const double* low, const double* slope, double h) const {
-        for (int i = 0; i < n(); ++i) y_[at(i)] = x[i] + (low[i] + h * advance<s>(slope, i));
-        double* k = differences_.data() + s * n();
-        if (!evaluate(t + dop853::c[s] * h, y_, k)) return false;
-        for (int i = 0; i < n(); ++i) k[i] -= slope[i];
-        return true;
-    }
-    template <int... s>
-    bool stages(std::integer_sequence<int, s...>, Instant t, const double* x, const double* low, const double* slope,
-                double h) const {
-        return (stage<s + 1>(t, x, low, slope, h) && ...);
-    }
+    /// Where the next step begins.
+    Dop853Step::Start here() const { return {t_, x_.data(), low_.data(), slope_.data()}; }
+    /// The state there, without the zeros after it.
+    std::span<const double> now() const { return {x_.data(), at(n())}; }
 
     /// The span, or as much of it that Euler's method over it, twice, does not make a slope sixteen times as large.
     ///
@@ -188,17 +148,19 @@ private:
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     std::vector<double> parameters_;
 
-    Instant t_;                            // where the motion has come to
-    std::vector<double> x_, low_, slope_;  // the state there, what rounding left out of it, and its slope
-    Instant start_t_;                      // the same at the start of the last step
-    std::vector<double> start_, start_low_, start_slope_;
-    mutable std::vector<double> y_, differences_;  // of the stage; slopes of the stages less that at the start
+    Instant t_;  // where the motion has come to
+    // the state there, what rounding left out of it, and its slope; zeros after them (dop853_step.hpp)
+    Dop853Step::Doubles x_, low_, slope_;
+    Instant start_t_;  // the same at the start of the last step
+    Dop853Step::Doubles start_, start_low_, start_slope_;
+    mutable Dop853Step step_;
+    std::vector<double> y_, defect_;  // another state; and slope
     bool has_slope_ = false, is_first_ = true, is_cut_ = false;
-    Piece whole_;                                     // the whole step, where guards cut it
-    double offset_ = 0.0, natural_ = 1.0;             // where the piece begins on it
-    std::vector<double> coefficients_, part_;         // of the whole step; of a part of it
-    std::vector<double> next_coefficients_, defect_;  // of the step that is tried; of its polynomial
-    std::vector<double> allowed_;                     // per group, error of the step that is tried
+    Piece whole_;                               // the whole step, where guards cut it
+    double offset_ = 0.0, natural_ = 1.0;       // where the piece begins on it
+    Dop853Step::Doubles coefficients_;          // of the whole step
+    std::vector<double> part_;                  // of a part of it
+    std::vector<double> allowed_;               // per group, error of the step that is tried
     std::vector<double> rounding_, spread_;     // per group, what rounding does to slopes, and more of it in unit time
     mutable double anchor_ = 0.0;               // a place on the whole step
     mutable std::vector<double> anchor_state_;  // and the state there

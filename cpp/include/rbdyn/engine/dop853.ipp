@@ -14,14 +14,14 @@
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
-#include "rbdyn/engine/dop853_coefficients.hpp"
+#include "rbdyn/engine/dop853_step.hpp"
 #include "rbdyn/engine/engine.hpp"
 #include "rbdyn/engine/motion_scales.hpp"
 #include "rbdyn/engine/piece_guards.hpp"
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/hidden_terms.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/series/polynomial.hpp"
@@ -34,7 +34,9 @@ RBDYN_INLINE Dop853Engine::Dop853Engine(double tolerance, bool fits_guards, doub
 
 RBDYN_INLINE std::string Dop853Engine::name() const { return "dop853"; }
 
-RBDYN_INLINE void Dop853Engine::carry(std::span<const double> rest) { low_.assign(rest.begin(), rest.end()); }
+RBDYN_INLINE void Dop853Engine::carry(std::span<const double> rest) {
+    std::copy(rest.begin(), rest.end(), low_.begin());
+}
 
 RBDYN_INLINE void Dop853Engine::start(const Equations& equations, std::span<const double> parameters, Instant t,
                                       std::span<const double> x) {
@@ -48,21 +50,21 @@ RBDYN_INLINE void Dop853Engine::start(const Equations& equations, std::span<cons
     set_parameters();
     workshop_->guards.enter(parameters_);
     t_ = t;
-    x_.assign(x.begin(), x.end());
+    std::copy(x.begin(), x.end(), x_.begin());
     std::fill(low_.begin(), low_.end(), 0.0);
     estimates_.assign(equations.groups.size(), 0.0);
     next_estimates_ = rounding_ = spread_ = estimates_;
     has_slope_ = false;
     is_first_ = true;
     is_cut_ = false;
-    scales_.widen(x_);
+    scales_.widen(now());
 }
 
 RBDYN_INLINE StepStatus Dop853Engine::step(double limit) {
     if (!is_first_ && drop_start_flags(*equations_, parameters_)) set_parameters();
     if (is_cut_) return next_part();
     if (!(limit - t_ > 0.0)) return StepStatus::stalled;
-    if (!has_slope_ && !evaluate(t_, x_, slope_.data())) return StepStatus::not_finite;
+    if (!has_slope_ && !evaluate(t_, now(), slope_.data())) return StepStatus::not_finite;
     has_slope_ = true;
     const double span = limit - t_;
     double& wanted = workshop_->step;
@@ -70,7 +72,7 @@ RBDYN_INLINE StepStatus Dop853Engine::step(double limit) {
     double h = 0.0, error = 0.0;
     bool rejected = false, capped = false;
     Instant end;
-    const double seen = workshop_->ahead.held(t_, x_, std::min(stride_ * wanted, span));
+    const double seen = workshop_->ahead.held(t_, now(), std::min(stride_ * wanted, span));
     for (;; rejected = true) {
         // a step that ends so that t + h is exact
         h = std::min(stride_ * (is_first_ ? std::min(wanted, span) : wanted), seen);
@@ -110,7 +112,7 @@ RBDYN_INLINE void Dop853Engine::state(double tau, std::span<double> x) const {
     const double place = offset_ + tau;
     if (tau == 0.0) return piece_.state(tau, x);
     if (place >= 1.0 || (!is_cut_ && tau >= piece_.length)) {
-        std::copy(x_.begin(), x_.end(), x.begin());
+        std::ranges::copy(now(), x.begin());
         return;
     }
     if (!(std::abs(place - anchor_) <= 0x1p-10) && !anchor_at(place)) return piece_.state(tau, x);
@@ -140,9 +142,9 @@ RBDYN_INLINE Dop853Engine::Workshop::Workshop(const Equations& equations, bool f
     : evaluator(equations.program),
       series(fits_guards || !series_are_known(equations)
                  ? nullptr
-                 : std::make_unique<SeriesEvaluator>(equations.program, series_order)),
+                 : std::make_unique<const BorrowedSeries>(equations.program, series_order)),
       ahead(equations.program),
-      guards(equations, series.get(), series_order, tolerance * std::exp2(guard_slack)) {}
+      guards(equations, series ? &**series : nullptr, series_order, tolerance * std::exp2(guard_slack)) {}
 
 RBDYN_INLINE Dop853Engine::Workshop& Dop853Engine::workshop_for(const Equations& equations) {
     for (auto& [known, workshop] : workshops_)
@@ -153,20 +155,21 @@ RBDYN_INLINE Dop853Engine::Workshop& Dop853Engine::workshop_for(const Equations&
 
 RBDYN_INLINE void Dop853Engine::resize(std::size_t variables) {
     n_ = static_cast<int>(variables);
-    x_.resize(variables);
-    for (std::vector<double>* v : {&low_, &slope_, &start_, &start_low_, &start_slope_, &y_, &anchor_state_})
-        v->assign(variables, 0.0);
-    differences_.assign(variables * dop853::stages, 0.0);
-    coefficients_.assign(variables * (order + 1), 0.0);
+    const std::size_t padded = Dop853Step::padded(variables);
+    x_.resize(padded);
+    std::fill(x_.begin() + n_, x_.end(), 0.0);
+    for (Dop853Step::Doubles* v : {&low_, &slope_, &start_, &start_low_, &start_slope_}) v->assign(padded, 0.0);
+    for (std::vector<double>* v : {&y_, &defect_, &anchor_state_}) v->assign(variables, 0.0);
+    coefficients_.assign(padded * (order + 1), 0.0);
     part_.assign(variables * (order + 1), 0.0);
-    defect_.assign(variables, 0.0);
     allowed_.assign(equations_->groups.size(), 0.0);
+    step_.follow(workshop_->evaluator, equations_->program.has_calls(), n_);
     scales_.resize(variables);
 }
 
 RBDYN_INLINE void Dop853Engine::set_parameters() {
     workshop_->evaluator.set_parameters(parameters_, constants_);
-    if (workshop_->series) workshop_->series->set_parameters(parameters_, constants_);
+    if (workshop_->series) (*workshop_->series)->set_parameters(parameters_, constants_);
     workshop_->ahead.set_parameters(parameters_, constants_);
     workshop_->guards.set_parameters(parameters_, constants_);
 }
@@ -194,10 +197,10 @@ RBDYN_INLINE double Dop853Engine::first_step(double span) {
     };
     // a slope that is rounding of its terms, or of the time, is none: a block breaks away from rest under forces in
     // balance
-    std::vector<double> before, first(x_.size()), later(x_.size());
+    std::vector<double> before, first(at(n())), later(at(n()));
     const Instant next{t_.hi + epsilon * std::abs(t_.hi), 0.0};
-    const bool moves = next.hi != t_.hi && evaluate(next, x_, later.data());
-    (void)evaluate(t_, x_, first.data());
+    const bool moves = next.hi != t_.hi && evaluate(next, now(), later.data());
+    (void)evaluate(t_, now(), first.data());
     for (int i = 0; i < n(); ++i) {
         const double rounding = 64.0 * epsilon * workshop_->evaluator.magnitude(i),
                      of_time = moves ? 16.0 * std::abs(later[at(i)] - first[at(i)]) : 0.0;
@@ -227,18 +230,18 @@ RBDYN_INLINE double Dop853Engine::first_step(double span) {
 }
 
 RBDYN_INLINE double Dop853Engine::attempt(double h) {
-    if (!stages(std::make_integer_sequence<int, 12>{}, t_, x_.data(), low_.data(), slope_.data(), h))
-        return std::numeric_limits<double>::infinity();
+    const bool is_there = step_.attempt(here(), h);
+    work_.right_hand_sides += step_.evaluations();
+    if (!is_there) return std::numeric_limits<double>::infinity();
+    const double* y = step_.end();
     double fifth = 0.0, third = 0.0;
     for (std::size_t g = 0; g < equations_->groups.size(); ++g) {
         const VariableGroup& group = equations_->groups[g];
         double size5 = 0.0, size3 = 0.0, reach = 0.0;
         for (int i = group.first; i < group.first + group.count; ++i) {
-            const double* k = differences_.data() + i;
-            const std::ptrdiff_t stride = n();
-            size5 = std::max(size5, std::abs(weighted<dop853::fifth, 5, 12>(k, stride)));
-            size3 = std::max(size3, std::abs(weighted<dop853::third, 5, 12>(k, stride)));
-            reach = std::max(reach, std::abs(group.is_position ? y_[at(i)] - x_[at(i)] : y_[at(i)]));
+            size5 = std::max(size5, std::abs(step_.fifth(i)));
+            size3 = std::max(size3, std::abs(step_.third(i)));
+            reach = std::max(reach, std::abs(group.is_position ? y[i] - x_[at(i)] : y[i]));
         }
         const double moved = scales_.scale(group);
         const double scale = std::max({moved, reach, estimates_[g]});
@@ -287,44 +290,14 @@ RBDYN_INLINE double Dop853Engine::factor(double error) {
 }
 
 RBDYN_INLINE double Dop853Engine::interpolate(double h) {
-    const double *x = x_.data(), *low = low_.data(), *slope = slope_.data();
-    if (!(stage<13>(t_, x, low, slope, h) && stage<14>(t_, x, low, slope, h) && stage<15>(t_, x, low, slope, h)))
-        return std::numeric_limits<double>::infinity();
-    const std::ptrdiff_t stride = n();
-    next_coefficients_.resize(coefficients_.size());
-    for (int i = 0; i < n(); ++i) {
-        const double* k = differences_.data() + i;
-        const double beyond = weighted<12, 5, 12>(k, stride);  // what the slope at the start does not do
-        const double bend = k[12 * stride];
-        // y = x + s (dx + (1-s) (f1 + s (f2 + (1-s) (f3 + s (f4 + (1-s) (f5 + s f6)))))) in powers of s
-        const double f1 = -h * beyond, f2 = h * (2.0 * beyond - bend);
-        const double f3 = h * weighted<dop853::dense, 5, 16>(k, stride);
-        const double f4 = h * weighted<dop853::dense + 1, 5, 16>(k, stride);
-        const double f5 = h * weighted<dop853::dense + 2, 5, 16>(k, stride);
-        const double f6 = h * weighted<dop853::dense + 3, 5, 16>(k, stride);
-        double* c = next_coefficients_.data() + i * (order + 1);
-        c[0] = x[i];
-        c[1] = h * slope[i];
-        c[2] = f3 + (f2 - f1);
-        c[3] = f5 + (f4 - 2.0 * f3) - f2;
-        c[4] = f6 - 3.0 * f5 - 2.0 * f4 + f3;
-        c[5] = 3.0 * (f5 - f6) + f4;
-        c[6] = 3.0 * f6 - f5;
-        c[7] = -f6;
-        y_[at(i)] = series::value(c, order, defect_place);
-    }
-    if (!evaluate(t_ + defect_place * h, y_, defect_.data())) return std::numeric_limits<double>::infinity();
-    for (int i = 0; i < n(); ++i) {
-        const double* c = next_coefficients_.data() + i * (order + 1);
-        double change = order * c[order];
-        for (int k = order - 1; k > 0; --k) change = change * defect_place + k * c[k];
-        defect_[at(i)] = h * defect_[at(i)] - change;
-    }
+    const bool is_there = step_.interpolate(here(), h);
+    work_.right_hand_sides += step_.evaluations();
+    if (!is_there) return std::numeric_limits<double>::infinity();
     double error = 0.0;
     for (std::size_t g = 0; g < equations_->groups.size(); ++g) {
         const VariableGroup& group = equations_->groups[g];
         double size = 0.0;
-        for (int i = group.first; i < group.first + group.count; ++i) size = std::max(size, std::abs(defect_[at(i)]));
+        for (int i = group.first; i < group.first + group.count; ++i) size = std::max(size, std::abs(step_.defect(i)));
         error = std::max(error, defect_weight * blamed(size, h, g));
     }
     return error;
@@ -335,21 +308,14 @@ RBDYN_INLINE void Dop853Engine::finish(double h, Instant end, double natural) {
     start_.swap(x_);
     start_low_.swap(low_);
     start_slope_.swap(slope_);
-    coefficients_.swap(next_coefficients_);
+    coefficients_.swap(step_.coefficients());
     anchor_ = std::numeric_limits<double>::infinity();
-    const std::ptrdiff_t stride = n();
-    for (int i = 0; i < n(); ++i) {
-        const double* k = differences_.data() + i;
-        const double change = h * advance<12>(start_slope_.data(), i);
-        const Instant sum = exact_sum(start_[at(i)], start_low_[at(i)] + change);
-        x_[at(i)] = sum.hi;
-        low_[at(i)] = sum.lo;
-        slope_[at(i)] = start_slope_[at(i)] + k[12 * stride];
-    }
+    step_.finish({start_t_, start_.data(), start_low_.data(), start_slope_.data()}, h, x_.data(), low_.data(),
+                 slope_.data());
     t_ = end;
     ++work_.steps;
     is_first_ = false;
-    scales_.widen(x_);
+    scales_.widen(now());
     whole_ = {start_t_, end - start_t_, 1.0, n(), order, coefficients_.data()};
     // who adds start and length must not find the end still ahead
     if (end - whole_.at(1.0) > 0.0) whole_.unit = std::nextafter(whole_.unit, 2.0 * whole_.unit);
@@ -387,11 +353,10 @@ RBDYN_INLINE StepStatus Dop853Engine::next_part() {
 RBDYN_INLINE bool Dop853Engine::anchor_at(double place) const {
     const double h = place * whole_.unit;
     anchor_ = std::numeric_limits<double>::infinity();
-    if (!stages(std::make_integer_sequence<int, 11>{}, start_t_, start_.data(), start_low_.data(), start_slope_.data(),
-                h))
-        return false;
-    for (int i = 0; i < n(); ++i)
-        anchor_state_[at(i)] = start_[at(i)] + (start_low_[at(i)] + h * advance<12>(start_slope_.data(), i));
+    const bool is_there = step_.go({start_t_, start_.data(), start_low_.data(), start_slope_.data()}, h);
+    work_.right_hand_sides += step_.evaluations();
+    if (!is_there) return false;
+    std::copy_n(step_.end(), n(), anchor_state_.begin());
     anchor_ = place;
     return true;
 }

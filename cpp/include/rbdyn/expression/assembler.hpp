@@ -1,4 +1,5 @@
-// The few instructions of x86-64 processors with AVX2 that machine code for series is made of (machine_code.hpp).
+// The few instructions of x86-64 processors with AVX2 that machine code is made of (machine_code.hpp,
+// value_code.hpp).
 //
 // Source of the encodings: Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, sections 2.1 to 2.3.
 #pragma once
@@ -43,6 +44,7 @@ public:
     void multiply_one(Vector to, Vector a, At b) { vex(to, a, b, Map::plain, Prefix::f2, false, 0x59); }
     void divide_one(Vector to, Vector a, Vector b) { vex(to, a, b, Map::plain, Prefix::f2, false, 0x5e); }
     void divide_one(Vector to, Vector a, At b) { vex(to, a, b, Map::plain, Prefix::f2, false, 0x5e); }
+    void root_one(Vector to, Vector a) { vex(to, a, a, Map::plain, Prefix::f2, false, 0x51); }
     /// An integer of 64 bits as a double.
     void convert(Vector to, Register from) { vex(to, to, index(from), Map::plain, Prefix::f2, false, 0x2a, true); }
     void move(Vector to, Register from) { vex(to, 0, index(from), Map::plain, Prefix::x66, false, 0x6e, true); }

@@ -7,8 +7,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <utility>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/code_memory.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -23,24 +25,20 @@ public:
     static constexpr int first_order = 2;
 
     /// Whether this library can make any (its CMake option RBDYN_MACHINE_CODE).
-    static bool is_built();
+    static bool is_built() { return CodeMemory::is_built(); }
     /// Of an evaluator's lists; none where there is none to be had, or it would not pay.
     static std::unique_ptr<const MachineCode> of(const SeriesEvaluator& series);
-    MachineCode(const MachineCode&) = delete;
-    MachineCode& operator=(const MachineCode&) = delete;
-    ~MachineCode();
 
     /// Orders first .. last - 1 of the evaluator.
     void run(SeriesEvaluator& series, int first, int last, bool integrates) const;
-    std::size_t size() const { return size_; }
+    std::size_t size() const { return memory_.size(); }
 
 private:
     friend class MachineCodeWriter;
     struct Frame;
-    MachineCode(void* memory, std::size_t size) : memory_(memory), size_(size) {}
+    explicit MachineCode(CodeMemory memory) : memory_(std::move(memory)) {}
 
-    void* memory_;
-    std::size_t size_;
+    CodeMemory memory_;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -15,12 +15,9 @@
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/assembler.hpp"
+#include "rbdyn/expression/code_memory.hpp"
 #include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
-
-#if defined(RBDYN_MACHINE_CODE) && defined(RBDYN_WIDE_LANES) && defined(__linux__) && defined(__LP64__)
-#define RBDYN_WRITES_MACHINE_CODE 1
-#endif
 
 #ifdef RBDYN_WRITES_MACHINE_CODE
 namespace rbdyn::inline RBDYN_FORM {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rbdyn/expression/assembler.hpp"
+#include "rbdyn/expression/code_memory.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
@@ -21,12 +22,10 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool MachineCodeWriter::takes(const SeriesEvaluator& e) {
-    // a share of the second cache, where coefficients are too
-    constexpr std::size_t most = 1U << 18;
     const std::size_t products = e.lane_products_.size(), middle = static_cast<std::size_t>(e.top_) / 2;
     const std::size_t about = products * (64 * middle + 200) + 100 * e.lane_series_.size() + 20 * e.terms_.size() +
                               800 * e.steps_.size() + 30 * e.motion_.size();
-    return e.wavefront_ == nullptr && e.program_->calls().empty() && about < most;
+    return e.wavefront_ == nullptr && e.program_->calls().empty() && about < CodeMemory::most;
 }
 
 RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {

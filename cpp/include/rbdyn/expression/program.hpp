@@ -20,6 +20,7 @@
 #include "rbdyn/expression/kept_series.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
+#include "rbdyn/expression/value_code.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -115,6 +116,8 @@ public:
 
     /// What runs it in series, free to be borrowed.
     const KeptSeries& kept_series() const { return kept_series_; }
+    /// What computes its values where they are asked for often.
+    const KeptValueCode& kept_code() const { return kept_code_; }
 
     /// The program's instructions, one a line.
     std::string text() const;
@@ -139,6 +142,7 @@ private:
     std::vector<DoubleDouble> constants_;  // initial contents of the scalars
     std::vector<ScalarStep> scalar_steps_;
     KeptSeries kept_series_;
+    KeptValueCode kept_code_;
 };
 
 /// Turns a recorded graph into a Program. One use, one object.
