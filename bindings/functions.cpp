@@ -69,9 +69,10 @@ py::tuple arguments_of(Recording& recording, const Signature& signature, bool sp
 
 // --- functions as data ---
 
-const char* const operation_names[] = {"constant", "input", "time",  "parameter", "cell", "add",   "multiply", "divide",
-                                       "sqrt",     "norm",  "sin",   "cos",       "sinh", "cosh",  "tanh",     "exp",
-                                       "log",      "power", "angle", "call",      "sign", "where", "floor"};
+const char* const operation_names[] = {"constant", "input", "time",  "parameter", "cell",  "add",     "multiply",
+                                       "divide",   "sqrt",  "norm",  "sin",       "cos",   "sinh",    "cosh",
+                                       "tanh",     "exp",   "log",   "expm1",     "log1p", "arcsinh", "arctanh",
+                                       "power",    "raise", "angle", "call",      "sign",  "where",   "floor"};
 
 /// (inputs, nodes, outputs, names, parameters), from plain Python values.
 py::tuple data(const Function& f) {

@@ -106,7 +106,8 @@ py::object refusal_of(const std::exception_ptr& refused) {
 
 py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count, double until, double start,
                 std::optional<double> error, std::optional<double> rtol, const std::string& engine,
-                const KeepLike& keep, std::int64_t max_steps, const py::object& progress, int threads, bool lanes) {
+                const KeepLike& keep, std::int64_t max_steps, const std::string& events, const py::object& progress,
+                int threads, bool lanes) {
     // copies, since other threads may change the scene while this one runs without the lock
     const rbdyn::Scene copy = scene.scene;
     const auto handles = std::make_shared<const Handles>(scene.handles);
@@ -114,6 +115,7 @@ py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count
     Watch watch(progress);
     rbdyn::ManyOptions options;
     options.run = options_of(until, start, error, rtol, engine, keep, max_steps);
+    options.run.events = events_of(py::str(events), handles);
     options.threads = needs_lock(copy) ? 1 : threads;
     options.lanes = lanes;
     options.monitor = [&](double fraction) { return watch.goes_on(fraction); };
@@ -142,8 +144,9 @@ py::tuple sweep(const BoundScene& scene, const py::dict& vary, py::ssize_t count
 /// Throws what sweep() would throw before anything runs.
 void check(const BoundScene& scene, const py::dict& vary, py::ssize_t count, double until, double start,
            std::optional<double> error, std::optional<double> rtol, const std::string& engine, const KeepLike& keep,
-           std::int64_t max_steps) {
+           std::int64_t max_steps, const std::string& events) {
     rbdyn::simulating::validate(options_of(until, start, error, rtol, engine, keep, max_steps));
+    (void)events_of(py::str(events), nullptr);
     (void)variations(scene, vary, count);
 }
 
@@ -174,11 +177,11 @@ void bind_many(py::module_& m) {
     const rbdyn::SimulateOptions defaults;
     m.def("_sweep", &sweep, py::arg("scene"), py::arg("vary"), py::arg("count"), py::arg("until"), py::kw_only(),
           py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"), py::arg("max_steps"),
-          py::arg("progress"), py::arg("threads"), py::arg("lanes"),
+          py::arg("events"), py::arg("progress"), py::arg("threads"), py::arg("lanes"),
           "The runs of a sweep, what went wrong with each, and what interrupted it.");
     m.def("_check_sweep", &check, py::arg("scene"), py::arg("vary"), py::arg("count"), py::arg("until"), py::kw_only(),
           py::arg("start"), py::arg("error"), py::arg("rtol"), py::arg("engine"), py::arg("keep"), py::arg("max_steps"),
-          "Raises what a sweep would raise before anything runs.");
+          py::arg("events"), "Raises what a sweep would raise before anything runs.");
     m.def(
         "_bytes_of", [](const BoundTrajectory& run) { return py::bytes(rbdyn::bytes_of(*run.run.data())); },
         py::arg("run"), "A run as data, without its scene.");

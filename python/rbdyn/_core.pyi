@@ -4224,7 +4224,7 @@ def _bytes_of(run: Trajectory) -> bytes:
     """
     A run as data, without its scene.
     """
-def _check_sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex) -> None:
+def _check_sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, events: str) -> None:
     """
     Raises what a sweep would raise before anything runs.
     """
@@ -4246,7 +4246,7 @@ def _scene_schema() -> str:
     ...
 def _scene_text(scene: Scene) -> str:
     ...
-def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex, lanes: bool) -> tuple[typing.Any, ...]:
+def _sweep(scene: Scene, vary: dict[typing.Any, typing.Any], count: typing.SupportsInt | typing.SupportsIndex, until: typing.SupportsFloat | typing.SupportsIndex, *, start: typing.SupportsFloat | typing.SupportsIndex, error: typing.SupportsFloat | typing.SupportsIndex | None, rtol: typing.SupportsFloat | typing.SupportsIndex | None, engine: _Engine, keep: typing.Literal['all', 'end'] | numpy.typing.ArrayLike, max_steps: typing.SupportsInt | typing.SupportsIndex, events: str, progress: bool | collections.abc.Callable[[float], typing.Any], threads: typing.SupportsInt | typing.SupportsIndex, lanes: bool) -> tuple[typing.Any, ...]:
     """
     The runs of a sweep, what went wrong with each, and what interrupted it.
     """

@@ -19,6 +19,10 @@ _OF_ONE: dict[str, Callable[[Any], Any]] = {
     "tanh": np.tanh,
     "exp": np.exp,
     "log": np.log,
+    "expm1": np.expm1,
+    "log1p": np.log1p,
+    "arcsinh": np.arcsinh,
+    "arctanh": np.arctanh,
     "sign": np.sign,
     "floor": np.floor,
 }
@@ -51,7 +55,10 @@ def evaluated(function: dict[str, Any], parameters: list[float], *inputs: Array)
             elif len(words) > 1 and words[1] in _BETWEEN:
                 value = _BETWEEN[words[1]](line(first), line(words[2]))
             elif len(words) > 1 and words[1] == "^":
-                value = np.power(line(first), float(words[2]))
+                # of a number, or of another line
+                exponent = words[2]
+                is_line = exponent[0] == "n" and exponent != "nan"
+                value = np.power(line(first), line(exponent) if is_line else float(exponent))
             elif len(words) > 1 and words[1] == "where":
                 # n1 where n2 > 0, else n3
                 value = np.where(line(words[2]) > 0, line(first), line(words[6]))

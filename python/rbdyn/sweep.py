@@ -40,6 +40,7 @@ def simulate_many(
     threads: int | None = None,
     executor: Executor | None = None,
     lanes: bool = True,
+    events: str = "all",
 ) -> Many:
     """Runs a scene many times, each with starts and numbers of its own; each member is what simulate() makes of it.
 
@@ -47,8 +48,9 @@ def simulate_many(
     arrays of n values each: (n,), (n, 3), ... What is not varied is as in the scene. threads: how many of this process,
     one for each processor by default; functions in Python that are called back run on one. executor: of
     concurrent.futures or with its interface, instead of them; the members are handed to it in chunks. The other
-    arguments are those of simulate(); progress: of all members together. lanes: whether members go side by side
-    through a processor that computes several numbers at once; that changes how long they take, and no bit of them.
+    arguments are those of simulate(); progress: of all members together; events: "all" or "last", no function. lanes:
+    whether members go side by side through a processor that computes several numbers at once; that changes how long
+    they take, and no bit of them.
 
     A member that fails does not stop the others: Many.errors has its exception. The results are the same, bit for bit,
     for any number of threads and any executor; scene and parameters stay as they are. Raises InvalidInput, before
@@ -69,7 +71,13 @@ def simulate_many(
         "engine": engine,
         "keep": keep,
         "max_steps": max_steps,
+        "events": events,
     }
+    if not isinstance(events, str):
+        raise InvalidInput(
+            f'simulate_many: events is {events!r}; it is "all" or "last": members run at once, in no order that a '
+            "function could be called in; Many.events has those of each"
+        )
     if not isinstance(lanes, bool):
         raise InvalidInput(f"simulate_many: lanes is {lanes!r}; it is True or False")
     if executor is None:

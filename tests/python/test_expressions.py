@@ -23,6 +23,17 @@ UNARY = {
     "arcsin arccos arctanh": WITHIN_ONE,
     "arccosh": (1.1, 2.0, 30.0),
 }
+SIZES = 10.0 ** np.linspace(-300, 300, 401)
+NEAR = 10.0 ** -np.linspace(0.1, 15.9, 80)
+# where digits are lost by the formulas that come to mind
+ALL_SIZES = {
+    "arcsinh tanh arctan": (*SIZES, *-SIZES, 0.0),
+    "log1p": (*SIZES, *-NEAR, *(NEAR - 1.0), *-SIZES[SIZES < 1.0], 0.0),
+    "expm1": (*SIZES[SIZES < 700.0], *-SIZES, 709.0, 0.0),
+    "arctanh": (*SIZES[SIZES < 1.0], *-SIZES[SIZES < 1.0], *(1.0 - NEAR), *(NEAR - 1.0), 0.0),
+    "arccosh": (*(1.0 + NEAR), *(1.0 + SIZES), 1.0),
+    "exp2": (*SIZES[SIZES < 1000.0], *-SIZES[SIZES < 1000.0], -1010.7, 1023.3, 12.0),
+}
 BINARY = (
     "add subtract multiply divide logaddexp arctan2 hypot maximum minimum fmax fmin copysign remainder mod fmod "
     "floor_divide"
@@ -43,6 +54,55 @@ def test_a_ufunc_of_one_number_is_numpys(name, points):
     for x in points:
         np.testing.assert_allclose(f(x), numpy_of(name, x), **ROUNDED)
         np.testing.assert_allclose(bare(x), numpy_of(name, x), **ROUNDED)
+
+
+@pytest.mark.parametrize("name", " ".join(ALL_SIZES).split())
+def test_a_ufunc_has_its_digits_for_arguments_of_any_size(name):
+    f = rb.Function(lambda x: getattr(np, name)(x))
+    points = np.array(next(points for names, points in ALL_SIZES.items() if name in names.split()))
+    np.testing.assert_allclose([f(x) for x in points], numpy_of(name, points), rtol=1.2e-15, atol=0)
+
+
+def test_lengths_and_powers_have_their_digits_for_arguments_of_any_size():
+    hypot, power = rb.Function(np.hypot), rb.Function(np.power)
+    for x in SIZES[::7]:
+        for y in SIZES[::11]:
+            assert hypot(x, -y) == pytest.approx(np.hypot(x, y), rel=5e-16, abs=0)
+        y = 300 / math.log10(x) if x != 1.0 else 2.0
+        assert power(x, y) == pytest.approx(x**y, rel=5e-16, abs=0)
+    assert power(0.0, 0.0) == 1.0 and power(0.0, 2.5) == 0.0 and power(3.0, 0.0) == 1.0
+    alike = rb.Function(np.logaddexp)
+    assert alike(1e-9, -40.0) == pytest.approx(np.logaddexp(1e-9, -40.0), rel=5e-16)
+
+
+@pytest.mark.parametrize("name", ["arcsinh", "log1p", "arctanh", "expm1"])
+@pytest.mark.parametrize("size", [1e-3, 1e-9, 1e-17, 1e-200])
+def test_what_is_watched_of_small_numbers_is_located_as_what_it_is_of(name, size):
+    f = getattr(np, name)
+    level = float(f(0.5 * size))
+    scene = rb.Scene()
+    ball = scene.add(rb.Particle(1.0), position=[size, 0, 0])
+    scene.connect(rb.Spring(1.0), ball, [0, 0, 0])
+    scene.watch("half", lambda now: f(now[ball].position[0]) - level)
+    scene.watch("none", lambda now: f(now[ball].position[0]))
+    run = rb.simulate(scene, 3.0, error=1e-12)
+    assert run.events.times("half") == pytest.approx([math.pi / 3], abs=1e-12)
+    assert run.events.times("none") == pytest.approx([math.pi / 2], abs=1e-12)
+
+
+def test_forces_of_small_numbers_move_as_their_slopes_do():
+    for f in (np.arcsinh, np.arctanh, np.log1p, np.expm1):
+        scene = rb.Scene()
+        ball = scene.add(rb.Particle(1.0), position=[1e-18, 0, 0])
+        scene.apply(rb.Force(lambda t, r, v, f=f: [-f(r[0]), 0, 0]), ball)
+        for engine in ("taylor", "dop853"):
+            run = rb.simulate(scene, 10.0, error=1e-10, engine=engine)
+            assert run[ball].position(10.0)[0] == pytest.approx(1e-18 * math.cos(10.0), abs=2e-28)
+
+
+def test_a_system_of_expm1_goes_on_where_it_is_minus_one():
+    run = rb.simulate(rb.System(lambda t, x: [1.0, np.expm1(-x[0] * x[0])], [30.0, 0.0]), 20.0)
+    assert run.x(20.0) == pytest.approx([50.0, -20.0], rel=1e-14)
 
 
 @pytest.mark.parametrize("name", BINARY.split())

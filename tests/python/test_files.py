@@ -107,6 +107,24 @@ def test_a_scene_comes_back_equal(scene_of, tmp_path):
     assert np.array_equal(np.signbit(loaded.gravity), np.signbit(scene.gravity))
 
 
+def test_functions_come_back_that_were_written_before_their_operations_had_names(tmp_path):
+    scene = rb.Scene()
+    bead = scene.add(rb.Particle(1.0), position=[0.5, 0, 0])
+    law = lambda t, r, v: [np.arcsinh(r[0]) - np.log1p(t) + np.expm1(r[0]) * np.arctanh(v[1]), (2 + t) ** r[0], 0]  # noqa: E731
+    scene.apply(rb.Force(law), bead)
+    text = rb._core._scene_text(scene)
+    assert all(f"= {word} n" in text for word in ("arcsinh", "log1p", "expm1", "arctanh"))
+    rb.save(scene, tmp_path / "new.json")
+    assert rb.load(tmp_path / "new.json") == scene
+    # as versions before this one wrote arsinh
+    composed = rb.Scene()
+    bead = composed.add(rb.Particle(1.0), position=[0.5, 0, 0])
+    old = lambda t, r, v: [-np.log(abs(r[0]) + np.sqrt(r[0] * r[0] + 1.0)), 0, 0]  # noqa: E731
+    composed.apply(rb.Force(old), bead)
+    rb.save(composed, tmp_path / "old.json")
+    assert rb.load(tmp_path / "old.json") == composed
+
+
 @names
 def test_a_scene_that_was_read_moves_alike(scene_of, tmp_path):
     rb.save(scene_of(), tmp_path / "scene.json")

@@ -314,6 +314,23 @@ def test_what_is_wrong_with_a_call_names_the_function_that_was_called():
         rb.simulate_many(scene, {k: [1.0, 2.0]}, "x")
 
 
+def test_the_last_events_of_members_are_those_that_simulate_keeps():
+    scene, ball, k = oscillator()
+    scene.watch("middle", lambda now: now[ball].position[0])
+    for executor in (None, Immediate()):
+        vary = {k: np.array([1.0, 4.0])}
+        many = rb.simulate_many(scene, vary, 20.0, events="last", executor=executor)
+        for i, member in enumerate(many.runs):
+            alone = one(scene, vary, i, 20.0, events="last")
+            assert len(member.events) == len(alone.events) == 1 and member.events[0].count == (6, 13)[i]
+            assert [(e.time, e.count) for e in member.events] == [(e.time, e.count) for e in alone.events]
+    for events in (lambda e: None, 3):
+        with pytest.raises(rb.InvalidInput, match='^simulate_many: events is .*; it is "all" or "last"'):
+            rb.simulate_many(scene, {k: [1.0]}, 1.0, events=events)
+    with pytest.raises(rb.InvalidInput, match='events is "first"'):
+        rb.simulate_many(scene, {k: [1.0]}, 1.0, events="first")
+
+
 def test_what_breaks_a_rule_is_refused_before_anything_runs():
     scene, ball, k = oscillator()
     for vary, message in (

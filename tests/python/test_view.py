@@ -201,20 +201,21 @@ def test_functions_of_files_are_evaluated_as_recorded():
             np.where(x > y, np.sqrt(x * x + 1), np.floor(y)),
             np.arctan2(y, x) + np.sign(x) * g,
             np.tanh(x) + np.sinh(y) - np.exp(-x) + np.log(2 + y * y),
-            (x * x + 1) ** 1.7 + np.linalg.norm([x, y, 1.0]),
+            (x * x + 1) ** 1.7 + np.linalg.norm([x, y, 1.0]) + (x * x + 1) ** y + np.expm1(x),
+            np.log1p(x * x) + np.arcsinh(y) + np.arctanh(0.5 * np.tanh(x)),
         ]
 
     scene = rb.Scene()
     ball = scene.add(rb.Particle(1.0), velocity=[0.1, 0.2, 0.3])
     function = rb.Function(f)
     scene.apply(rb.Force(lambda t, r, v: [*function(r[0], r[1])[:3]]), ball)
-    scene.apply(rb.Force(lambda t, r, v: [*function(r[0], r[1])[3:], 0.0]), ball)
+    scene.apply(rb.Force(lambda t, r, v: function(r[0], r[1])[3:]), ball)
     contents = json.loads(scene.__getstate__()[0])
     chance = np.random.default_rng(4)
     inputs = chance.normal(size=(7, 50))
     first, second = (load["function"] for load in contents["loads"])
     values = [one["value"] for one in contents["parameters"]]
-    made = np.hstack([evaluated(first, values, *inputs), evaluated(second, values, *inputs)[:, :2]])
+    made = np.hstack([evaluated(first, values, *inputs), evaluated(second, values, *inputs)])
     assert_allclose(made, [function(*row) for row in inputs[1:3].T], rtol=1e-13, atol=1e-14)
 
 

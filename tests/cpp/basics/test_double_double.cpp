@@ -24,6 +24,31 @@ TEST(DoubleDouble, has_the_digits_of_known_constants) {
     EXPECT_LE(size(tanh(log_2) - DoubleDouble(3.0) / 5.0), digits);
 }
 
+TEST(DoubleDouble, inverses_have_all_digits_of_what_is_small_and_of_what_is_large) {
+    for (double a = 1e-290; a < 1e300; a *= 7e6)
+        for (const DoubleDouble x : {DoubleDouble(a), -DoubleDouble(a) / 3.0}) {
+            if (a < 1e-3) {
+                const DoubleDouble half = x * x / 2.0, third = half * x / 1.5;
+                const double all = digits + 4.0 * a * a * a;
+                EXPECT_LE(size((log1p(x) - (x - half + third)) / x), all) << a;
+                EXPECT_LE(size((expm1(x) - (x + half + third / 2.0)) / x), all) << a;
+                EXPECT_LE(size((asinh(x) - (x - third / 2.0)) / x), all) << a;
+                EXPECT_LE(size((atanh(x) - (x + third)) / x), all) << a;
+            }
+            const DoubleDouble y = asinh(x);
+            if (a < 1e100) {
+                EXPECT_LE(size((sinh(y) - x) / x), digits * (1.0 + size(y))) << a;
+            }
+        }
+    const DoubleDouble log_10{2.302585092994046, -2.1707562233822494e-16},
+        log_2{0.6931471805599453, 2.3190468138462996e-17};
+    EXPECT_LE(size(asinh(DoubleDouble(1e300)) - log(DoubleDouble(1e300)) - log_2), 1e-28);
+    EXPECT_LE(size(log1p(DoubleDouble(9.0)) - log_10), 1e-30);
+    EXPECT_EQ(log1p(DoubleDouble(0.0)).hi, 0.0);
+    EXPECT_EQ(expm1(DoubleDouble(-2000.0)), DoubleDouble(-1.0));
+    EXPECT_EQ(atanh(DoubleDouble(1.0)).hi, std::numeric_limits<double>::infinity());
+}
+
 TEST(DoubleDouble, functions_undo_each_other_and_add_up) {
     Random random(5);
     for (int k = 0; k < 200; ++k) {
@@ -36,6 +61,9 @@ TEST(DoubleDouble, functions_undo_each_other_and_add_up) {
         EXPECT_LE(size(sinh(x + y) - (sinh(x) * cosh(y) + cosh(x) * sinh(y))), digits * size(cosh(x + y)));
         EXPECT_LE(size(pow(y, 2.5) * pow(y, -2.5) - 1.0), digits);
         EXPECT_LE(size(pow(y, 3.0) - y * y * y), digits * size(y * y * y));
+        EXPECT_LE(size(expm1(log1p(y)) - y), digits * size(y));
+        EXPECT_LE(size(sinh(asinh(4.0 * x)) - 4.0 * x), 4.0 * digits * size(x));
+        EXPECT_LE(size(tanh(atanh(x / 6.0)) - x / 6.0), digits * size(x));
         const DoubleDouble angle = atan2(x, y);
         EXPECT_LE(size(sin(angle) * y - cos(angle) * x), digits * (size(x) + size(y)));
         EXPECT_EQ(floor(x).hi, std::floor(x.hi));

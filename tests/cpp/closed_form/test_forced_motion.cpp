@@ -4,6 +4,7 @@
 #include "rbdyn/closed_form/waves.hpp"
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <string>
 #include <type_traits>
@@ -172,6 +173,37 @@ TEST(ForcedMotion, of_many_masses_in_space_with_drag_is_that_of_the_series) {
                 EXPECT_LE((closed[mass].velocity(t) - series[mass].velocity(t)).norm(), 2e-11 * s.speed) << i;
             }
     }
+}
+
+TEST(ForcedMotion, is_as_certain_in_any_unit_of_time) {
+    // x'' + 2 x = t^3 exp(g t) cos(w t): with l = g + i w the real part of exp(l t) (p0 + p1 t + p2 t^2 + p3 t^3),
+    // where (l^2 + 2) p3 = 1, (l^2 + 2) p2 = -6 l p3, (l^2 + 2) p1 = -4 l p2 - 6 p3, (l^2 + 2) p0 = -2 l p1 - 2 p2
+    using Complex = std::complex<long double>;
+    const double until = 300.0;
+    for (const double growth : {0.05, -0.3, 0.0})
+        for (const double pace : {30.0, 0.4}) {
+            const Complex l(growth, pace), d = l * l + 2.0L, p3 = 1.0L / d, p2 = -6.0L * l * p3 / d,
+                                           p1 = (-4.0L * l * p2 - 6.0L * p3) / d, p0 = (-2.0L * l * p1 - 2.0L * p2) / d;
+            const long double root = std::sqrt(2.0L), t = static_cast<long double>(until);
+            const long double known = (std::exp(l * t) * (p0 + t * (p1 + t * (p2 + t * p3)))).real() +
+                                      (1.0L - p0.real()) * std::cos(root * t) -
+                                      (l * p0 + p1).real() / root * std::sin(root * t);
+            double told = 0.0;
+            for (const double unit : {0x1p-20, 1.0, 0x1p13, 1e7, 0x1p40}) {
+                SCOPED_TRACE(std::to_string(growth) + " " + std::to_string(pace) + " " + std::to_string(unit));
+                const double g = growth / unit, w = pace / unit, f = std::pow(unit, -5.0);
+                const Forced made = forced(2.0 / (unit * unit), 0.0, 1.0, 0.0,
+                                           [=](const auto& s) { return f * s * s * s * exp(g * s) * cos(w * s); });
+                const Trajectory run = simulate(made.scene, {.until = until * unit, .error = 1e-10});
+                EXPECT_EQ(run.engine(), "closed form");
+                // numbers in units that are no power of two are rounded, and the phase with them
+                EXPECT_NEAR(run[made.mass].position(until * unit)[0] / static_cast<double>(known), 1.0,
+                            unit == 1e7 ? 1e-10 : 4e-15);
+                EXPECT_LE(*run.error(), 1e-14);
+                if (unit == 1.0) told = *run.error();
+            }
+            EXPECT_GT(told, 0.0);
+        }
 }
 
 TEST(ForcedMotion, has_its_events) {

@@ -26,6 +26,24 @@ Vector3 some(Random& random, double size) {
     return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }
 
+TEST(KeplerMotion, is_not_refused_for_the_rounding_of_the_error_that_is_asked_for) {
+    Scene scene;
+    const Vector3 place(-1267598980.8976488, 365100164.2583233, 1387752469.4196053),
+        apart(1553455249.7026067, -791177197.975116, -1200148822.3585756);
+    const BodyHandle a = scene.add(Particle{3.217029430317578e-11}, {.position = place}, "a"),
+                     b = scene.add(
+                         Particle{1.1008587198350558e-16},
+                         {.position = place + apart,
+                          .velocity = {-3.4401463125952376e-12, 1.6010822273244288e-12, 1.3954191780893229e-11}},
+                         "b");
+    scene.connect(Gravitation{0.006878927594340793}, a, b);
+    for (double error = 1e-8; error > 5e-14; error *= 0.7) {
+        const Attempt run = attempt(scene, {.until = 3.686014277496344e+18, .error = error});
+        EXPECT_EQ(run.message, "") << error;
+        EXPECT_LE(*run.run.error(), error);
+    }
+}
+
 TEST(KeplerMotion, comes_back_from_where_it_went_in_thirty_digits_less_what_the_orbit_makes_of_them) {
     Random random(20261101);
     int closed = 0, open = 0;

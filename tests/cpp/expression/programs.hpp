@@ -36,6 +36,7 @@ inline Program everything() {
                                        cos(z) * sqrt(x * x + 2.0) - x / (y * y + 1.0) + 0.25 * (x * x + y * y),
                                        tanh(x - y) + sinh(0.2 * z) * cosh(0.1 * x) - 0.5 * z + p * x * y};
     outputs.push_back(log(x * x + 1.5) + pow(y * y + 0.5, 1.25) + pow(z * z + 0.25, -2.0) + 2.0);
+    outputs.back() += expm1(0.5 * x) + log1p(y * y) + asinh(z) + atanh(0.2 * x) + pow(y * y + 0.5, x);
     outputs.push_back(recording::angle(y, x + 4.0) * length({x, y, z}));
     outputs.push_back((x - y) * (x + y) * (z - x) + p);
     outputs.push_back(outputs[0] * outputs[0]);

@@ -23,11 +23,12 @@ double uniform(double lo, double hi) {
 
 /// Functions of three positive variables, written once over the number type.
 struct Everything {
-    static constexpr int outputs = 16;
+    static constexpr int outputs = 21;
 
     template <class S>
     static std::vector<S> of(const std::vector<S>& x) {
-        using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt, std::tan, std::tanh, std::abs;
+        using std::asinh, std::atanh, std::cos, std::exp, std::expm1, std::log, std::log1p, std::pow, std::sin,
+            std::sqrt, std::tan, std::tanh, std::abs;
         const S &a = x[0], &b = x[1], &c = x[2];
         return {a + b - c,
                 2.0 * a * b + 3.0 * (b * c) - a * a + 1.0,
@@ -44,7 +45,12 @@ struct Everything {
                 abs(a - 2.0 * c),
                 (a - b) * (a + b) * (c - a) * (b - c),
                 ((a + b) * c + (a + b)) / sqrt(c + a * b),
-                S(3.5)};
+                S(3.5),
+                expm1(a - b),
+                log1p(a * b),
+                asinh(a - 2.0 * b),
+                atanh(0.3 * c),
+                pow(S(2.0), S(b - c))};
     }
 };
 
@@ -239,6 +245,75 @@ TEST(Series, of_elementary_functions_have_the_coefficients_of_their_closed_forms
         exponent *= (1.7L - k) / (k + 1) * w / a;
         fifth *= (-5.0L - k) / (k + 1) * w / a;
     }
+}
+
+TEST(Series, of_inverses_have_all_digits_where_their_argument_is_small_and_where_it_is_large) {
+    constexpr int order = 20;
+    const double w = 1.3;
+    using One = Expression (*)(const Expression&);
+    const auto of = [&](One f, double a) {
+        return series_of([f](Recorder&, const std::vector<Expression>& x) { return f(x[0]); }, {a}, {w}, order);
+    };
+    const One log_1p = [](const Expression&x) { return log1p(x); },
+              exp_m1 = [](const Expression&x) { return expm1(x); },
+              arsinh = [](const Expression&x) { return asinh(x); },
+              artanh = [](const Expression&x) { return atanh(x); };
+    const auto expect = [](double found, long double known, double roundings) {
+        const double size = static_cast<double>(std::abs(known));
+        EXPECT_NEAR(found, static_cast<double>(known), 2.3e-16 * roundings * size);
+    };
+    for (const double a : {1e-300, -1e-17, 3e-9, -1e-4, 0.25, -0.75, 1e3, 1e200, 1e300}) {
+        SCOPED_TRACE(a);
+        const long double at = static_cast<long double>(a);
+        const auto log_of = of(log_1p, a), sine = of(arsinh, a);
+        expect(log_of[0], std::log1p(at), 2.0);
+        expect(sine[0], std::asinh(at), 2.0);
+        expect(sine[1], w / std::hypot(1.0L, at), 3.0);
+        long double power = w / (1.0L + at);
+        for (int k = 1; k <= order; ++k, power *= -w / (1.0L + at))
+            if (std::abs(power) > 1e-290L) expect(log_of[static_cast<std::size_t>(k)], power / k, 2.0 * k + 2.0);
+        if (std::abs(a) < 1.0) {
+            const auto tangent = of(artanh, a);
+            expect(tangent[0], std::atanh(at), 2.0);
+            expect(tangent[1], w / ((1.0L - at) * (1.0L + at)), 3.0);
+            // half the difference of two geometric series
+            long double up = w / (1.0L - at), down = -w / (1.0L + at), rising = 1.0L, falling = 1.0L;
+            for (int k = 1; k <= order; ++k) {
+                rising *= up;
+                falling *= down;
+                EXPECT_NEAR(tangent[static_cast<std::size_t>(k)], static_cast<double>((rising - falling) / (2.0L * k)),
+                            2e-15 * k * static_cast<double>(std::abs(rising) + std::abs(falling)));
+            }
+        }
+    }
+    // x - x^3/6 + 3 x^5/40 - 15 x^7/336
+    const auto sine = of(arsinh, 0.0);
+    EXPECT_EQ(sine[2], 0.0);
+    expect(sine[3], -std::pow(1.3L, 3.0L) / 6.0L, 8.0);
+    expect(sine[5], 3.0L * std::pow(1.3L, 5.0L) / 40.0L, 16.0);
+    expect(sine[7], -15.0L * std::pow(1.3L, 7.0L) / 336.0L, 24.0);
+    for (const double a : {-1600.0, -40.0, -1e-12, 2e-300, 0.5, 600.0}) {
+        const auto grown = of(exp_m1, a);
+        expect(grown[0], std::expm1(static_cast<long double>(a)), 2.0);
+        long double term = std::exp(static_cast<long double>(a));
+        for (int k = 1; k <= order && term > 1e-290L; ++k)
+            expect(grown[static_cast<std::size_t>(k)], term *= static_cast<long double>(w) / k, 2.0 * k + 2.0);
+    }
+}
+
+TEST(Programs, have_the_lengths_and_powers_that_doubles_have) {
+    Recorder recorder;
+    const Expression x = recorder.input(0), y = recorder.input(1);
+    const Expression outputs[] = {recorder.norm(x, y, 0.0, "norm"), pow(x, y)};
+    const Program program(recorder, outputs, 2);
+    Evaluator<double> evaluator(program);
+    for (const double size : {1e-300, 1e-170, 1.0, 1e170, 1e300}) {
+        evaluator(0.0, std::vector<double>{3.0 * size, -4.0 * size});
+        EXPECT_NEAR(evaluator.output(0), 5.0 * size, 1e-15 * 5.0 * size);
+    }
+    evaluator(0.0, std::vector<double>{0.0, 0.0});
+    EXPECT_EQ(evaluator.output(0), 0.0);
+    EXPECT_EQ(evaluator.output(1), 1.0);
 }
 
 TEST(Series, of_a_norm_may_start_from_the_zero_vector) {

@@ -9,10 +9,13 @@
 
 #include "random.hpp"
 #include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/gradient.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
+#include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/series/abreast.hpp"
 
 #ifdef RBDYN_HAS_LANES
@@ -29,6 +32,7 @@ Program everything() {
                               cos(z) * sqrt(x * x + 2.0) - x / (y * y + 1.0) + 0.25 * (x * x + y * y),
                               tanh(x - y) + sinh(0.2 * z) * cosh(0.1 * x) - 0.5 * z + p * x * y};
     outputs.push_back(log(x * x + 1.5) + pow(y * y + 0.5, 1.25) + pow(z * z + 0.25, -2.0) + 2.0);
+    outputs.back() += expm1(0.5 * x) + log1p(y * y) + asinh(z) + atanh(0.2 * x) + pow(y * y + 0.5, x);
     outputs.push_back(recording::angle(y, x + 4.0) * length({x, y, z}));
     outputs.push_back((x - y) * (x + y) * (z - x) + p);
     outputs.push_back(outputs[0] * outputs[0]);
@@ -86,11 +90,61 @@ TEST(SeriesEvaluator, has_the_same_bits_on_every_processor_and_order_by_order) {
         }
 }
 
+TEST(SeriesEvaluator, is_what_32_digits_round_to) {
+    const Program program = everything();
+    constexpr int order = 20;
+    Random random(3);
+    for (const Alone& motion : motions(random, program, 40)) {
+        SeriesEvaluator series(program, order), rounded(program, order);
+        expand(series, motion, order, true);
+        WideSeries wide(program, order);
+        wide.set_parameters(motion.parameters);
+        wide.expand(motion.t, motion.unit, std::vector<DoubleDouble>(motion.x.begin(), motion.x.end()));
+        wide.give(rounded);
+        for (int output = 0; output < program.outputs(); ++output) {
+            // by the size that the coefficients have where the largest one has its like
+            double size = 0.0, growth = 1e-3;
+            for (int k = 0; k <= order; ++k) {
+                const double c = std::abs(rounded.output(output)[k]);
+                size = std::max(size, c);
+                if (k > 0) growth = std::max(growth, std::pow(c, 1.0 / k));
+            }
+            for (int k = 0; k <= order; ++k)
+                EXPECT_NEAR(series.output(output)[k], rounded.output(output)[k],
+                            1e-11 * std::max(1.0, std::pow(growth, k)))
+                    << output << ' ' << k;
+            EXPECT_NEAR(series.output(output)[0], rounded.output(output)[0], 1e-14 * std::max(1.0, size));
+        }
+    }
+}
+
+TEST(Gradient, of_every_instruction_is_the_jacobian) {
+    const Program program = everything();
+    Random random(4);
+    GradientEvaluator gradients(program);
+    JacobianEvaluator jacobian(program);
+    for (const Alone& motion : motions(random, program, 20)) {
+        gradients.set_parameters(motion.parameters);
+        jacobian.set_parameters(motion.parameters);
+        gradients(motion.t, motion.x);
+        jacobian.differentiate(motion.t, motion.x);
+        for (int output = 0; output < program.outputs(); ++output) {
+            std::vector<double> found(3, 0.0);
+            for (const auto& [slot, slope] : gradients.gradient(output))
+                if (slot < 3) found[static_cast<std::size_t>(slot)] += slope;
+            for (int i = 0; i < 3; ++i) {
+                const double known = jacobian.derivative(output, i);
+                EXPECT_NEAR(found[static_cast<std::size_t>(i)], known, 1e-13 * std::max(1.0, std::abs(known)));
+            }
+        }
+    }
+}
+
 TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
     const Program program = everything();
     std::set<Code> codes;
     for (const Instruction& i : program.instructions()) codes.insert(i.code);
-    EXPECT_EQ(codes.size(), 11U) << program.text();  // all but calls
+    EXPECT_EQ(codes.size(), 15U) << program.text();  // all but calls
     Random random(1);
     for (const SeriesAbreast::Processor processor : SeriesAbreast::processors())
         for (const int order : {12, 13, 20, 24}) {

@@ -100,6 +100,36 @@ inline DoubleDouble pow(const DoubleDouble& x, const DoubleDouble& n) {
     return n.lo == 0.0 ? pow(x, n.hi) : exp(n * log(x));
 }
 
+inline DoubleDouble expm1(const DoubleDouble& x) {
+    if (std::abs(x.hi) > 1.0) return exp(x) - 1.0;
+    return 2.0 * exp(0.5 * x) * sinh(0.5 * x);
+}
+inline DoubleDouble log1p(const DoubleDouble& x) {
+    const double once = std::log1p(x.hi);
+    if (!std::isfinite(once) || once == 0.0) return once == 0.0 ? x : DoubleDouble(once);
+    if (!(x.hi > -0.5 && x.hi < 1.0)) return log(1.0 + x);
+    const DoubleDouble rest = (x - expm1(DoubleDouble(once))) * exp(-DoubleDouble(once));
+    return once + rest * (1.0 - 0.5 * rest);
+}
+inline DoubleDouble asinh(const DoubleDouble& x) {
+    const double once = std::asinh(x.hi);
+    if (!std::isfinite(once) || once == 0.0) return once == 0.0 ? x : DoubleDouble(once);
+    const DoubleDouble size = abs(x);
+    // what its root is more than x, beyond all digits
+    constexpr double large = 1e17;
+    if (size.hi > large) {
+        const DoubleDouble result = log(size) + log(DoubleDouble(2.0));
+        return x.hi < 0.0 ? -result : result;
+    }
+    const DoubleDouble s = sinh(DoubleDouble(once)), c = cosh(DoubleDouble(once)), rest = (x - s) / c;
+    return once + rest * (1.0 - 0.5 * (s / c) * rest);
+}
+inline DoubleDouble atanh(const DoubleDouble& x) {
+    if (x.hi < 0.0) return -atanh(-x);
+    if (!(x.hi < 1.0)) return std::atanh(x.hi);
+    return 0.5 * log1p(2.0 * x / (1.0 - x));
+}
+
 /// The angle of the point (x, y).
 inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
     const double once = std::atan2(y.hi, x.hi);

@@ -6,7 +6,9 @@
 // two, so nothing of the time is lost. E_0 is a series, the others are squares (Higham, "The Scaling and Squaring
 // Method for the Matrix Exponential Revisited", SIAM J. Matrix Anal. Appl. 26, 2005), in 32 digits, made when a time
 // first asks for them; each has twice the error of the one before. Variables are scaled by powers of
-// two so that rows and columns of M are of like size (Osborne, "On Pre-Conditioning of Matrices", J. ACM 7, 1960).
+// two so that rows and columns of M are of like size (Osborne, "On Pre-Conditioning of Matrices", J. ACM 7, 1960), but
+// where one way only leads from some to others: there is nothing to balance, and what is passed on is as large as what
+// goes round at most.
 #pragma once
 
 #include <array>
@@ -47,8 +49,16 @@ private:
     static constexpr double most_steps = 0x1p100, epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-    /// Scales of the variables: rows and columns of like size, as far as both are there.
+    /// Scales of the variables: within a circle rows and columns are of like size, between them nothing is passed on
+    /// that is larger. In other units of time they are the same but for a factor.
     [[gnu::cold]] void balance();
+    /// Whether a variable depends on another one, through others too, or is it.
+    bool depends(int i, int j) const { return depends_[at(i) * at(n_) + at(j)]; }
+    [[gnu::cold]] void find_dependence();
+    /// Variables that depend on each other, each such circle behind those that it depends on.
+    [[gnu::cold]] std::vector<std::vector<int>> circles() const;
+    /// Gives the size of what its variables pass to each other.
+    [[gnu::cold]] double balance_circle(const std::vector<int>& circle);
 
     /// x at a time.
     std::vector<double> moved(Instant since) const;
@@ -65,6 +75,7 @@ private:
     WideMatrix m_;  // transposed, scaled
     std::vector<double> units_;
     SquareMatrix near_;
+    std::vector<bool> depends_;
     double fastest_ = 0.0, step_ = 1.0;
     mutable std::mutex mutex_;
     mutable std::atomic<int> ready_ = 0;

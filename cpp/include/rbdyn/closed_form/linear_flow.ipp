@@ -27,6 +27,7 @@ RBDYN_INLINE LinearFlow::LinearFlow(std::vector<int> places, const WideMatrix& a
         for (int i = 0; i < n_ - 1; ++i) m_(j, i) = a(i, j);
         m_(n_ - 1, j) = rates[at(j)];
     }
+    find_dependence();
     balance();
     for (int j = 0; j < n_; ++j)
         for (int i = 0; i < n_; ++i) m_(j, i) *= units_[at(j)] / units_[at(i)];
@@ -57,22 +58,56 @@ RBDYN_INLINE void LinearFlow::add_errors(double since, std::span<double> errors)
     }
     sizes.push_back(1.0 / units_.back());
     // the products come to as many roundings as there are steps; then the series is rounded, a term most
-    const double relative = 16.0 * n_ * 0x1p-104 * (1.0 + since / step_),
-                 rounded = relative * *std::max_element(sizes.begin(), sizes.end());
+    const double relative = since < step_ ? 0.0 : 16.0 * n_ * 0x1p-104 * (1.0 + since / step_),
+                 length = std::min(since, step_);
     for (int i = 0; i < n_ - 1; ++i) {
-        double term = 0.0;
-        for (int j = 0; j < n_; ++j) term += std::abs(near_(i, j)) * step_ * sizes[at(j)];
-        errors[at(places_[at(i)])] += (rounded + epsilon * term) * units_[at(i)];
+        double term = 0.0, largest = 0.0;
+        for (int j = 0; j < n_; ++j) {
+            term += std::abs(near_(i, j)) * length * sizes[at(j)];
+            if (depends(i, j)) largest = std::max(largest, sizes[at(j)]);
+        }
+        errors[at(places_[at(i)])] += (relative * largest + epsilon * term) * units_[at(i)];
     }
 }
 
 RBDYN_INLINE double LinearFlow::fastest() const { return fastest_; }
 
-RBDYN_INLINE void LinearFlow::balance() {
+RBDYN_INLINE void LinearFlow::find_dependence() {
+    depends_.resize(at(n_) * at(n_));
+    for (int i = 0; i < n_; ++i)
+        for (int j = 0; j < n_; ++j) depends_[at(i) * at(n_) + at(j)] = i == j || m_(j, i).hi != 0.0;
+    for (int k = 0; k < n_; ++k)
+        for (int i = 0; i < n_; ++i)
+            for (int j = 0; depends(i, k) && j < n_; ++j)
+                if (depends(k, j)) depends_[at(i) * at(n_) + at(j)] = true;
+}
+
+RBDYN_INLINE std::vector<std::vector<int>> LinearFlow::circles() const {
+    struct Group {
+        long below;
+        std::vector<int> members;
+    };
+    std::vector<Group> all;
+    for (int i = 0; i < n_; ++i) {
+        Group circle{0, {}};
+        for (int j = 0; j < n_; ++j) {
+            circle.below += depends(i, j) ? 1 : 0;
+            if (depends(i, j) && depends(j, i)) circle.members.push_back(j);
+        }
+        if (circle.members.front() == i) all.push_back(std::move(circle));
+    }
+    // who depends on another depends on more than that one does
+    std::ranges::stable_sort(all, {}, &Group::below);
+    std::vector<std::vector<int>> result;
+    for (Group& circle : all) result.push_back(std::move(circle.members));
+    return result;
+}
+
+RBDYN_INLINE double LinearFlow::balance_circle(const std::vector<int>& circle) {
     constexpr int most_sweeps = 20;
     const auto sizes = [&](int i) {
         double row = 0.0, column = 0.0;
-        for (int j = 0; j < n_; ++j) {
+        for (const int j : circle) {
             if (j == i) continue;
             row += std::abs(m_(j, i).hi) * units_[at(j)] / units_[at(i)];
             column += std::abs(m_(i, j).hi) * units_[at(i)] / units_[at(j)];
@@ -82,7 +117,7 @@ RBDYN_INLINE void LinearFlow::balance() {
     bool changes = true;
     for (int sweep = 0; changes && sweep < most_sweeps; ++sweep) {
         changes = false;
-        for (int i = 0; i < n_; ++i) {
+        for (const int i : circle) {
             const auto [row, column] = sizes(i);
             if (row == 0.0 || column == 0.0) continue;
             const int shift = static_cast<int>(std::lround(0.5 * std::log2(row / column)));
@@ -91,16 +126,43 @@ RBDYN_INLINE void LinearFlow::balance() {
         }
     }
     double usual = 0.0;
-    for (int i = 0; i < n_; ++i) {
+    for (const int i : circle) {
         const auto [row, column] = sizes(i);
         usual = std::max({usual, std::abs(m_(i, i).hi), std::min(row, column)});
     }
+    return usual;
+}
+
+RBDYN_INLINE void LinearFlow::balance() {
+    const std::vector<std::vector<int>> all = circles();
+    std::vector<int> circle_of(at(n_));
+    double usual = 0.0;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+        for (const int i : all[c]) circle_of[at(i)] = static_cast<int>(c);
+        usual = std::max(usual, balance_circle(all[c]));
+    }
     if (usual == 0.0) usual = 1.0;
-    // what nothing depends on, and what depends on nothing, comes to the size of the others
-    for (int i = 0; i < n_; ++i) {
-        const auto [row, column] = sizes(i);
-        if (row > 0.0 && column == 0.0) units_[at(i)] = std::ldexp(units_[at(i)], std::ilogb(row / usual));
-        if (column > 0.0 && row == 0.0) units_[at(i)] = std::ldexp(units_[at(i)], std::ilogb(usual / column));
+    const auto scale = [&](const std::vector<int>& circle, double by) {
+        for (const int i : circle) units_[at(i)] = std::ldexp(units_[at(i)], std::ilogb(by));
+    };
+    const auto share = [&](int i, int j) { return std::abs(m_(j, i).hi) * units_[at(j)] / units_[at(i)]; };
+    // what comes into a circle comes to the size of the others; then what is passed on to less than that may be larger
+    for (const std::vector<int>& circle : all) {
+        double most = 0.0;
+        for (const int i : circle) {
+            double sum = 0.0;
+            for (int j = 0; j < n_; ++j)
+                if (circle_of[at(j)] != circle_of[at(i)]) sum += share(i, j);
+            most = std::max(most, sum);
+        }
+        if (most > 0.0) scale(circle, most / usual);
+    }
+    for (auto circle = all.rbegin(); circle != all.rend(); ++circle) {
+        double most = 0.0;
+        for (const int j : *circle)
+            for (int i = 0; i < n_; ++i)
+                if (circle_of[at(i)] != circle_of[at(j)]) most = std::max(most, share(i, j));
+        if (most > 0.0 && most < usual) scale(*circle, usual / most);
     }
 }
 

@@ -409,7 +409,8 @@ RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
 RBDYN_INLINE bool TaylorEngine::has_roots(const Program& program) {
     const auto& all = program.instructions();
     return std::any_of(all.begin(), all.end(), [](const Instruction& i) {
-        return i.code == Code::square_root || i.code == Code::power || i.code == Code::logarithm;
+        return i.code == Code::square_root || i.code == Code::power || i.code == Code::logarithm ||
+               i.code == Code::log1p || i.code == Code::artanh;
     });
 }
 

@@ -132,7 +132,10 @@ RBDYN_ABREAST void instruct(const Tape::Other& s, Tape& tape, Lanes* cells, cons
         }
         case Code::exponential:
             slope[k] = order * a[k];
-            if (k == 0)
+            if (k == 0 && s.is_raised)
+                for (int l = 0; l < static_cast<int>(sizeof(Lanes) / sizeof(double)); ++l)
+                    out[0][l] = std::pow(b[0][l], c[0][l]);
+            else if (k == 0)
                 each(a[0], out[0], [](double x) { return std::exp(x); });
             else
                 kernels::integral_of_slope(slope, out, k, out[k]);
@@ -146,6 +149,39 @@ RBDYN_ABREAST void instruct(const Tape::Other& s, Tape& tape, Lanes* cells, cons
             kernels::dot(slope + 1, a + k - 1, k - 1, sum);
             out[k] = (a[k] - sum / order) / a[0];
             slope[k] = order * out[k];
+            break;
+        }
+        case Code::expm1: {
+            slope[k] = order * a[k];
+            if (k == 0) {
+                each(a[0], out[0], [](double x) { return std::expm1(x); });
+                each(a[0], out2[0], [](double x) { return std::exp(x); });
+                break;
+            }
+            kernels::integral_of_slope(slope, out2, k, out[k]);
+            out2[k] = out[k];
+            break;
+        }
+        case Code::log1p:
+        case Code::arsinh:
+        case Code::artanh: {
+            if (k == 0) {
+                each(a[0], out[0], [code = s.code](double x) { return inverse(code, x); });
+                each(a[0], out2[0], [code = s.code](double x) { return inverse_divisor(code, x); });
+                break;
+            }
+            Lanes sum;
+            kernels::dot(slope + 1, out2 + k - 1, k - 1, sum);
+            out[k] = (a[k] - sum / order) / out2[0];
+            slope[k] = order * out[k];
+            if (s.code == Code::log1p) {
+                out2[k] = a[k];
+            } else if (s.code == Code::arsinh) {
+                kernels::integral_of_slope(slope, a, k, out2[k]);
+            } else {
+                kernels::square(a, k, sum);
+                out2[k] = -sum;
+            }
             break;
         }
         case Code::power: {

@@ -46,6 +46,7 @@ struct Tape {
         Place out, out2, a, b, c, slope;  // 0 of those that it has not
         Place weight;
         double value;
+        bool is_raised;  // of an exponential: it is b ^ c
     };
     struct Ends {
         std::size_t scales = 0, singles = 0, pairs = 0, sums = 0, combinations = 0, others = 0;

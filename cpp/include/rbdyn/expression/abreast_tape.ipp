@@ -67,7 +67,8 @@ private:
             }
             const int slope = other.code == Code::norm ? -1 : other.extra;
             tape_.others.push_back({other.code, at(other.out), at(other.out2), at(other.a), at(other.b), at(other.c),
-                                    at(slope), weight_at(other.weight), other.value});
+                                    at(slope), weight_at(other.weight), other.value,
+                                    other.code == Code::exponential && other.b >= 0});
         }
         tape_.stages.push_back({tape_.scales.size(), tape_.singles.size(), tape_.pairs.size(), tape_.sums.size(),
                                 tape_.combinations.size(), tape_.others.size()});

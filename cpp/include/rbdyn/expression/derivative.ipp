@@ -33,6 +33,11 @@ RBDYN_INLINE Expression derivative(const Node& node, const Expression& v, const 
         case Operation::hyperbolic_tangent: return (1.0 - v * v) * da;
         case Operation::exponential: return v * da;
         case Operation::logarithm: return da / a;
+        case Operation::expm1: return exp(a) * da;
+        case Operation::log1p: return da / (1.0 + a);
+        case Operation::arsinh: return da / sqrt(1.0 + a * a);
+        case Operation::artanh: return da / ((1.0 - a) * (1.0 + a));
+        case Operation::raise: return (da.is_zero() ? da : b * pow(a, b - 1.0) * da) + v * log(a) * db;
         case Operation::power: return node.value * pow(a, node.value - 1.0) * da;
         case Operation::angle: {
             const Expression turn = b * da - a * db;

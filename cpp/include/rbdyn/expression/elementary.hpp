@@ -34,10 +34,14 @@ Expression cosh(const Expression& x);
 Expression tanh(const Expression& x);
 Expression exp(const Expression& x);
 Expression log(const Expression& x);
+/// exp(x) - 1 and log(1 + x), with all digits where x is small.
+Expression expm1(const Expression& x);
+Expression log1p(const Expression& x);
 
 /// x^n for a constant n; small whole powers become products, which have a series at zero: as many as equilibria look
 /// for.
 Expression pow(const Expression& x, double n);
+/// For an exponent that varies x is positive, and 0^0 is 1.
 Expression pow(const Expression& x, const Expression& n);
 
 /// The sign of x, locked during smooth motion; its zeros are switching points of the recorded function.
@@ -98,8 +102,8 @@ inline Expression atan(const Expression& x) { return recording::angle(x, 1.0); }
 Expression asin(const Expression& x);
 Expression acos(const Expression& x);
 Expression asinh(const Expression& x);
-inline Expression acosh(const Expression& x) { return log(x + sqrt((x - 1.0) * (x + 1.0))); }
-inline Expression atanh(const Expression& x) { return 0.5 * log((1.0 + x) / (1.0 - x)); }
+inline Expression acosh(const Expression& x) { return log1p((x - 1.0) + sqrt(x - 1.0) * sqrt(x + 1.0)); }
+Expression atanh(const Expression& x);
 /// The real cube root.
 Expression cbrt(const Expression& x);
 

@@ -57,6 +57,16 @@ RBDYN_INLINE Expression log(const Expression& x) {
     return recording::unary(x, Operation::logarithm, [](const auto& v) { return log(v); });
 }
 
+RBDYN_INLINE Expression expm1(const Expression& x) {
+    using std::expm1;
+    return recording::unary(x, Operation::expm1, [](const auto& v) { return expm1(v); });
+}
+
+RBDYN_INLINE Expression log1p(const Expression& x) {
+    using std::log1p;
+    return recording::unary(x, Operation::log1p, [](const auto& v) { return log1p(v); });
+}
+
 RBDYN_INLINE Expression pow(const Expression& x, double n) {
     if (x.is_number()) return Numbers::active()->power(x, n);
     if (x.is_constant())
@@ -80,7 +90,9 @@ RBDYN_INLINE Expression pow(const Expression& x, double n) {
 }
 
 RBDYN_INLINE Expression pow(const Expression& x, const Expression& n) {
-    return n.is_constant() ? pow(x, n.value()) : exp(n * log(x));
+    if (n.is_constant()) return pow(x, n.value());
+    Recorder* r = recording::common(x, n);
+    return r->record(Operation::raise, r->node_of(x), r->node_of(n));
 }
 
 RBDYN_INLINE Expression locked_sign(const Expression& x, const std::string& name) {
@@ -151,8 +163,13 @@ RBDYN_INLINE Expression acos(const Expression& x) {
 }
 
 RBDYN_INLINE Expression asinh(const Expression& x) {
-    const Expression s = locked_sign(x, std::string());
-    return s * log(s * x + sqrt(x * x + 1.0));
+    using std::asinh;
+    return recording::unary(x, Operation::arsinh, [](const auto& v) { return asinh(v); });
+}
+
+RBDYN_INLINE Expression atanh(const Expression& x) {
+    using std::atanh;
+    return recording::unary(x, Operation::artanh, [](const auto& v) { return atanh(v); });
 }
 
 RBDYN_INLINE Expression cbrt(const Expression& x) {

@@ -1,6 +1,7 @@
 // Runs a program in plain numbers: values in any floating type, and the exact Jacobian in doubles.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -16,14 +17,27 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+/// Of a vector; its squares may leave the numbers where it does not.
+template <class T>
+T length_of(const T& x, const T& y, const T& z) {
+    using std::abs, std::sqrt;
+    const T square = x * x + y * y + z * z;
+    if (square > T(0x1p-960) && square < T(0x1p1000)) return sqrt(square);
+    const T most = std::max({abs(x), abs(y), abs(z)});
+    if (!(most > T(0.0)) || !(most < T(std::numeric_limits<double>::max()))) return sqrt(square);
+    const T a = x / most, b = y / most, c = z / most;
+    return most * sqrt(a * a + b * b + c * c);
+}
+
 /// What an instruction that is no combination and no call makes of its slots.
 template <class T>
 inline void compute(Code code, const Instruction& i, T* s) {
-    using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
+    using std::atan2, std::cos, std::cosh, std::exp, std::expm1, std::log, std::pow, std::sin, std::sinh, std::sqrt,
+        std::tanh;
     switch (code) {
         case Code::divide: s[i.out] = s[i.a] / s[i.b]; break;
         case Code::square_root: s[i.out] = sqrt(s[i.a]); break;
-        case Code::norm: s[i.out] = sqrt(s[i.a] * s[i.a] + s[i.b] * s[i.b] + s[i.c] * s[i.c]); break;
+        case Code::norm: s[i.out] = length_of(s[i.a], s[i.b], s[i.c]); break;
         case Code::sine_cosine: {
             // of a copy: the compiler then sees that one call gives both
             const T a = s[i.a];
@@ -37,8 +51,12 @@ inline void compute(Code code, const Instruction& i, T* s) {
             break;
         case Code::tangent: s[i.out] = tanh(s[i.a]); break;
         case Code::angle: s[i.out] = atan2(s[i.a], s[i.b]); break;
-        case Code::exponential: s[i.out] = exp(s[i.a]); break;
+        case Code::exponential: s[i.out] = i.b >= 0 ? pow(s[i.b], s[i.c]) : exp(s[i.a]); break;
         case Code::logarithm: s[i.out] = log(s[i.a]); break;
+        case Code::expm1: s[i.out] = expm1(s[i.a]); break;
+        case Code::log1p:
+        case Code::arsinh:
+        case Code::artanh: s[i.out] = inverse(code, s[i.a]); break;
         case Code::power: s[i.out] = i.is_locked ? locked_power(s[i.a], T(i.value)) : pow(s[i.a], T(i.value)); break;
         case Code::combine:
         case Code::call: break;

@@ -62,6 +62,10 @@ RBDYN_INLINE void JacobianEvaluator::differentiate(double t, std::span<const dou
             case Code::call: differences(program_->calls()[static_cast<std::size_t>(i.extra)]); break;
             case Code::exponential: chain(out, s[i.out], at(i.a)); break;
             case Code::logarithm: chain(out, 1.0 / s[i.a], at(i.a)); break;
+            case Code::expm1: chain(out, std::exp(s[i.a]), at(i.a)); break;
+            case Code::log1p:
+            case Code::arsinh:
+            case Code::artanh: chain(out, 1.0 / inverse_divisor(i.code, s[i.a]), at(i.a)); break;
             case Code::power: {
                 const double base = i.is_locked ? std::abs(s[i.a]) : s[i.a];
                 chain(out, i.value * std::pow(base, i.value - 1.0), at(i.a));

@@ -153,6 +153,11 @@ RBDYN_INLINE double Recorder::value_of(const Node& n) const {
         case Operation::hyperbolic_tangent: return std::tanh(value(n.a));
         case Operation::exponential: return std::exp(value(n.a));
         case Operation::logarithm: return std::log(value(n.a));
+        case Operation::expm1: return std::expm1(value(n.a));
+        case Operation::log1p: return std::log1p(value(n.a));
+        case Operation::arsinh: return std::asinh(value(n.a));
+        case Operation::artanh: return std::atanh(value(n.a));
+        case Operation::raise: return std::pow(value(n.a), value(n.b));
         case Operation::power:
             return is_locked_positive(n.a) ? locked_power(value(n.a), n.value) : std::pow(value(n.a), n.value);
         case Operation::angle: return std::atan2(value(n.a), value(n.b));

@@ -219,7 +219,8 @@ private:
     /// What node n is, its operands known.
     template <class S>
     S applied(std::int32_t n, std::span<const S> x, const std::vector<S>& y) const {
-        using std::cos, std::exp, std::log, std::pow, std::sin, std::sqrt, std::sinh, std::cosh, std::tanh;
+        using std::asinh, std::atanh, std::cos, std::cosh, std::exp, std::expm1, std::log, std::log1p, std::pow,
+            std::sin, std::sinh, std::sqrt, std::tanh;
         const Node& node = recorder_->node(n);
         const auto a = [&]() -> const S& { return y[at(node.a)]; };
         const auto b = [&]() -> const S& { return y[at(node.b)]; };
@@ -236,6 +237,8 @@ private:
             case Operation::divide: return a() / b();
             case Operation::square_root: return sqrt(a());
             case Operation::norm: {
+                // squares may leave the numbers; of three at once a NaN would be nothing
+                if constexpr (std::is_same_v<S, double>) return std::hypot(a(), std::hypot(b(), y[at(node.c)]));
                 const Vector3Of<S> v{a(), b(), y[at(node.c)]};
                 return length(v, "norm");
             }
@@ -246,6 +249,11 @@ private:
             case Operation::hyperbolic_tangent: return tanh(a());
             case Operation::exponential: return exp(a());
             case Operation::logarithm: return log(a());
+            case Operation::expm1: return expm1(a());
+            case Operation::log1p: return log1p(a());
+            case Operation::arsinh: return asinh(a());
+            case Operation::artanh: return atanh(a());
+            case Operation::raise: return pow(a(), b());
             case Operation::power: return pow(a(), node.value);
             case Operation::angle: return angle_of(a(), b());
             case Operation::sign: return locked_sign(a(), name(node.d));

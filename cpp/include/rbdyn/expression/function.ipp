@@ -228,6 +228,7 @@ RBDYN_INLINE int operands_of(Operation operation) {
         case Operation::add:
         case Operation::multiply:
         case Operation::divide:
+        case Operation::raise:
         case Operation::angle: return 2;
         case Operation::norm:
         case Operation::select: return 3;
@@ -294,9 +295,10 @@ RBDYN_INLINE Function Function::from_data(int inputs, const std::vector<Node>& n
 }
 
 RBDYN_INLINE std::string Function::text() const {
-    static const char* words[] = {"",     "input", "time",    "parameter", "",     "+",     "*",    "/",
-                                  "sqrt", "norm",  "sin",     "cos",       "sinh", "cosh",  "tanh", "exp",
-                                  "log",  "^",     "arctan2", "call",      "sign", "where", "floor"};
+    static const char* words[] = {"",     "input", "time",    "parameter", "",      "+",       "*",
+                                  "/",    "sqrt",  "norm",    "sin",       "cos",   "sinh",    "cosh",
+                                  "tanh", "exp",   "log",     "expm1",     "log1p", "arcsinh", "arctanh",
+                                  "^",    "^",     "arctan2", "call",      "sign",  "where",   "floor"};
     std::string out = std::to_string(inputs_) + " inputs, " + std::to_string(outputs()) + " results\n";
     for (std::int32_t n = 0; n < size(); ++n) {
         const Node& i = node(n);
@@ -311,6 +313,7 @@ RBDYN_INLINE std::string Function::text() const {
             case Operation::add:
             case Operation::multiply:
             case Operation::divide:
+            case Operation::raise:
                 out += operand(i.a) + " " + words[static_cast<int>(i.operation)] + " " + operand(i.b);
                 break;
             case Operation::power: out += operand(i.a) + " ^ " + rbdyn::text(i.value); break;

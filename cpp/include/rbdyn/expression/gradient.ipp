@@ -131,6 +131,10 @@ RBDYN_INLINE void GradientEvaluator::go_back(const Instruction& i) {
             break;
         case Code::exponential: add(i.a, a * s[i.out]); break;
         case Code::logarithm: add(i.a, a / s[i.a]); break;
+        case Code::expm1: add(i.a, a * std::exp(s[i.a])); break;
+        case Code::log1p:
+        case Code::arsinh:
+        case Code::artanh: add(i.a, a / inverse_divisor(i.code, s[i.a])); break;
         case Code::power: {
             const double base = i.is_locked ? std::abs(s[i.a]) : s[i.a];
             add(i.a, a * i.value * std::pow(base, i.value - 1.0));

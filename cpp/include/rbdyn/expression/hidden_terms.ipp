@@ -58,6 +58,7 @@ RBDYN_INLINE HiddenTerms::HiddenTerms(const Program& program, int order, std::sp
         if (!is_needed[at(i.out)] && (i.out2 < 0 || !is_needed[at(i.out2)])) continue;
         switch (i.code) {
             case Code::exponential:
+            case Code::expm1:
             case Code::hyperbolic: arguments_.push_back({i.code, i.a, 1.0}); break;
             case Code::tangent: arguments_.push_back({i.code, i.a, 2.0}); break;
             case Code::power:
@@ -227,6 +228,7 @@ RBDYN_INLINE bool HiddenTerms::holds(const SeriesEvaluator& series, const Argume
     switch (argument.code) {
         case Code::power: return !(argument.rate * std::log1p(change / std::abs(u[0])) > most_);
         case Code::exponential:
+        case Code::expm1:
         case Code::hyperbolic:
         case Code::tangent:
             if (begin - argument.rate * change >= negligible) return true;

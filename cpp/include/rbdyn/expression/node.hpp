@@ -32,7 +32,12 @@ enum class Operation : std::uint8_t {
     hyperbolic_tangent,
     exponential,
     logarithm,
+    expm1,   // exp(a) - 1, all digits of it
+    log1p,   // log(1 + a), all digits of it
+    arsinh,  // inverses of the hyperbolic sine and tangent
+    artanh,
     power,   // a ^ value
+    raise,   // a ^ b
     angle,   // of the point (b, a): arctan2(a, b), away from its cut
     call,    // a: index of the call; result d of it
     sign,    // of a (functions only; a parameter in models); d: index of its name

@@ -108,7 +108,8 @@ RBDYN_INLINE void Numbers::extend(std::vector<Constant>& values, std::span<const
 
 RBDYN_INLINE Constant Numbers::value_of(const Node& n, const std::vector<Constant>& values,
                                         std::span<const double> given) {
-    using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
+    using std::asinh, std::atan2, std::atanh, std::cos, std::cosh, std::exp, std::expm1, std::log, std::log1p, std::pow,
+        std::sin, std::sinh, std::sqrt, std::tanh;
     const auto of_two = [&](auto f) { return folded(values[at(n.a)], values[at(n.b)], f); };
     const auto of_one = [&](auto f) { return folded(values[at(n.a)], f); };
     switch (n.operation) {
@@ -125,6 +126,11 @@ RBDYN_INLINE Constant Numbers::value_of(const Node& n, const std::vector<Constan
         case Operation::hyperbolic_tangent: return of_one([](const auto& x) { return tanh(x); });
         case Operation::exponential: return of_one([](const auto& x) { return exp(x); });
         case Operation::logarithm: return of_one([](const auto& x) { return log(x); });
+        case Operation::expm1: return of_one([](const auto& x) { return expm1(x); });
+        case Operation::log1p: return of_one([](const auto& x) { return log1p(x); });
+        case Operation::arsinh: return of_one([](const auto& x) { return asinh(x); });
+        case Operation::artanh: return of_one([](const auto& x) { return atanh(x); });
+        case Operation::raise: return of_two([](const auto& x, const auto& y) { return pow(x, y); });
         case Operation::power: return of_one([&](const auto& x) { return pow(x, n.value); });
         case Operation::angle: return of_two([](const auto& y, const auto& x) { return atan2(y, x); });
         default: throw Error("an operation that numbers of the user's are not folded by");

@@ -5,6 +5,7 @@
 // Slots hold numbers when the program is run in doubles, whole series when it is run in Taylor coefficients.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -30,14 +31,35 @@ enum class Code : std::uint8_t {
     square_root,
     norm,
     sine_cosine,
-    hyperbolic,  // sinh and cosh
-    tangent,     // tanh
-    exponential,
+    hyperbolic,   // sinh and cosh
+    tangent,      // tanh
+    exponential,  // of a; its value is b ^ c, if there are such
     logarithm,
+    expm1,  // out2: exp
+    log1p,  // out2 of this one and the next two: what the slope of a is divided by
+    arsinh,
+    artanh,
     power,
     angle,
     call
 };
+
+/// Of log1p, arsinh and artanh: the value.
+template <class T>
+T inverse(Code code, const T& a) {
+    using std::asinh, std::atanh, std::log1p;
+    return code == Code::log1p ? log1p(a) : code == Code::arsinh ? asinh(a) : atanh(a);
+}
+
+/// What a slope is divided by to be theirs.
+template <class T>
+T inverse_divisor(Code code, const T& a) {
+    using std::abs, std::sqrt;
+    if (code == Code::log1p) return T(1.0) + a;
+    if (code == Code::artanh) return (T(1.0) - a) * (T(1.0) + a);
+    // where a square would leave the numbers one more is nothing to it
+    return abs(a) > T(0x1p500) ? abs(a) : sqrt(T(1.0) + a * a);
+}
 
 /// weight * slot
 struct Term {

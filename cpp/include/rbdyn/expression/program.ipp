@@ -16,6 +16,7 @@
 #include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
@@ -228,6 +229,27 @@ RBDYN_INLINE int Lowering::slot_of(std::int32_t n) {
             slot = append(i);
             break;
         }
+        case Operation::expm1:
+        case Operation::log1p:
+        case Operation::arsinh:
+        case Operation::artanh: {
+            const Code code = node.operation == Operation::expm1    ? Code::expm1
+                              : node.operation == Operation::log1p  ? Code::log1p
+                              : node.operation == Operation::arsinh ? Code::arsinh
+                                                                    : Code::artanh;
+            Instruction i{code, new_slot(), new_slot(), slot_of(node.a)};
+            i.extra = new_slot();
+            slot = append(i);
+            break;
+        }
+        case Operation::raise: {
+            // its series is that of an exponential function, its value has more digits
+            const std::int32_t argument = r_.node_of(value_of(node.b) * log(value_of(node.a)));
+            Instruction i{Code::exponential, new_slot(), -1, slot_of(argument), slot_of(node.a), slot_of(node.b)};
+            i.extra = new_slot();
+            slot = append(i);
+            break;
+        }
         case Operation::power:
             slot = append_power(slot_of(node.a), node.value, node.value > 0.0 && r_.is_locked_positive(node.a));
             break;
@@ -372,8 +394,8 @@ RBDYN_INLINE Program::Program(Recorder& recorder, std::span<const Expression> ou
 }
 
 RBDYN_INLINE std::string Program::text() const {
-    static const char* names[] = {"combine", "divide", "sqrt", "norm", "sincos", "sinhcosh",
-                                  "tanh",    "exp",    "log",  "pow",  "angle",  "call"};
+    static const char* names[] = {"combine", "divide", "sqrt",  "norm",   "sincos", "sinhcosh", "tanh",  "exp",
+                                  "log",     "expm1",  "log1p", "arsinh", "artanh", "pow",      "angle", "call"};
     std::ostringstream out;
     out << inputs_ << " state variables, " << parameters_ << " parameters, " << slots_ << " slots\n";
     for (const Instruction& i : instructions_) {

@@ -18,7 +18,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 template <class T>
 void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scalars, Rounding rounding) const {
-    using std::atan2, std::cos, std::cosh, std::exp, std::log, std::pow, std::sin, std::sinh, std::sqrt, std::tanh;
+    using std::asinh, std::atan2, std::atanh, std::cos, std::cosh, std::exp, std::expm1, std::log, std::log1p, std::pow,
+        std::sin, std::sinh, std::sqrt, std::tanh;
     scalars.clear();
     scalars.reserve(constants_.size());
     const auto rounded = [rounding](T hi, T lo) {
@@ -60,6 +61,11 @@ void Program::set_parameters(std::span<const T> parameters, std::vector<T>& scal
             case Operation::angle: out = atan2(a, b); break;
             case Operation::exponential: out = exp(a); break;
             case Operation::logarithm: out = log(a); break;
+            case Operation::expm1: out = expm1(a); break;
+            case Operation::log1p: out = log1p(a); break;
+            case Operation::arsinh: out = asinh(a); break;
+            case Operation::artanh: out = atanh(a); break;
+            case Operation::raise: out = pow(a, b); break;
             case Operation::power: out = pow(a, T(s.value)); break;
             default: break;
         }

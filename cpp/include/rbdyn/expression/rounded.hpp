@@ -40,7 +40,14 @@ inline Rounded cosh(const Rounded& x) { return {std::cosh(x.value), std::abs(std
 Rounded tanh(const Rounded& x);
 inline Rounded exp(const Rounded& x) { return {std::exp(x.value), std::exp(x.value) * x.error}; }
 inline Rounded log(const Rounded& x) { return {std::log(x.value), x.error / std::abs(x.value)}; }
+inline Rounded expm1(const Rounded& x) { return {std::expm1(x.value), std::exp(x.value) * x.error}; }
+inline Rounded log1p(const Rounded& x) { return {std::log1p(x.value), x.error / std::abs(1.0 + x.value)}; }
+inline Rounded asinh(const Rounded& x) { return {std::asinh(x.value), x.error / std::hypot(1.0, x.value)}; }
+inline Rounded atanh(const Rounded& x) {
+    return {std::atanh(x.value), x.error / std::abs((1.0 - x.value) * (1.0 + x.value))};
+}
 Rounded pow(const Rounded& x, double n);
+Rounded pow(const Rounded& x, const Rounded& n);
 Rounded atan2(const Rounded& y, const Rounded& x);
 inline Rounded floor(const Rounded& x) { return std::floor(x.value); }
 inline Rounded locked_sign(const Rounded& x, const std::string& = {}) { return x.value < 0.0 ? -1.0 : 1.0; }

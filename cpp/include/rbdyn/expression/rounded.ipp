@@ -38,6 +38,12 @@ RBDYN_INLINE Rounded pow(const Rounded& x, double n) {
     return {power, x.value != 0.0 ? std::abs(n * power / x.value) * x.error : std::pow(x.error, n)};
 }
 
+RBDYN_INLINE Rounded pow(const Rounded& x, const Rounded& n) {
+    const Rounded power = pow(x, n.value);
+    if (n.error == 0.0) return power;
+    return {power.value, power.error + std::abs(power.value * std::log(x.value)) * n.error};
+}
+
 RBDYN_INLINE Rounded atan2(const Rounded& y, const Rounded& x) {
     const double square = x.value * x.value + y.value * y.value;
     return {std::atan2(y.value, x.value), (std::abs(x.value) * y.error + std::abs(y.value) * x.error) / square};

@@ -55,6 +55,10 @@ RBDYN_INLINE void RoundingSizes::operator()(double t, std::span<const double> x)
             case Code::tangent: of(i.out) = own(i.out) + passed(i.a, 1.0 - s[i.out] * s[i.out]); break;
             case Code::exponential: of(i.out) = own(i.out) + passed(i.a, s[i.out]); break;
             case Code::logarithm: of(i.out) = own(i.out) + passed(i.a, 1.0 / s[i.a]); break;
+            case Code::expm1: of(i.out) = own(i.out) + passed(i.a, std::exp(s[i.a])); break;
+            case Code::log1p:
+            case Code::arsinh:
+            case Code::artanh: of(i.out) = own(i.out) + passed(i.a, 1.0 / inverse_divisor(i.code, s[i.a])); break;
             case Code::power: of(i.out) = own(i.out) + passed(i.a, i.value * s[i.out] / s[i.a]); break;
             case Code::angle: {
                 const double square = s[i.a] * s[i.a] + s[i.b] * s[i.b];

@@ -1,11 +1,11 @@
 // Functions that are simpler than a given one, and have its sign in their product.
 //
 // Where a watched function passes zero its sign alone matters. A cube root has the sign of what is under it, a power
-// with an odd exponent that of its base, one with an even exponent that of the square; sinh, tanh and arctan have the
-// sign of their argument, the root of what is not negative that of what is under it; what is positive can be left out
-// of a product. And the sign of a product is that of its factors, each watched alone: cbrt((x - a)^5 (x - b)^5) is
-// x - a and x - b, with no root of infinite slope, none of an order that rounding hides, none beside another; and |f|
-// is f^2, a distinction less.
+// with an odd exponent that of its base, one with an even exponent that of the square; sinh, tanh, their
+// inverses and arctan have the sign of their argument, the root of what is not negative that of what is under it; what
+// is positive can be left out of a product. And the sign of a product is that of its factors, each watched alone:
+// cbrt((x - a)^5 (x - b)^5) is x - a and x - b, with no root of infinite slope, none of an order that rounding hides,
+// none beside another; and |f| is f^2, a distinction less.
 //
 // A quotient stays what it is unless what is below is never zero: with what is above it a pole may be a jump or a root.
 //
@@ -96,8 +96,6 @@ private:
     Product of_base(std::int32_t n, bool never_negative = false, bool never_zero = false) const;
     Product of_multiply(std::int32_t n) const;
     Product of_quotient(std::int32_t n) const;
-    /// Whether it is the inverse of sinh as it is recorded: sign(u) log(|u| + sqrt(u^2 + 1)), of which node.
-    std::optional<std::int32_t> under_arsinh(const Node& node) const;
     Product of_sum(std::int32_t n) const;
     Product of_norm(const Node& node) const;
     Product of_logarithm(std::int32_t n) const;

@@ -153,7 +153,9 @@ RBDYN_INLINE std::array<double, 2> Writer::bounds(std::int32_t n) const {
         case Operation::hyperbolic_tangent:
         case Operation::sign: return {-1.0, 1.0};
         case Operation::angle: return {-pi, pi};
-        case Operation::exponential: return {0.0, infinity};
+        case Operation::exponential:
+        case Operation::raise: return {0.0, infinity};
+        case Operation::expm1: return {-1.0, infinity};
         case Operation::hyperbolic_cosine: return {1.0, infinity};
         case Operation::add: return {of(node.a).low + of(node.b).low, of(node.a).high + of(node.b).high};
         case Operation::select:
@@ -188,10 +190,31 @@ RBDYN_INLINE Product Writer::found(std::int32_t n) const {
     // where they are bounded, a pole is a jump
     const auto odd = [&](std::int32_t operand) { return product(operand).has_poles ? of_base(n) : like(operand); };
     switch (node.operation) {
-        case Operation::hyperbolic_sine: return like(node.a);
+        case Operation::hyperbolic_sine:
+        case Operation::arsinh: return like(node.a);
+        case Operation::expm1:
         case Operation::hyperbolic_tangent: return odd(node.a);
+        case Operation::log1p:
+        case Operation::artanh: {
+            const Product& argument = product(node.a);
+            const bool has_end = node.operation == Operation::artanh;
+            if (argument.low > -1.0 && !(has_end && argument.high >= 1.0)) return like(node.a);
+            // the function ends there, or has a pole where that is but touched
+            Product result = of_base(n);
+            result.is_number = false;
+            result.has_poles = result.has_poles || (argument.low >= -1.0 && !(has_end && argument.high > 1.0));
+            return result;
+        }
         case Operation::hyperbolic_cosine:
         case Operation::exponential: return positive(of_base(n, true, true));
+        case Operation::raise: {
+            const Product& base = product(node.a);
+            const bool is_safe = base.is_positive() && base.is_finite();
+            Product result = of_base(n, true, true);
+            result.is_number = result.is_number && is_safe;
+            result.has_poles = result.has_poles || (!is_safe && base.never_negative());
+            return positive(result);
+        }
         case Operation::sign: return of_base(n, false, true);
         case Operation::multiply: return of_multiply(n);
         case Operation::divide: return of_quotient(n);
@@ -235,23 +258,8 @@ RBDYN_INLINE Product Writer::of_quotient(std::int32_t n) const {
     return result;
 }
 
-RBDYN_INLINE std::optional<std::int32_t> Writer::under_arsinh(const Node& node) const {
-    for (const auto& [a, b] : {std::pair(node.a, node.b), std::pair(node.b, node.a)}) {
-        const Node &sign = function_.node(a), &log = function_.node(b);
-        if (sign.operation != Operation::sign || log.operation != Operation::logarithm) continue;
-        const Expression &u = copies_[at(sign.a)], &locked = copies_[at(a)];
-        if (is_same(copies_[at(log.a)], locked * u + sqrt(u * u + 1.0))) return sign.a;
-    }
-    return std::nullopt;
-}
-
 RBDYN_INLINE Product Writer::of_multiply(std::int32_t n) const {
     const Node& node = function_.node(n);
-    if (const auto argument = under_arsinh(node)) {
-        Product result = product(*argument);
-        result.is_simpler = true;
-        return result;
-    }
     // a sign beside what it is the sign of
     for (const auto& [a, b] : {std::pair(node.a, node.b), std::pair(node.b, node.a)}) {
         if (function_.node(a).operation != Operation::sign) continue;

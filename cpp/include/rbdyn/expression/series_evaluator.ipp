@@ -253,7 +253,8 @@ RBDYN_INLINE void SeriesEvaluator::flatten(const Block& block, std::ptrdiff_t k)
 
 RBDYN_INLINE bool SeriesEvaluator::may_overflow(const Program& program) {
     return std::ranges::any_of(program.instructions(), [](const Instruction& i) {
-        return i.code == Code::exponential || i.code == Code::hyperbolic || i.code == Code::power;
+        return i.code == Code::exponential || i.code == Code::hyperbolic || i.code == Code::expm1 ||
+               i.code == Code::power;
     });
 }
 
@@ -343,7 +344,45 @@ RBDYN_INLINE_LANES void SeriesEvaluator::compute(const Step& i, int k) {
             const series::View& a = i.a;
             double* slope = i.slope;
             slope[k] = k * a[k];
-            out.set(k, k == 0 ? std::exp(a[0]) : series::integral_of_slope<Lanes>(slope, out, k));
+            if (k == 0)
+                out.set(0, i.b.forward != nullptr ? std::pow(i.b[0], i.c[0]) : std::exp(a[0]));
+            else
+                out.set(k, series::integral_of_slope<Lanes>(slope, out, k));
+            break;
+        }
+        case Code::expm1: {
+            const series::View &a = i.a, &all = i.out2;
+            double* slope = i.slope;
+            slope[k] = k * a[k];
+            if (k == 0) {
+                out.set(0, std::expm1(a[0]));
+                all.set(0, std::exp(a[0]));
+                break;
+            }
+            out.set(k, series::integral_of_slope<Lanes>(slope, all, k));
+            all.set(k, out[k]);
+            break;
+        }
+        case Code::log1p:
+        case Code::arsinh:
+        case Code::artanh: {
+            // d y' = a', d = 1 + a, sqrt(1 + a^2), for which d' = a y', or 1 - a^2
+            const series::View &a = i.a, &divisor = i.out2;
+            double* slope = i.slope;
+            if (k == 0) {
+                out.set(0, inverse(i.code, a[0]));
+                divisor.set(0, inverse_divisor(i.code, a[0]));
+                break;
+            }
+            const double sum = series::dot<Lanes>(slope + 1, divisor.from(k - 1), k - 1);
+            out.set(k, (a[k] - sum / k) / divisor[0]);
+            slope[k] = k * out[k];
+            if (i.code == Code::log1p)
+                divisor.set(k, a[k]);
+            else if (i.code == Code::arsinh)
+                divisor.set(k, series::integral_of_slope<Lanes>(slope, a, k));
+            else
+                divisor.set(k, -series::square<Lanes>(a, k));
             break;
         }
         case Code::logarithm: {
@@ -544,7 +583,7 @@ RBDYN_INLINE std::vector<int> SeriesEvaluator::read_backwards(const Program& pro
     std::vector<int> slots;
     for (const Instruction& i : program.instructions()) {
         if (i.code == Code::norm) slots.insert(slots.end(), {i.a, i.b, i.c});
-        if (i.code == Code::logarithm) slots.push_back(i.a);
+        if (i.code == Code::logarithm || i.code == Code::arsinh || i.code == Code::artanh) slots.push_back(i.a);
         if (i.code == Code::angle) slots.push_back(i.c);
     }
     std::sort(slots.begin(), slots.end());

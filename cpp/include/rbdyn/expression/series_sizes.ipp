@@ -55,6 +55,10 @@ RBDYN_INLINE void SeriesSizes::operator()(const SeriesEvaluator& series) {
             case Code::tangent: lost(i.out, i.a, out2); break;
             case Code::exponential: lost(i.out, i.a, out); break;
             case Code::logarithm: lost(i.out, i.a, 1.0 / a); break;
+            case Code::expm1: lost(i.out, i.a, out2); break;
+            case Code::log1p:
+            case Code::arsinh:
+            case Code::artanh: lost(i.out, i.a, 1.0 / out2); break;
             case Code::power: lost(i.out, i.a, std::abs(i.value) * out / a); break;
             case Code::angle:
                 lost(i.out, i.a, 1.0 / std::hypot(a, b));

@@ -108,6 +108,10 @@ public:
                     break;
                 case Code::exponential: add(out, i.a); break;
                 case Code::logarithm: add(1.0 / a, i.a); break;
+                case Code::expm1: add(std::exp(a), i.a); break;
+                case Code::log1p:
+                case Code::arsinh:
+                case Code::artanh: add(1.0 / inverse_divisor(i.code, a), i.a); break;
                 case Code::power: add(i.value * std::pow(i.is_locked ? std::abs(a) : a, i.value - 1.0), i.a); break;
                 case Code::call: break;  // of what is called back nothing is known: all is dense
             }

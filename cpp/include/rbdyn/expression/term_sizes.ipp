@@ -82,8 +82,12 @@ RBDYN_INLINE void TermSizes::pass_on(const Instruction& i, int slot, int deep, S
         case Code::sine_cosine:
         case Code::hyperbolic: add_product(s, 1.0, sizes(i.a, deep), own(slot == i.out ? i.out2 : i.out)); break;
         case Code::exponential: add_product(s, 1.0, sizes(i.a, deep), own(slot)); break;
+        case Code::expm1:
         case Code::tangent: add_product(s, 1.0, sizes(i.a, deep), own(i.out2)); break;
         case Code::logarithm: add(s, sizes(i.a, deep), 1.0 / first(i.a)); break;
+        case Code::log1p:
+        case Code::arsinh:
+        case Code::artanh: add(s, sizes(i.a, deep), 1.0 / first(i.out2)); break;
         case Code::power: add(s, sizes(i.a, deep), i.value * first(slot) / first(i.a)); break;
         case Code::angle: {
             const double square = first(i.a) * first(i.a) + first(i.b) * first(i.b);

@@ -43,7 +43,7 @@ RBDYN_INLINE bool ValueCodeWriter::takes(const Program& program) {
 }
 
 RBDYN_INLINE bool ValueCodeWriter::is_called(Code code) {
-    return code != Code::combine && code != Code::divide && code != Code::square_root && code != Code::norm;
+    return code != Code::combine && code != Code::divide && code != Code::square_root;
 }
 
 template <class F>
@@ -136,15 +136,8 @@ RBDYN_INLINE void ValueCodeWriter::instruction(const Instruction& i) {
     if (i.code == Code::divide) {
         const Vector a = value(i.a, 0);
         with(i.b, [&](auto b) { c_.divide_one(to, a, b); });
-    } else if (i.code == Code::square_root) {
-        c_.root_one(to, value(i.a, 0));
     } else {
-        product(to, i.a, i.a);
-        for (const int part : {i.b, i.c}) {
-            product(0, part, part);
-            c_.add_one(to, to, 0);
-        }
-        c_.root_one(to, to);
+        c_.root_one(to, value(i.a, 0));
     }
     store(i.out, to);
     know(to, i.out);
@@ -189,12 +182,17 @@ RBDYN_INLINE void ValueCodeWriter::call(const Instruction& i) {
     using Called = void(const Instruction&, double*);
     const auto function = [&]() -> Called* {
         switch (i.code) {
+            case Code::norm: return &compute_by<Code::norm>;
             case Code::sine_cosine: return &compute_by<Code::sine_cosine>;
             case Code::hyperbolic: return &compute_by<Code::hyperbolic>;
             case Code::tangent: return &compute_by<Code::tangent>;
             case Code::angle: return &compute_by<Code::angle>;
             case Code::exponential: return &compute_by<Code::exponential>;
             case Code::logarithm: return &compute_by<Code::logarithm>;
+            case Code::expm1: return &compute_by<Code::expm1>;
+            case Code::log1p: return &compute_by<Code::log1p>;
+            case Code::arsinh: return &compute_by<Code::arsinh>;
+            case Code::artanh: return &compute_by<Code::artanh>;
             default: return &compute_by<Code::power>;
         }
     };

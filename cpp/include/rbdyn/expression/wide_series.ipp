@@ -140,7 +140,30 @@ RBDYN_INLINE void WideSeries::compute(const Instruction& i, int k) {
                 slot(result)[k] = nothing;
             break;
         }
-        case Code::exponential: out[k] = k == 0 ? exp(a[0]) : of_slope(a, out, k); break;
+        case Code::exponential:
+            out[k] = k > 0 ? of_slope(a, out, k) : b != nullptr ? pow(b[0], c[0]) : exp(a[0]);
+            break;
+        case Code::expm1:
+            out[k] = k == 0 ? expm1(a[0]) : of_slope(a, out2, k);
+            out2[k] = k == 0 ? exp(a[0]) : out[k];
+            break;
+        case Code::log1p:
+        case Code::arsinh:
+        case Code::artanh: {
+            // d y' = a', d = 1 + a, sqrt(1 + a^2), for which d' = a y', or 1 - a^2
+            if (k == 0) {
+                out[0] = inverse(i.code, a[0]);
+                out2[0] = inverse_divisor(i.code, a[0]);
+                break;
+            }
+            DoubleDouble sum = order * a[k];
+            for (int j = 1; j < k; ++j) sum -= static_cast<double>(j) * out[j] * out2[k - j];
+            out[k] = sum / (order * out2[0]);
+            out2[k] = i.code == Code::log1p    ? a[k]
+                      : i.code == Code::arsinh ? of_slope(out, a, k)
+                                               : -product(a, a, k, 0, k);
+            break;
+        }
         case Code::logarithm: {
             // a l' = a'
             if (k == 0) {

@@ -34,7 +34,7 @@ RBDYN_INLINE int Writing::index_of(const Parameter& parameter, double value) {
 namespace lines {
 
 /// Operations of one argument, of two between which their sign stands, and of several behind their word.
-inline constexpr std::array<std::pair<Operation, std::string_view>, 8> of_one = {
+inline constexpr std::array<std::pair<Operation, std::string_view>, 12> of_one = {
     {{Operation::square_root, "sqrt"},
      {Operation::sine, "sin"},
      {Operation::cosine, "cos"},
@@ -42,7 +42,11 @@ inline constexpr std::array<std::pair<Operation, std::string_view>, 8> of_one = 
      {Operation::hyperbolic_cosine, "cosh"},
      {Operation::hyperbolic_tangent, "tanh"},
      {Operation::exponential, "exp"},
-     {Operation::logarithm, "log"}}};
+     {Operation::logarithm, "log"},
+     {Operation::expm1, "expm1"},
+     {Operation::log1p, "log1p"},
+     {Operation::arsinh, "arcsinh"},
+     {Operation::artanh, "arctanh"}}};
 inline constexpr std::array<std::pair<Operation, std::string_view>, 3> between = {
     {{Operation::add, "+"}, {Operation::multiply, "*"}, {Operation::divide, "/"}}};
 inline constexpr std::array<std::pair<Operation, std::string_view>, 2> named = {
@@ -74,6 +78,7 @@ RBDYN_INLINE std::string line_of(const Function& f, std::int32_t index, const st
         case Operation::input: return "input " + std::to_string(n.a);
         case Operation::cell: return "parameter " + std::to_string(cells[static_cast<std::size_t>(n.a)]);
         case Operation::power: return operand(n.a) + " ^ " + digits(n.value);
+        case Operation::raise: return operand(n.a) + " ^ " + operand(n.b);
         case Operation::angle: return "arctan2 " + operand(n.a) + " " + operand(n.b);
         case Operation::norm: return "norm " + operand(n.a) + " " + operand(n.b) + " " + operand(n.c);
         case Operation::select:
@@ -183,7 +188,11 @@ RBDYN_INLINE Node node_from(const Place& place, Read& f) {
         if (found != between.end()) {
             n = {found->first, a, words.line(words.next())};
         } else if (sign == "^") {
-            n = {Operation::power, a, -1, -1, -1, words.number(words.next())};
+            const std::string_view exponent = words.next();
+            if (!exponent.empty() && exponent.front() == 'n' && exponent != "nan")
+                n = {Operation::raise, a, words.line(exponent)};
+            else
+                n = {Operation::power, a, -1, -1, -1, words.number(exponent)};
         } else if (sign == "where") {
             n = {Operation::select, words.line(words.next()), a};
             words.expect(">");

@@ -88,7 +88,10 @@ inline bool may_break(const Function& f) {
             case Operation::divide:
             case Operation::square_root:
             case Operation::logarithm:
+            case Operation::log1p:
+            case Operation::artanh:
             case Operation::power:
+            case Operation::raise:
             case Operation::norm:
             case Operation::angle:
             case Operation::sign:

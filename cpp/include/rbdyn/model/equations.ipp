@@ -17,7 +17,8 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE double least_share(double wanted, double size) {
-    constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+    // of four sums or products, and something over for all else that errs
+    constexpr double rounding = 4.5 * std::numeric_limits<double>::epsilon();
     return std::min(1.0, std::max(wanted, rounding * std::max(size, 1.0) / wanted));
 }
 
