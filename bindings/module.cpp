@@ -55,21 +55,22 @@ bool explain(PyObject* const* arguments, std::size_t count, PyObject* names) {
     return false;
 }
 
-using FastCall = PyObject* (*)(PyObject*, PyObject* const*, Py_ssize_t, PyObject*);
-FastCall dispatch = nullptr;  // pybind11's own, one for all functions
+// pybind11's own, one for all functions, and of its type: it takes the count without a sign
+using FastCall = PyObject* (*)(PyObject*, PyObject* const*, std::size_t, PyObject*);
+FastCall dispatch = nullptr;
 
-PyObject* explained(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
+PyObject* explained(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
     PyObject* const result = dispatch(self, arguments, count, names);
     if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError))
-        explain(arguments, static_cast<std::size_t>(count), names);
+        explain(arguments, count, names);
     return result;
 }
 
 /// The same of __setstate__: what is raised where data are not as they were pickled says whose they are.
-PyObject* explained_state(PyObject* self, PyObject* const* arguments, Py_ssize_t count, PyObject* names) {
+PyObject* explained_state(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
     namespace py = pybind11;
     PyObject* const result = dispatch(self, arguments, count, names);
-    if (result != nullptr || PyVectorcall_NARGS(static_cast<std::size_t>(count)) < 1) return result;
+    if (result != nullptr || PyVectorcall_NARGS(count) < 1) return result;
     for (PyObject* const type : {PyExc_LookupError, PyExc_TypeError, PyExc_AttributeError, PyExc_OverflowError}) {
         if (PyErr_ExceptionMatches(type) == 0) continue;
         py::object raised[3];

@@ -152,7 +152,7 @@ struct Kind {
 inline std::vector<Kind> kinds() {
     const auto wave = Curve([](const auto& u) { return Vector3Of<std::decay_t<decltype(u)>>(u, sin(u), 0.1 * u * u); },
                             Domain{-3.0, 3.0});
-    const Spline spline({{-2, 0, 0.5}, {-1, 0.2, 0}, {0, 0, -0.2}, {1, 0.1, 0.3}, {2, 0, 1}});
+    const Spline spline{.points = {{-2, 0, 0.5}, {-1, 0.2, 0}, {0, 0, -0.2}, {1, 0.1, 0.3}, {2, 0, 1}}};
     return {
         {"a particle with drag", with_drag()},
         {"two particles and a spring", with_spring()},

@@ -307,6 +307,9 @@ TEST(Contacts, refuse_what_they_cannot_do) {
                   scene.contact(ball, Plane{{0, 0, 1}}, {.restitution = 1.5});
               }).find("restitution is 1.5"),
               std::string::npos);
+    const auto refused = [&](const ContactSurface& surface) { return refusal([&] { scene.contact(ball, surface); }); };
+    EXPECT_NE(refused(BodyHandle{}.plane(Plane{})).find("body is -1"), std::string::npos);
+    EXPECT_NE(refused(BodyHandle{}.sphere(1.0)).find("body is -1"), std::string::npos);
 }
 
 }  // namespace contacts

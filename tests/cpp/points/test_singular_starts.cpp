@@ -1,6 +1,7 @@
 // Where a motion begins at a point without a finite slope: what is passed there, and how far.
 #include <gtest/gtest.h>
 
+#include "refusal.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_singular_starts {
@@ -23,6 +24,17 @@ TEST(SingularStarts, from_rest_begin_as_the_acceleration_there_says) {
         ASSERT_LT(t[k], 1e-6);
         EXPECT_NEAR(run[point].position(t[k])[0] / (t[k] * t[k]), 1.0, 1e-6);
     }
+}
+
+TEST(SingularStarts, on_rails_too_steep_for_doubles_are_refused) {
+    Scene scene;
+    const auto refused = [&](double a) {
+        return refusal([&] {
+            scene.add(Particle{1.0}, Rail(Parabola{.a = a, .x = {1, 0, 0}, .y = {0, 0, 1}}), {.parameter = 3.0});
+        });
+    };
+    EXPECT_NE(refused(1e300).find("parameter is 3; |r'|^2"), std::string::npos);
+    EXPECT_EQ(refused(1e150), "accepted");
 }
 
 }  // namespace

@@ -137,6 +137,7 @@ TEST(Attitude, what_is_no_rotation_is_refused_with_its_number) {
     EXPECT_NE(refusal(Quaternion{1.0 + 1.1e-6, 0, 0, 0}).find("is 1.0000011;"), std::string::npos);
     EXPECT_NE(refusal(Quaternion{nan, 0, 0, 0}).find("is nan;"), std::string::npos);
     EXPECT_NE(refusal(EulerAngles{0.0, nan, 0.0}).find("EulerAngles: psi is nan;"), std::string::npos);
+    EXPECT_NE(refusal(EulerAngles{0.0, 0.0, 1e300}).find("EulerAngles: phi is 1e+300;"), std::string::npos);
     const Matrix3 mirror = Vector3(1, 1, -1).asDiagonal(), zero = Matrix3::Zero(), blown = 1.001 * Matrix3::Identity();
     EXPECT_NE(refusal(mirror).find("determinant of the matrix is -1; a rotation does not mirror"), std::string::npos);
     EXPECT_NE(refusal(zero).find("departure of the matrix from a rotation is 1;"), std::string::npos);

@@ -36,7 +36,7 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class TaylorEngine : public Engine {
 public:
-    static constexpr int max_order = 24;
+    static constexpr int min_order = 12, max_order = 24;
 
     /// Local error per step relative to the motion's scales; `order` 0: chosen from the tolerance.
     /// `rounding`: of the constants that the projection does not make up for.

@@ -39,7 +39,7 @@ RBDYN_INLINE TaylorEngine::TaylorEngine(double tolerance, int order, Program::Ro
 RBDYN_INLINE std::string TaylorEngine::name() const { return "taylor"; }
 
 RBDYN_INLINE int TaylorEngine::order_for(double tolerance) {
-    return std::clamp(static_cast<int>(std::lround(8.0 - 0.58 * std::log(tolerance))), 12, max_order);
+    return std::clamp(static_cast<int>(std::lround(8.0 - 0.58 * std::log(tolerance))), min_order, max_order);
 }
 
 RBDYN_INLINE void TaylorEngine::start(const Equations& equations, std::span<const double> parameters, Instant t,

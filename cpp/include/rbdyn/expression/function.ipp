@@ -252,29 +252,39 @@ RBDYN_INLINE Function Function::from_data(int inputs, const std::vector<Node>& n
     for (const Parameter& p : parameters) cells.push_back(recorder->node(recorder->cell(p).node()).a);
     // nodes of cells come first in the new recording, so that the others move
     std::vector<std::int32_t> moved;
-    for (Node node : nodes) {
-        switch (node.operation) {
+    for (const Node& given : nodes) {
+        check(given.operation <= Operation::whole, static_cast<double>(given.operation));
+        // what its operation does not use is as in a recording, whatever the data have there
+        Node node{given.operation};
+        switch (given.operation) {
             case Operation::constant:
-            case Operation::input: break;
+                node.value = given.value;
+                node.is_wide = given.is_wide;
+                if (given.is_wide) node.rest = given.rest;
+                break;
+            case Operation::input:
+                check(given.a >= 0 && given.a < inputs, given.a);
+                node.a = given.a;
+                break;
             case Operation::cell:
-                check(node.a >= 0 && at(node.a) < cells.size(), node.a);
-                node.a = cells[at(node.a)];
+                check(given.a >= 0 && at(given.a) < cells.size(), given.a);
+                node.a = cells[at(given.a)];
                 break;
             case Operation::time:
             case Operation::parameter:
             case Operation::call: check(false, static_cast<double>(moved.size())); break;
+            case Operation::power: node.value = given.value; break;
             case Operation::sign:
             case Operation::select:
             case Operation::whole:
-                check(node.d >= 0 && at(node.d) < named.size(), node.d);
-                node.d = named[at(node.d)];
+                check(given.d >= 0 && at(given.d) < named.size(), given.d);
+                node.d = named[at(given.d)];
                 break;
             default: break;
         }
-        if (node.operation == Operation::input) check(node.a >= 0 && node.a < inputs, node.a);
-        const auto used = node.operands();
+        const auto used = given.operands();
         for (std::size_t i = 0; i < 3; ++i) {
-            if (static_cast<int>(i) >= operands_of(node.operation)) {
+            if (static_cast<int>(i) >= operands_of(given.operation)) {
                 check(used[i] < 0, used[i]);
                 continue;
             }

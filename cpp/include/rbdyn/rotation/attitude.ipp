@@ -35,7 +35,9 @@ RBDYN_INLINE Attitude::Attitude(const QuaternionOf<DoubleDouble>& q) {
 RBDYN_INLINE Attitude::Attitude(const EulerAngles& angles) : given_(angles) {
     for (const auto& [name, value] :
          {std::pair("theta", angles.theta), std::pair("psi", angles.psi), std::pair("phi", angles.phi)})
-        require(std::isfinite(value), "EulerAngles", name, value, "an angle is finite; give it in radians");
+        // of larger ones doubles are a turn apart soon, and whole turns are not taken off exactly
+        require(std::abs(value) <= 1e15, "EulerAngles", name, value,
+                "an angle is finite and at most 1e15, so that doubles tell its last turn; give it in radians");
     take(exact_quaternion(angles));
 }
 

@@ -268,7 +268,8 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
     options.validate();
     const int first = body_of(a), second = body_of(b);
     require_body(BodyHandle{first}, "contact");
-    if (second >= 0) require_body(BodyHandle{second}, "contact");
+    const bool is_of_body = std::holds_alternative<BodyPlane>(b) || std::holds_alternative<BodySphere>(b);
+    if (is_of_body) require_body(BodyHandle{second}, "contact");
     const Body& body = bodies_[static_cast<std::size_t>(first)];
     if (first == second)
         throw InvalidInput("contact: both sides are on " + body.name +
@@ -310,7 +311,7 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
                on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
     if (is_round && !on_plane)
         throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
-    if (second >= 0 && std::holds_alternative<BodyPlane>(b) &&
+    if (std::holds_alternative<BodyPlane>(b) &&
         bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
         throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
                            " is a particle, which has no plane");

@@ -44,6 +44,10 @@ RBDYN_INLINE Started on(const Rail& rail, const RailStart& start, const std::str
             "a start lies in the domain of its curve, " + text(domain.begin) + " to " + text(domain.end));
     require(std::isfinite(start.speed), name, "speed", start.speed, "a speed is finite; give it in m/s");
     curve.require_regular(u.hi);
+    // what its equations divide by, and multiply with
+    const CurvePoint<double> point = curve.own(u.hi);
+    require(std::isfinite(point.speed_squared) && std::isfinite(point.first_dot_second), name, "parameter", u.hi,
+            "|r'|^2 and r' . r'' of the curve are beyond doubles there: choose units that make them smaller");
     return {.parameter = u.hi, .speed = start.speed, .parameter_rest = u.lo};
 }
 

@@ -70,8 +70,8 @@ private:
 /// The same, where there are registers of four.
 class Four {
 public:
-    RBDYN_INLINE_LANES Four(const double* a, const double* b) : all_(at(a) * at(b)) {}
-    RBDYN_INLINE_LANES void add(const double* a, const double* b) { all_ += at(a) * at(b); }
+    RBDYN_INLINE_LANES Four(const double* a, const double* b) : all_(at(a).lanes * at(b).lanes) {}
+    RBDYN_INLINE_LANES void add(const double* a, const double* b) { all_ += at(a).lanes * at(b).lanes; }
     RBDYN_INLINE_LANES double sum() const {
         Pair half[2];
         std::memcpy(half, &all_, sizeof half);
@@ -80,7 +80,10 @@ public:
     }
 
 private:
-    using Unaligned = double __attribute__((vector_size(32), aligned(8), may_alias));
+    // a struct, for clang forgets the alignment of a type that has only a name
+    struct __attribute__((packed, may_alias)) Unaligned {
+        double lanes __attribute__((vector_size(32)));
+    };
     RBDYN_INLINE_LANES static const Unaligned& at(const double* a) { return *reinterpret_cast<const Unaligned*>(a); }
     Quad all_;
 };

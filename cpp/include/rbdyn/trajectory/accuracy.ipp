@@ -93,7 +93,8 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         result.same_events = false;
         uncertain = std::min(uncertain, odd);
     }
-    // beyond the end of the better run nothing is known
+    // beyond the end of the better run nothing is known, and of a run without a piece nothing at all
+    if (!run.empty() && better.empty() && !is_formula(better)) uncertain = run.start;
     if (better.end.hi < near_end) uncertain = std::min(uncertain, better.end.hi);
     if (times.empty())
         compare_motion(run, better, places(run), uncertain);
@@ -137,7 +138,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
 
 RBDYN_INLINE void AccuracyCheck::compare_motion(const Record& run, const Record& better, std::span<const double> times,
                                                 double until) {
-    if (run.empty()) return;
+    if (run.empty() || (better.empty() && !is_formula(better))) return;
     x_.resize(static_cast<std::size_t>(run.variables));
     y_.resize(x_.size());
     std::vector<Place> places;

@@ -276,6 +276,7 @@ RBDYN_INLINE std::optional<simulating::Course> take_course(Reader& r, const Scen
     constexpr double least_tolerance = 1e-20;
     Reader::require(course.tolerance >= least_tolerance && course.tolerance < 1.0, "a tolerance is none");
     course.manner.order = r.whole(0, TaylorEngine::max_order);
+    Reader::require(course.manner.order == 0 || course.manner.order >= TaylorEngine::min_order, "an order is none");
     r.take(course.manner.stride);
     Reader::require(course.manner.stride > 0.0 && course.manner.stride <= 1.0, "a stride is none");
     r.take(course.manner.is_refined);
