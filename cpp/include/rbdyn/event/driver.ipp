@@ -311,7 +311,7 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     const bool all_touch = std::all_of(fired.begin(), fired.end(), [&](int index) {
         return before->guards[static_cast<std::size_t>(index)].contact >= 0;
     });
-    if (all_touch && EventSearch::follows_bounces(model_))
+    if (all_touch && (EventSearch::follows_bounces(model_) || now_.mode.jumps == after.jumps))
         for (std::size_t g = 0; g < handled.size(); ++g)
             handled[g] = handled[g] || opens(*before, fired, after.equations->guards[g]);
     now_.mode = std::move(after);

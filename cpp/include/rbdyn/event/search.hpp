@@ -147,6 +147,11 @@ private:
     /// event then sees it at zero within rounding. Newton's method, slope by the series, while it gets better. A guard
     /// that is a variable is cut off no sooner than the state, unless the engine knows that better than its piece.
     double polished(const Mode& mode, double cut);
+    /// Whether a guard is the gap of a contact that has just opened without an impulse: it is zero, and so is its rate.
+    bool begins_touching(const Mode& mode, const Guard& guard, bool fresh) const;
+    /// How many of the first coefficients of such a gap are zero: it goes by the first one that is not.
+    int zeros_of_gap(const Mode& mode, const Guard& guard);
+
     // --- gaps lower than their rounding in doubles (search_low.ipp) ---
 
     /// Whether a guard is the gap of a contact, followed so, that has not just left its surface.

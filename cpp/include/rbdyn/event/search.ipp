@@ -401,6 +401,11 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         q[0] = sign * *fine;
         arrival.at_zero = q[0] == 0.0;
     }
+    int zeros = 0;
+    if (arrival.at_zero && begins_touching(mode, guard, fresh)) {
+        zeros = zeros_of_gap(mode, guard);
+        std::fill_n(q.begin(), std::min(zeros, degree_ + 1), 0.0);
+    }
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
         if (begins_at_zero(mode, guard, (is_watch ? 32.0 : 8.0) * epsilon)) {
@@ -437,7 +442,11 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         const double size = slot < x.size() ? 2.0 * std::abs(x[slot]) : size_of_terms(mode, piece.start.hi, x, rate);
         sizes[1] = std::max(sizes[1], size * piece.duration());
     };
-    passages_.find(q.data(), degree_, arrival, sizes_of_terms, [&] {
+    const auto sizes_of_rest = [&](double* sizes) {
+        sizes_of_terms(sizes);
+        std::fill_n(sizes, std::min(zeros, degree_ + 1), 0.0);
+    };
+    passages_.find(q.data(), degree_, arrival, sizes_of_rest, [&] {
         return mode.equations->is_variable(guard) ? series::value(q.data(), degree_, 1.0)
                                                   : sign * evaluated(mode, engine_.piece().length).output(guard.output);
     });
@@ -448,7 +457,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     if (is_watch || is_distinction(guard)) sharpen(mode, guard, sign, before);
     if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
     const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
-    if (const auto x = passages_.touch(arrival, sizes_of_terms, passes)) touch_ = std::min(touch_, *x);
+    if (const auto x = passages_.touch(arrival, sizes_of_rest, passes)) touch_ = std::min(touch_, *x);
 }
 
 RBDYN_INLINE double EventSearch::value_rounding(const Mode& mode, const Guard& guard, double place) {

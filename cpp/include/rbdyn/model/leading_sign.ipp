@@ -70,11 +70,13 @@ RBDYN_INLINE int by_values(const Mode& mode, double t, std::span<const double> x
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros) {
+RBDYN_INLINE Leading leading_term(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros,
+                                  double doubt) {
     // most are told by their first coefficients
     constexpr int few = 4, most = 24;
+    constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
     const Program& program = mode.equations->program;
-    if (program.has_calls()) return leading::by_values(mode, t, x, output, known_zeros > 0);
+    if (program.has_calls()) return {known_zeros, leading::by_values(mode, t, x, output, known_zeros > 0)};
     const BorrowedSeries borrowed(program, most);
     SeriesEvaluator& series = *borrowed;
     series.set_parameters(mode.parameters);
@@ -90,11 +92,16 @@ RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double
         const double* g = series.output(output);
         const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::many)(program.output(output));
         for (int k = std::max(known_zeros, done + 1); k <= order; ++k)
-            if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
-                return g[k] > 0.0 ? 1 : -1;
+            if (std::abs(g[k]) >
+                (k == known_zeros ? std::max(doubt, rounding) : rounding) * sizes[static_cast<std::size_t>(k)])
+                return {k, g[k] > 0.0 ? 1 : -1};
         done = order;
     }
-    return 0;
+    return {most + 1, 0};
+}
+
+RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros) {
+    return leading_term(mode, t, x, output, known_zeros).sign;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM
