@@ -302,6 +302,7 @@ private:
     std::vector<Watched> watched_;  // by watched function
     std::vector<double> ends_;      // values of watched guards at the end of the last piece
     std::vector<bool> handled_;     // guards whose zero began the mode
+    std::vector<int> ended_;        // contacts whose force came to zero as the last mode ended, where no more fired
     // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
     std::vector<bool> passed_at_end_, passed_before_;
     std::vector<bool> stays_;  // guards that are zero all along the piece

@@ -100,6 +100,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
     multiply_sides(guards);
     if (found_.empty()) {
+        ended_.clear();
         note_doubt(piece.length);
         return -1.0;
     }
@@ -144,6 +145,12 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         const double place = f.place * piece.length;
         note(record, guard, direction_of(f.product_rises), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
+    ended_.clear();
+    const bool all_end = std::all_of(fired_.begin(), fired_.end(), [&](int g) {
+        return guards[at(g)].kind == EventKind::detach && guards[at(g)].contact >= 0;
+    });
+    for (const int g : fired_)
+        if (all_end) ended_.push_back(guards[at(g)].contact);
     // what a guard that fired is where it did, so that it is known again
     for (const int g : fired_)
         if (const Guard& guard = guards[static_cast<std::size_t>(g)]; guard.watch >= 0)
@@ -395,6 +402,8 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         product_of(guards, factors_of(guards, g)) *= -1;
     }
     arrival.side = side;
+    // a force that touches zero, but for what rounding has made of the motion so far, pushes on
+    if (guard.kind == EventKind::detach && guard.contact >= 0) arrival.dips = deepest_dip;
     std::optional<double> fine;
     if (!arrival.at_zero && is_gap(guard, g)) fine = low_gap(mode, guard, q);
     if (fine) {

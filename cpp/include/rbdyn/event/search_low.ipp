@@ -32,12 +32,13 @@ RBDYN_INLINE bool EventSearch::begins_touching(const Mode& mode, const Guard& gu
 }
 
 RBDYN_INLINE int EventSearch::zeros_of_gap(const Mode& mode, const Guard& guard) {
-    // it has touched so far, so its rate is zero, and so is its acceleration where its force has come to zero, as far as
-    // that is known
+    // it has touched so far, so its rate is zero, and where its force has come to zero its acceleration is: where that
+    // is not known for another reason, as far as its terms tell
     constexpr double doubt = 0x1p-40;
-    const Leading first =
-        leading_term(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output, 2, doubt);
-    return first.order;
+    const bool has_ended = std::find(ended_.begin(), ended_.end(), guard.contact) != ended_.end();
+    return leading_term(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output, has_ended ? 3 : 2,
+                        has_ended ? 0.0 : doubt)
+        .order;
 }
 
 RBDYN_INLINE double EventSearch::fine_value(const Mode& mode, const Guard& guard, double tau) {
