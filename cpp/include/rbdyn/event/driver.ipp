@@ -239,7 +239,13 @@ RBDYN_INLINE bool Driver::is_going_on(Record& record, StepStatus step, double un
         break_off(record, at);
         return false;
     }
-    now_.crowded = at - t > 8.0 * epsilon * std::abs(at.hi) ? 0 : now_.crowded + 1;
+    // bounces are followed until they are shorter than that
+    const auto& guards_there = now_.mode.equations->guards;
+    const bool all_land = std::all_of(search_.fired().begin(), search_.fired().end(), [&](int index) {
+        const Guard& guard = guards_there[static_cast<std::size_t>(index)];
+        return guard.contact >= 0 && guard.kind == EventKind::land;
+    });
+    now_.crowded = at - t > (all_land ? 1.0 : 8.0) * epsilon * std::abs(at.hi) ? 0 : now_.crowded + 1;
     search_.set_crowded(now_.crowded);
     t = at;
     if (search_.stops()) {
@@ -293,7 +299,8 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     for (int index : fired) {
         const Guard& guard = before->guards[static_cast<std::size_t>(index)];
         if (guard.watch < 0) {
-            if (after.equations == before && !guard.renews) handled[static_cast<std::size_t>(index)] = true;
+            if (after.equations == before && (!guard.renews || after.parameters == now_.mode.parameters))
+                handled[static_cast<std::size_t>(index)] = true;
             if (const auto surface = before->surface_of(guard))
                 for (std::size_t g = 0; g < handled.size(); ++g)
                     handled[g] = handled[g] || after.equations->surface_of(after.equations->guards[g]) == surface;
@@ -311,7 +318,7 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     const bool all_touch = std::all_of(fired.begin(), fired.end(), [&](int index) {
         return before->guards[static_cast<std::size_t>(index)].contact >= 0;
     });
-    if (all_touch && EventSearch::follows_bounces(model_))
+    if (all_touch && (EventSearch::follows_bounces(model_) || now_.mode.jumps == after.jumps))
         for (std::size_t g = 0; g < handled.size(); ++g)
             handled[g] = handled[g] || opens(*before, fired, after.equations->guards[g]);
     now_.mode = std::move(after);
@@ -322,8 +329,12 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     // where the run was stopped all of it is noted
     for (const Happening& h : happenings)
         if (!has_stops && (!now_.begins || h.kind == EventKind::watch)) note(record, h, t);
-    // what goes on switching without getting on has no smooth motion
-    if (++changes_ % 1000 == 0) {
+    // what goes on switching without getting on has no smooth motion; bounces get on towards their limit
+    const bool bounces =
+        !happenings.empty() && std::all_of(happenings.begin(), happenings.end(), [](const Happening& h) {
+            return h.kind == EventKind::impact && h.contact >= 0 && h.impulse > 0.0;
+        });
+    if (!(bounces && now_.crowded == 0) && ++changes_ % 1000 == 0) {
         if (changes_ > 1000 && t - chattered_ < 1e-9 * (t.hi - record.start)) {
             record.not_finite =
                 "it goes on switching without getting on, a thousand times within " + text(t - chattered_) + " s";

@@ -31,6 +31,7 @@ public:
         double gap = 0.0;                           // between the last piece and this one
         std::optional<double> late = std::nullopt;  // how far beyond 1 is met at 1: the run ends there
         double reach = 0x1p-4;                      // how far beyond 1 the polynomial holds
+        double dips = 1.0;                          // so many roundings below zero it has but touched it
         bool is_series = true;                      // cut off, so that its last terms say what it leaves out
     };
     /// Where it passes zero, how far from there it cannot tell itself from zero, and how far another one of its zero,
@@ -144,7 +145,7 @@ private:
 
     /// The side of the guard between two roots, or a root and an end; 0: it is rounding everywhere there. Not by the
     /// number of roots: one of a pair that touch may be lost.
-    int lobe(double a, double b) const;
+    int lobe(double a, double b, double times = 1.0) const;
 
     /// Whether its terms cancel somewhere to so much less that their rounding, which may be more than that of what is
     /// left of them, may hide a zero that no root tells of.
@@ -170,6 +171,8 @@ private:
         };
         for (std::size_t i = 0; i <= count; ++i) {
             const int side = lobe(i == 0 ? 0.0 : roots_[i - 1], i == count ? 1.0 : roots_[i]);
+            if (side < 0 && i < count && a.dips > 1.0 && lobe(i == 0 ? 0.0 : roots_[i - 1], roots_[i], a.dips) == 0)
+                continue;
             if (side != 0) pass(side, i);
         }
         if (a.late && now != 0)

@@ -108,11 +108,13 @@ RBDYN_INLINE int Passages::sign(double x, bool at_start, double times) const {
     return std::abs(g) <= times * noise(x, at_start) ? 0 : g > 0.0 ? 1 : -1;
 }
 
-RBDYN_INLINE int Passages::lobe(double a, double b) const {
+RBDYN_INLINE int Passages::lobe(double a, double b, double times) const {
+    // what begins at zero and stays valid may sink first: how far, those say who know all that it is made of
+    if (times > 1.0 && a == 0.0 && is_at_zero_) return 0;
     for (const double part : {0.5, 0.75, 0.25, 0.9375, 0.0625})
-        if (const int side = sign(a + part * (b - a), a == 0.0); side != 0) return side;
-    if (a == 0.0 && sign(0.0, true) != 0) return sign(0.0, true);
-    return b == 1.0 ? sign(1.0, a == 0.0) : 0;
+        if (const int side = sign(a + part * (b - a), a == 0.0, times); side != 0) return side;
+    if (a == 0.0 && sign(0.0, true, times) != 0) return sign(0.0, true, times);
+    return b == 1.0 ? sign(1.0, a == 0.0, times) : 0;
 }
 
 RBDYN_INLINE void Passages::add(double x) {

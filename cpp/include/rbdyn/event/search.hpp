@@ -157,6 +157,11 @@ private:
     double polished(const Mode& mode, double cut);
     /// A root of a guard where a run that rounds otherwise takes it; of others the same (other_rounding.ipp).
     double otherwise(const Mode& mode, std::size_t g, double place);
+    /// Whether a guard is the gap of a contact that has just opened without an impulse: it is zero, and so is its rate.
+    bool begins_touching(const Mode& mode, const Guard& guard, bool fresh) const;
+    /// How many of the first coefficients of such a gap are zero: it goes by the first one that is not.
+    int zeros_of_gap(const Mode& mode, const Guard& guard);
+
     // --- gaps lower than their rounding in doubles (search_low.ipp) ---
 
     /// Whether a guard is the gap of a contact, followed so, that has not just left its surface.
@@ -307,6 +312,7 @@ private:
     std::vector<Watched> watched_;  // by watched function
     std::vector<double> ends_;      // values of watched guards at the end of the last piece
     std::vector<bool> handled_;     // guards whose zero began the mode
+    std::vector<int> ended_;        // contacts whose force came to zero as the last mode ended, where no more fired
     // guards that passed zero at the end of the run, and where the one ended that this goes on with: they begin at it
     std::vector<bool> passed_at_end_, passed_before_;
     std::vector<bool> stays_;  // guards that are zero all along the piece

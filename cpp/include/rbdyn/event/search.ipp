@@ -100,6 +100,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
     sort_few<Found>(found_, [](const Found& a, const Found& b) { return a.place < b.place; });
     multiply_sides(guards);
     if (found_.empty()) {
+        ended_.clear();
         note_doubt(piece.length);
         return -1.0;
     }
@@ -145,6 +146,12 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
         const double place = otherwise(mode, f.guard, f.place * piece.length);
         note(record, guard, direction_of(f.product_rises), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
+    ended_.clear();
+    const bool all_end = std::all_of(fired_.begin(), fired_.end(), [&](int g) {
+        return guards[at(g)].kind == EventKind::detach && guards[at(g)].contact >= 0;
+    });
+    for (const int g : fired_)
+        if (all_end) ended_.push_back(guards[at(g)].contact);
     // what a guard that fired is where it did, so that it is known again
     for (const int g : fired_)
         if (const Guard& guard = guards[static_cast<std::size_t>(g)]; guard.watch >= 0)
@@ -396,11 +403,18 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         product_of(guards, factors_of(guards, g)) *= -1;
     }
     arrival.side = side;
+    // a force that touches zero, but for what rounding has made of the motion so far, pushes on
+    if (guard.kind == EventKind::detach && guard.contact >= 0) arrival.dips = deepest_dip;
     std::optional<double> fine;
     if (!arrival.at_zero && is_gap(guard, g)) fine = low_gap(mode, guard, q);
     if (fine) {
         q[0] = sign * *fine;
         arrival.at_zero = q[0] == 0.0;
+    }
+    int zeros = 0;
+    if (arrival.at_zero && begins_touching(mode, guard, fresh)) {
+        zeros = zeros_of_gap(mode, guard);
+        std::fill_n(q.begin(), std::min(zeros, degree_ + 1), 0.0);
     }
     // what tells on which side a distinction begins tells it of its guard, and of functions with a corner there
     if (fresh && begins_ && (is_distinction(guard) || (is_watch && begins_on_edge(mode))))
@@ -438,7 +452,11 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
         const double size = slot < x.size() ? 2.0 * std::abs(x[slot]) : size_of_terms(mode, piece.start.hi, x, rate);
         sizes[1] = std::max(sizes[1], size * piece.duration());
     };
-    passages_.find(q.data(), degree_, arrival, sizes_of_terms, [&] {
+    const auto sizes_of_rest = [&](double* sizes) {
+        sizes_of_terms(sizes);
+        std::fill_n(sizes, std::min(zeros, degree_ + 1), 0.0);
+    };
+    passages_.find(q.data(), degree_, arrival, sizes_of_rest, [&] {
         return mode.equations->is_variable(guard) ? series::value(q.data(), degree_, 1.0)
                                                   : sign * evaluated(mode, engine_.piece().length).output(guard.output);
     });
@@ -449,7 +467,7 @@ RBDYN_INLINE void EventSearch::seek(const Mode& mode, const std::vector<Guard>& 
     if (is_watch || is_distinction(guard)) sharpen(mode, guard, sign, before);
     if (guard.kind != EventKind::reverse || !model_.holds_what_touches(guard.subject)) return;
     const double passes = passages_.places().empty() ? 1.0 : passages_.places().front().x;
-    if (const auto x = passages_.touch(arrival, sizes_of_terms, passes)) touch_ = std::min(touch_, *x);
+    if (const auto x = passages_.touch(arrival, sizes_of_rest, passes)) touch_ = std::min(touch_, *x);
 }
 
 RBDYN_INLINE double EventSearch::value_rounding(const Mode& mode, const Guard& guard, double place) {

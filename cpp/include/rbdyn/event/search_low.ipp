@@ -17,12 +17,28 @@
 #include "rbdyn/event/search.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/model/at_zero.hpp"
+#include "rbdyn/model/leading_sign.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool EventSearch::is_gap(const Guard& guard, std::size_t g) const {
     return guard.contact >= 0 && guard.kind == EventKind::land && guard.output >= 0 && !handled(g) &&
            follows_bounces(model_);
+}
+
+RBDYN_INLINE bool EventSearch::begins_touching(const Mode& mode, const Guard& guard, bool fresh) const {
+    return fresh && guard.contact >= 0 && guard.kind == EventKind::land && !mode.memory.empty() &&
+           mode.memory[0] != engine_.piece().start.hi;
+}
+
+RBDYN_INLINE int EventSearch::zeros_of_gap(const Mode& mode, const Guard& guard) {
+    // it has touched so far, so its rate is zero, and where its force has come to zero its acceleration is: where that
+    // is not known for another reason, as far as its terms tell
+    constexpr double doubt = 0x1p-40;
+    const bool has_ended = std::find(ended_.begin(), ended_.end(), guard.contact) != ended_.end();
+    return leading_term(mode, engine_.piece().start.hi, state_of_piece(0.0), guard.output, has_ended ? 3 : 2,
+                        has_ended ? 0.0 : doubt)
+        .order;
 }
 
 RBDYN_INLINE double EventSearch::fine_value(const Mode& mode, const Guard& guard, double tau) {

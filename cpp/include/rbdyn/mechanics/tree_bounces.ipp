@@ -132,10 +132,11 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         if (!is_coarse && !is_shortest) continue;
         if (!is_shortest) return {};
         // bounces get shorter by the coefficient of restitution, or as the last one did
-        const double ratio = e > 0.0 && e < 1.0 ? e : last > 0.0 ? next / last : 1.0;
+        const bool is_known = e > 0.0 && e < 1.0;
+        const double ratio = is_known ? e : last > 0.0 ? next / last : 1.0;
         // those that do not are no bounces once they are far below rounding
         if (is_coarse && ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
-        remaining = std::max(remaining, next / (1.0 - std::min(ratio, 0.9)));
+        remaining = std::max(remaining, next / (1.0 - (is_known ? e : std::min(ratio, 0.9))));
         group.push_back(k);
     }
     const bool is_any = std::any_of(group.begin(), group.end(), is_struck);

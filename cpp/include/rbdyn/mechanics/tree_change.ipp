@@ -282,6 +282,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     if (!mode.impossible.empty()) return mode;
     std::vector<double> rest(x.size(), 0.0);
     hold(mode, t, x, rest);
+    mode.still = mode.still || rests_for_ever(mode, t, x);
     if (!begins) {
         tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);
         tell_rest(before, was, mode, t, x, happenings);

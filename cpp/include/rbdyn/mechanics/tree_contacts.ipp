@@ -20,6 +20,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/acting.hpp"
@@ -372,16 +373,42 @@ RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<doubl
         Mode closed = mode;
         closed.slip[at(k)] = pushes;
         choose(closed, t, x, {}, true);
-        int sign = 1;
-        for (const Guard& guard : closed.equations->guards)
-            if (guard.contact == k && guard.kind == EventKind::detach) {
-                const bool fired = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end();
-                sign = leading_sign(closed, t, x, guard.output, fired ? 1 : 0);
-            }
         // where nothing moves, what changes a force that is zero is rounding
         const bool has_fired = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end();
+        int sign = 1;
+        if (has_fired)
+            sign = ends(closed, k, t, x) ? -1 : 0;
+        else if (const int force = force_of(closed, k); force >= 0)
+            sign = leading_sign(closed, t, x, force);
         if (sign >= 0 || (!has_fired && stands(closed, k, t, x))) mode = std::move(closed);
     }
+}
+
+RBDYN_INLINE int TreeModel::force_of(const Mode& mode, int contact) {
+    if (mode.equations == nullptr) return -1;
+    for (const Guard& guard : mode.equations->guards)
+        if (guard.contact == contact && guard.kind == EventKind::detach) return guard.output;
+    return -1;
+}
+
+RBDYN_INLINE double TreeModel::forces_at(int contact, const mechanics::TreeState& state) const {
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    const double size = size_of(contact, state.moving);
+    double forces = 0.0;
+    for (const int body : {c.a.body, c.b.body}) {
+        if (body < 0) continue;
+        const Wrench<double>& effort = state.bodies[at(body)].effort;
+        forces += effort.force.norm() + (size > 0.0 ? effort.moment.norm() / size : 0.0);
+    }
+    return forces;
+}
+
+RBDYN_INLINE bool TreeModel::ends(const Mode& mode, int contact, double t, std::span<const double> x) const {
+    const int force = force_of(mode, contact);
+    if (force < 0 || leading_sign(mode, t, x, force, 1) >= 0) return false;
+    // what slides is told by a numerator, which is none
+    const bool is_force = !mechanics::contact_state::slides(mode.slip[at(contact)]);
+    return !only_dips(mode, t, x, force, is_force ? forces_at(contact, look(mode, t, x)) : 0.0);
 }
 
 RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const double> x) const {
@@ -589,6 +616,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     tell_joints(mode, after, happenings);
     tell_rest(mode, was, after, t, x, happenings);
     put_in_order(happenings);
+    after.still = after.still || rests_for_ever(after, t, x);
 }
 
 RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,

@@ -195,6 +195,12 @@ private:
     void settle_rough(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                       const Fired& fired) const;
     /// One turn of it: with some held contacts that break.
+    /// Settles contacts whose forces have come to zero: each goes on as it did, and opens if it would have to pull.
+    /// Returns false where that is not all there is to it.
+    bool settle_ending(const Mode& before, Mode& mode, double t, std::span<double> x,
+                       const std::vector<int>& candidates, const Fired& fired) const;
+    /// Contacts whose forces have come to zero where they were held or slid; those of friction have, too.
+    std::vector<int> ending(const Mode& before, double t, std::span<const double> x, const Fired& fired) const;
     void settle_breaking(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired, std::vector<int> breaking) const;
     /// The states of contacts from forces found. Returns whether they can be held so.
@@ -238,6 +244,9 @@ private:
 
     /// Whether a body that touches surfaces is at rest on all of them, and stays so, but for rounding.
     bool is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const;
+    /// Whether all bodies touch something and none of them moves from here on: forces that hold each other leave
+    /// accelerations of rounding, which what is at rest has not.
+    bool rests_for_ever(const Mode& mode, double t, std::span<const double> x) const;
     /// Which bodies come to rest, from a mode and the state `was` in it.
     void tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
                    std::span<const double> x, std::vector<Happening>& happenings) const;
@@ -293,6 +302,12 @@ private:
     /// J M^-1 J^T of contacts, the constraints held.
     std::vector<std::vector<double>> coupling(const std::vector<mechanics::Moving<double>>& all,
                                               const std::vector<int>& of) const;
+    /// The output that tells of the force of a contact that is closed in a mode; -1: it has none of its own.
+    static int force_of(const Mode& mode, int contact);
+    /// The sizes of all forces on what a contact joins [N].
+    double forces_at(int contact, const mechanics::TreeState& state) const;
+    /// Whether the force of a contact that has come to zero goes on below it, by more than rounding.
+    bool ends(const Mode& mode, int contact, double t, std::span<const double> x) const;
     /// Whether a contact would have to pull, or friction to leave its cone, at a state.
     bool pulls(const Mode& mode, double t, std::span<const double> x) const;
     /// What follows guards of contacts.

@@ -11,6 +11,7 @@
 
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/model/leading_sign.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -50,6 +51,19 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         if (kinetic > rounding * rounding * force * size) return false;
     }
     return touches;
+}
+
+RBDYN_INLINE bool TreeModel::rests_for_ever(const Mode& mode, double t, std::span<const double> x) const {
+    if (mode.equations == nullptr || !mode.impossible.empty()) return false;
+    if (std::any_of(x.begin() + tree_->positions(), x.end(), [](double rate) { return rate != 0.0; })) return false;
+    std::vector<bool> touches(at(bodies()), false);
+    for (int k = 0; k < contacts(); ++k)
+        if (mode.slip[at(k)] != flies)
+            for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})
+                if (i >= 0) touches[at(i)] = true;
+    // what nothing touches is none of this: how near it is to standing still is for its equations to say
+    if (!std::all_of(touches.begin(), touches.end(), [](bool one) { return one; })) return false;
+    return stays_there(mode, t, x);
 }
 
 RBDYN_INLINE void TreeModel::tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,

@@ -17,9 +17,30 @@ int by_values(const Mode& mode, double t, std::span<const double> x, int output,
 
 }  // namespace leading
 
-/// The sign an output of a mode's equations takes just after t: that of its first coefficient that is more than the
-/// rounding of its own terms. 0: it stays zero.
-/// `known_zeros`: how many of the first are zero but for rounding.
+/// The first coefficient of an output's series in time that is more than rounding.
+struct Leading {
+    int order = 0;
+    int sign = 0;  // 0: there is none, it stays zero
+};
+
+/// That of an output of a mode's equations at t, by the rounding of its own terms. `known_zeros`: how many of the first
+/// are zero but for rounding. `doubt`: the part of its terms up to which the next one is zero, too. Of equations that
+/// call back the order is the number of those known.
+Leading leading_term(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0,
+                     double doubt = 0.0);
+
+/// The sign an output of a mode's equations takes just after t: that of its leading term. 0: it stays zero.
 int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0);
+
+/// How far below zero, in units of the rounding of its terms, that of the motion so far may have what touches it.
+inline constexpr double deepest_dip = 32.0;
+
+/// Whether an output that is zero at t sinks no further below it than that, and rises again: it touches zero. `size`:
+/// of its terms elsewhere on its way. Not told of equations that call back.
+bool only_dips(const Mode& mode, double t, std::span<const double> x, int output, double size = 0.0);
+
+/// Whether a mode stays at (t, x): all rates are zero but for rounding, and neither they nor guards depend on time. Not
+/// told of equations that call back.
+bool stays_there(const Mode& mode, double t, std::span<const double> x);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -16,6 +16,7 @@
 #include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/term_sizes.hpp"
+#include "rbdyn/model/at_zero.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 
@@ -70,11 +71,13 @@ RBDYN_INLINE int by_values(const Mode& mode, double t, std::span<const double> x
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros) {
+RBDYN_INLINE Leading leading_term(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros,
+                                  double doubt) {
     // most are told by their first coefficients
     constexpr int few = 4, most = 24;
+    constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
     const Program& program = mode.equations->program;
-    if (program.has_calls()) return leading::by_values(mode, t, x, output, known_zeros > 0);
+    if (program.has_calls()) return {known_zeros, leading::by_values(mode, t, x, output, known_zeros > 0)};
     const BorrowedSeries borrowed(program, most);
     SeriesEvaluator& series = *borrowed;
     series.set_parameters(mode.parameters);
@@ -90,11 +93,67 @@ RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double
         const double* g = series.output(output);
         const TermSizes::Sizes sizes = TermSizes(series, order, TermSizes::many)(program.output(output));
         for (int k = std::max(known_zeros, done + 1); k <= order; ++k)
-            if (std::abs(g[k]) > 64.0 * std::numeric_limits<double>::epsilon() * sizes[static_cast<std::size_t>(k)])
-                return g[k] > 0.0 ? 1 : -1;
+            if (std::abs(g[k]) >
+                (k == known_zeros ? std::max(doubt, rounding) : rounding) * sizes[static_cast<std::size_t>(k)])
+                return {k, g[k] > 0.0 ? 1 : -1};
         done = order;
     }
-    return 0;
+    return {most + 1, 0};
+}
+
+RBDYN_INLINE int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros) {
+    return leading_term(mode, t, x, output, known_zeros).sign;
+}
+
+RBDYN_INLINE bool only_dips(const Mode& mode, double t, std::span<const double> x, int output, double size) {
+    constexpr int order = 2;
+    const Program& program = mode.equations->program;
+    if (program.has_calls()) return false;
+    const BorrowedSeries borrowed(program, order);
+    SeriesEvaluator& series = *borrowed;
+    series.set_parameters(mode.parameters);
+    series.begin(t, 1.0);
+    for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
+    for (int k = 0; k <= order; ++k) {
+        series.advance(k);
+        if (k < order)
+            for (int i = 0; i < program.inputs(); ++i) series.set_input(i, k + 1, series.output(i)[k] / (k + 1));
+    }
+    const double* g = series.output(output);
+    const double rounding =
+        4.0 * std::numeric_limits<double>::epsilon() * std::max(size, size_of_terms(mode, t, x, output));
+    return g[2] > 0.0 && g[1] * g[1] <= 4.0 * g[2] * deepest_dip * rounding;
+}
+
+RBDYN_INLINE bool stays_there(const Mode& mode, double t, std::span<const double> x) {
+    const Program& program = mode.equations->program;
+    if (program.has_calls()) return false;
+    RoundingSizes f(program);
+    f.set_parameters(mode.parameters);
+    f(t, x);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const int rate = static_cast<int>(i);
+        if (!(std::abs(f.output(rate)) <= 64.0 * std::numeric_limits<double>::epsilon() * f.size(rate))) return false;
+    }
+    // as functions of time alone, the state being what it is
+    constexpr int order = 24;
+    const BorrowedSeries borrowed(program, order);
+    SeriesEvaluator& series = *borrowed;
+    series.set_parameters(mode.parameters);
+    series.begin(t, 1.0);
+    for (int k = 0; k <= order; ++k) {
+        for (int i = 0; i < program.inputs(); ++i)
+            series.set_input(i, k, k == 0 ? x[static_cast<std::size_t>(i)] : 0.0);
+        series.advance(k);
+    }
+    const auto depends = [&](int output) {
+        const double* g = series.output(output);
+        return std::any_of(g + 1, g + order + 1, [](double one) { return one != 0.0; });
+    };
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (depends(static_cast<int>(i))) return false;
+    return std::none_of(mode.equations->guards.begin(), mode.equations->guards.end(),
+                        [&](const Guard& g) { return g.output >= 0 ? depends(g.output) : g.watch >= 0; });
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM
