@@ -183,3 +183,30 @@ def test_a_rod_keeps_its_length():
     # of a pendulum from the horizontal: 3 m g cos, along the rod
     c = -run[bob].position(10.0)[1]
     assert np.isclose(np.linalg.norm(run[rod].force(10.0)), 3 * 9.8125 * c, rtol=1e-9)
+
+
+def test_what_a_joint_and_a_constraint_share_is_named():
+    """The joint bears what both could."""
+    box, g = rb.shapes.box(1.0, [1, 1, 1]), 9.81
+    for joint, constraint, point in [
+        (rb.Fixed(), rb.Ball(), [0.5, 0, 0]),
+        (rb.Revolute([0, 0, 1]), rb.Ball(), [0, 0, 1]),
+        (rb.Planar([1, 0, 0], [0, 0, 1]), rb.PointOnPlane(rb.Plane([0, 1, 0])), [0, 0, 1]),
+    ]:
+        scene = rb.Scene(gravity=[0, 0, -g])
+        body = scene.add(box, joint)
+        held = scene.constrain(constraint, body.point(point), name="second bearing")
+        run = rb.simulate(scene, 0.5)
+        assert run.plan.not_unique == ["second bearing"]
+        assert not run[held].force(0.5).any()
+        if not isinstance(joint, rb.Planar):
+            assert np.abs(run[body].reaction(0.5) - [0, 0, g]).max() < 1e-13
+    scene = rb.Scene(gravity=[0, 0, -g])
+    door = scene.add(box, rb.Revolute([0, 0, 1], point=[-0.5, 0, -0.5]), rate=1.0)
+    scene.constrain(rb.Ball(), door.point([-0.5, 0, 0.5]), name="upper hinge")
+    assert rb.plan(scene).not_unique == ["upper hinge"]
+    # one that the motion does determine
+    scene = rb.Scene(gravity=[0, 0, -g])
+    hung = scene.add(box, rb.Spherical())
+    scene.constrain(rb.PointOnPlane(rb.Plane([0, 1, 0])), hung.point([1, 0, 0]))
+    assert rb.plan(scene).not_unique == []

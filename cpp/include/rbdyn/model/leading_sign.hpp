@@ -1,4 +1,5 @@
-// The sign that a function of the motion takes just after a time at which it is zero.
+// The sign that a function of the motion takes just after a time at which it is zero, and the power of time that a norm
+// begins with there.
 #pragma once
 
 #include <span>
@@ -21,5 +22,10 @@ int by_values(const Mode& mode, double t, std::span<const double> x, int output,
 /// rounding of its own terms. 0: it stays zero.
 /// `known_zeros`: how many of the first are zero but for rounding.
 int leading_sign(const Mode& mode, double t, std::span<const double> x, int output, int known_zeros = 0);
+
+/// Sets what tells of each norm that is zero at t how many of its first coefficients are rounding (Switch::parameter):
+/// |v| is t^m |d(t)| for v = t^m d(t), and what is left of coefficients before m, where forces balance, is no
+/// direction.
+void find_leading_powers(Mode& mode, double t, std::span<const double> x);
 
 }  // namespace rbdyn::inline RBDYN_FORM
