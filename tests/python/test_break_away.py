@@ -113,7 +113,8 @@ def test_a_cone_that_is_barely_passed_along_a_line(over):
     block = scene.add(rb.Particle(1.0))
     scene.contact(block, rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.5))
     scene.apply(rb.Force(lambda t, *_: [5 - 2 * (t - 1) ** 2 + over, 0, 0]), block)
-    run = rb.simulate(scene, 2.5, error=1e-6)
+    # of what it is pushed by more than it is held by, 1e-15 N is rounding
+    run = rb.simulate(scene, 2.5, rtol=1e-9) if over < 1e-10 else rb.simulate(scene, 2.5, error=1e-2)
     a = np.sqrt(over / 2)
     # the force is rounded to 1e-15 N, which is a time of 1e-15 / (4 a)
     assert abs(run.events.times("slip")[0] - (1 - a)) < 1e-15 / a + 1e-14

@@ -230,7 +230,7 @@ def test_alone_it_is_slowed_by_the_same_law():
     assert abs(after[0] - (before[0] + 0.25 * before[2])) < 1e-14
 
 
-@pytest.mark.parametrize("mu", [1e-9, 1e-3, 0.1, 0.3, 0.8])
+@pytest.mark.parametrize("mu", [1e-3, 0.1, 0.3, 0.8])
 @pytest.mark.parametrize("height", [0.0, -0.05])
 def test_what_a_joint_has_held_over_its_contact_rises_where_it_breaks(mu, height):
     """A rod on a rough pin, lifted ever harder: its tip is let go, the pin holds on, then it rises. By statics."""

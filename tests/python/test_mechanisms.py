@@ -59,7 +59,8 @@ def test_a_linkage_is_assembled_and_runs():
         rb.simulate(scene, until=1.0)
     assert scene.assemble(keep=[crank]) > 0.01
     run = rb.simulate(scene, until=5.0, error=1e-10)
-    assert run.plan.freedom == 1 and run.plan.not_unique == []
+    # across its plane the hinges hold what the pin does
+    assert run.plan.freedom == 1 and run.plan.not_unique == ["pin"]
     assert abs(run[crank].angle(5.0) + 0.88688257197909756) < 1e-9
     assert np.allclose(run[pin].force(5.0), [-5.1243266508908304, 0.50981062041562371, 0], rtol=0, atol=1e-7)
     assert run[pin].gap(np.linspace(0, 5, 51)).max() < 1e-12

@@ -409,7 +409,7 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         const double own = 0x1p-43 * slips.along[i][2] * turns_back * turns_back,
                      by_size = memory.least > 0x1p-43 * states::least_speed ? std::min(memory.least, own) : own;
         // the force at the edge of the cone is rounded, and may throw it back until it has grown by as much
-        const double rounding = 32.0 * epsilon * std::abs(by[i][i]);
+        const double rounding = std::max(32.0 * epsilon * std::abs(by[i][i]), 2.0 * std::abs(slips.along[i][1]));
         memory.least = std::max({by_size, 0x1p-43 * speed_of(of[i], all), rounding * rounding / slips.along[i][2]});
         ContactMemory plain = ContactMemory::of(mode.memory, of[i]);
         plain.least = memory.least;
