@@ -104,3 +104,19 @@ def test_at_the_point_its_surface_is_given_by(load):
         scene.apply(rb.Force(lambda t, x, v: [*load(t), 0.0]), particle)
         places.append(rb.simulate(scene, 2.0, error=1e-10)[particle].position(2.0) - start)
     assert abs(places[1] - places[0]).max() < 1e-10 < abs(places[0]).max()
+
+
+@pytest.mark.parametrize("over", [1e-12, 1e-10, 1e-8, 1e-5])
+def test_a_cone_that_is_barely_passed_along_a_line(over):
+    """Pushed along x by mu N + over - 2 (t - 1)^2: it slips at 1 - a and stops at 1 + 2 a, a = sqrt(over / 2)."""
+    scene = rb.Scene(gravity=[0, 0, -10.0])
+    block = scene.add(rb.Particle(1.0))
+    scene.contact(block, rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.5))
+    scene.apply(rb.Force(lambda t, *_: [5 - 2 * (t - 1) ** 2 + over, 0, 0]), block)
+    # of what it is pushed by more than it is held by, 1e-15 N is rounding
+    run = rb.simulate(scene, 2.5, rtol=1e-9) if over < 1e-10 else rb.simulate(scene, 2.5, error=1e-2)
+    a = np.sqrt(over / 2)
+    # the force is rounded to 1e-15 N, which is a time of 1e-15 / (4 a)
+    assert abs(run.events.times("slip")[0] - (1 - a)) < 1e-15 / a + 1e-14
+    assert abs(run.events.times("stick")[0] - (1 + 2 * a)) < 4e-15 / a + 1e-13
+    assert not run[block].velocity(2.5).any()

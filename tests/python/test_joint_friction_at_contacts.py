@@ -228,3 +228,34 @@ def test_alone_it_is_slowed_by_the_same_law():
     before, after = (run[bead].velocity(lands, side=s) for s in ("before", "after"))
     assert before[2] < -0.1 and after[2] == 0.0
     assert abs(after[0] - (before[0] + 0.25 * before[2])) < 1e-14
+
+
+@pytest.mark.parametrize("mu", [1e-3, 0.1, 0.3, 0.8])
+@pytest.mark.parametrize("height", [0.0, -0.05])
+def test_what_a_joint_has_held_over_its_contact_rises_where_it_breaks(mu, height):
+    """A rod on a rough pin, lifted ever harder: its tip is let go, the pin holds on, then it rises. By statics."""
+    mass, g, radius, growth = 2.0, 10.0, 0.05, 4.0
+    angle = math.asin(height / 0.9)
+    scene = rb.Scene(gravity=[0, -g, 0])
+    pin = rb.Revolute([0, 0, 1], friction=rb.Coulomb(mu), pin_radius=radius)
+    rod = scene.add(rb.RigidBody(mass, [0.01, 0.2, 0.2], com=[0.5, 0, 0]), pin, angle=angle)
+    tip = scene.contact(rod.point([0.9, 0, 0]), rb.Plane([0, 1, 0], [0, height, 0]))
+    scene.apply(rb.JointTorque(lambda t, q, w: growth * t), rod)
+    run = rb.simulate(scene, 3.2)
+    slips = (0.5 * mass * g * math.cos(angle) + mu * radius * mass * g) / growth
+    assert abs(run.events.times("slip")[-1] - slips) < 1e-11
+    assert run[tip].state(3.2) == "open" and run[rod].rate(3.2) > 0
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.2, 0.5])
+def test_a_block_on_a_rough_slide_is_lifted_off_its_floor(mu):
+    scene = rb.Scene(gravity=[0, 0, -10.0])
+    block = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Prismatic([0, 0, 1], friction=rb.Coulomb(mu)))
+    scene.contact(block.point([0, 0, 0]), rb.Plane([0, 0, 1]))
+    scene.apply(rb.Force([2.0, 0, 0]), block)
+    scene.apply(rb.JointForce(lambda t, q, v: 4 * t), block)
+    run = rb.simulate(scene, 4.0)
+    slips = (10 + 2 * mu) / 4
+    assert abs(run.events.times("slip")[-1] - slips) < 1e-11
+    # a = 4 (t - slips)
+    assert abs(run[block].displacement(4.0) - 4 * (4 - slips) ** 3 / 6) < 1e-9

@@ -429,7 +429,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::norm(const Step& i, const series::View&
     int& m = *i.valuation;
     const series::View part[3] = {i.a, i.b, i.c};
     if (m < 0) {
-        const bool ignored = k == 0 && i.weight >= 0 && scalars_[static_cast<std::size_t>(i.weight)] != 0.0;
+        const bool ignored = i.weight >= 0 && k < scalars_[static_cast<std::size_t>(i.weight)];
         const double x = part[0][k], y = part[1][k], z = part[2][k];
         if (ignored || (x == 0.0 && y == 0.0 && z == 0.0)) {
             out.set(k, 0.0);

@@ -195,7 +195,7 @@ RBDYN_INLINE void WideSeries::norm(const Instruction& i, int k) {
     DoubleDouble* const out = slot(i.out);
     const DoubleDouble* const part[3] = {slot(i.a), slot(i.b), slot(i.c)};
     if (m < 0) {
-        const bool ignored = k == 0 && i.weight >= 0 && scalars_[static_cast<std::size_t>(i.weight)].hi != 0.0;
+        const bool ignored = i.weight >= 0 && k < scalars_[static_cast<std::size_t>(i.weight)].hi;
         DoubleDouble square = 0.0;
         for (const DoubleDouble* v : part) square += v[k] * v[k];
         out[k] = ignored ? DoubleDouble(0.0) : sqrt(square);

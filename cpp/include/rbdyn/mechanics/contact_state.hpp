@@ -30,6 +30,9 @@ inline bool is_held(signed char state) { return state >= held; }
 inline bool is_row(signed char state, int axis) { return is_held(state) && ((state - held) >> axis & 1) != 0; }
 inline const char* word(signed char state) { return state == flies ? "open" : is_held(state) ? "sticks" : "slides"; }
 
+/// A speed so small that nothing is measured by it, the square of which is a number [m/s].
+inline constexpr double least_speed = 1e-100;
+
 /// Whether it remembers something that its equations need.
 inline bool has_numbers(const ContactLaw& contact, signed char state) {
     return state == rests || (contact.is_rough() && state != flies);

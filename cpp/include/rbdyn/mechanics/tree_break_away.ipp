@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/expression/borrowed_series.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
@@ -206,9 +207,10 @@ RBDYN_INLINE bool TreeModel::take(const Mode& before, Mode& mode, double t, Touc
         for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j)
             size = std::max(size, std::max(std::abs(b[j]), std::abs(found.rate[j])));
         memory.axis = one.at.normal.cross(one.along);
-        memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), 1e-250});
+        memory.least = 0x1p-43 * std::max({fastest, std::sqrt(size * size_of(k, all)), least_speed});
         memory.at_edge =
             begins && std::hypot(found.rate[f + 1], found.rate[f + 2]) <= 1e-9 * std::hypot(b[f], b[f + 1], b[f + 2]);
+        if (begins) memory.since = t;
         memory.put(mode.memory, k);
         mode.slip[at(k)] = begins ? mechanics::contact_state::starts : straight;
     }
@@ -293,17 +295,54 @@ private:
     std::vector<std::array<int, 3>> outputs_;
 };
 
+/// How velocities begin: the size of the first acceleration, and the time in which it changes by as much [s].
+inline std::pair<double, double> first_pace(const Mode& mode, double t, std::span<const double> x, int positions) {
+    constexpr int order = 6;
+    const BorrowedSeries borrowed(mode.equations->program, order);
+    SeriesEvaluator& series = *borrowed;
+    series.set_parameters(mode.parameters);
+    series.begin(t, 1.0);
+    for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
+    for (int k = 0; k < order; ++k) {
+        series.advance(k);
+        series.integrate(k);
+    }
+    const auto size = [&](int k) {
+        double largest = 0.0;
+        for (int i = positions; i < static_cast<int>(x.size()); ++i)
+            largest = std::max(largest, std::abs(series.coefficients(i)[k]));
+        return largest;
+    };
+    const double first = size(1);
+    double time = std::numeric_limits<double>::infinity();
+    for (int k = 2; k <= order && first > 0.0; ++k)
+        if (const double next = size(k); next > 0.0) time = std::min(time, std::pow(first / next, 1.0 / (k - 1)));
+    return {first, time};
+}
+
 }  // namespace breaking_away
 
 RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std::span<const double> x) const {
     using mechanics::ContactMemory;
     namespace states = mechanics::contact_state;
     constexpr auto terms = static_cast<std::size_t>(ContactMemory::terms);
-    std::vector<int> of;
+    std::vector<int> of, pulled;
     for (int k = 0; k < contacts(); ++k)
-        if (mode.slip[at(k)] == states::starts && before.slip[at(k)] != states::starts &&
-            ContactMemory::of(mode.memory, k).at_edge)
-            of.push_back(k);
+        if (mode.slip[at(k)] == states::starts && before.slip[at(k)] != states::starts)
+            (ContactMemory::of(mode.memory, k).at_edge ? of : pulled).push_back(k);
+    // what is pulled away keeps its first direction for as long as the time of its start is unknown, and what has no
+    // size that would tell what is small for a small part of the time in which its acceleration changes
+    if (!pulled.empty() && !mode.equations->program.has_calls()) {
+        const auto [first, time] = breaking_away::first_pace(mode, t, x, tree_->positions());
+        for (const int k : pulled) {
+            ContactMemory memory = ContactMemory::of(mode.memory, k);
+            if (memory.least <= 0x1p-43 * states::least_speed && std::isfinite(time))
+                memory.least = 0x1p-43 * first * time;
+            memory.least = std::max(memory.least, 8.0 * epsilon * std::abs(t) * first);
+            memory.put(mode.memory, k);
+        }
+        own_parameters(mode, x);
+    }
     if (of.empty() || mode.equations->program.has_calls()) return;
     const std::size_t count = of.size();
     Mode bent = mode;
@@ -358,15 +397,23 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
                 until = std::min(until, std::pow(1e-13 * grows / left, 1.0 / static_cast<double>(n)));
     }
     if (!(until > 1e4 * epsilon * std::abs(t)) || !std::isfinite(until)) return;
+    const auto all = moving(t, x);
     for (std::size_t i = 0; i < count; ++i) {
         ContactMemory& memory = memories[i];
-        // what is a point, at the very point of its surface, has no size that would tell what is small
-        if (memory.least < 1e-200) {
-            memory.least = 0x1p-43 * slips.along[i][2] * until * until;
-            ContactMemory plain = ContactMemory::of(mode.memory, of[i]);
-            plain.least = memory.least;
-            plain.put(mode.memory, of[i]);
-        }
+        // from rest a slip has a direction from the first: what is small is so beside what it comes to by itself, in
+        // the time in which its acceleration turns back
+        double turns_back = until;
+        for (std::size_t n = 3; n <= 6; ++n)
+            if (const double next = std::abs(slips.along[i][n]); next > 0.0)
+                turns_back = std::min(turns_back, std::pow(slips.along[i][2] / next, 1.0 / static_cast<double>(n - 2)));
+        const double own = 0x1p-43 * slips.along[i][2] * turns_back * turns_back,
+                     by_size = memory.least > 0x1p-43 * states::least_speed ? std::min(memory.least, own) : own;
+        // the force at the edge of the cone is rounded, and may throw it back until it has grown by as much
+        const double rounding = std::max(32.0 * epsilon * std::abs(by[i][i]), 2.0 * std::abs(slips.along[i][1]));
+        memory.least = std::max({by_size, 0x1p-43 * speed_of(of[i], all), rounding * rounding / slips.along[i][2]});
+        ContactMemory plain = ContactMemory::of(mode.memory, of[i]);
+        plain.least = memory.least;
+        plain.put(mode.memory, of[i]);
         double angle = 0.0;
         for (std::size_t n = terms; n-- > 0;) angle = (angle + memory.angle[n]) * until;
         turned = std::max(turned, std::abs(angle));

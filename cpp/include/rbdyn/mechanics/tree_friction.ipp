@@ -135,10 +135,12 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
         mode.impossible = no_sliding(fired.singular.front());
         return;
     }
-    // what starts from the edge of a cone against the force that held it, and is thrown back at once, goes nowhere
+    // what starts from the edge of a cone against the force that held it, and is thrown back at once, goes nowhere;
+    // what has slid for a while, however slowly, has stopped
     for (const int k : fired.stopping)
-        if (before.slip[at(k)] == mechanics::contact_state::starts &&
-            mechanics::ContactMemory::of(before.memory, k).at_edge) {
+        if (const auto memory = mechanics::ContactMemory::of(before.memory, k);
+            before.slip[at(k)] == mechanics::contact_state::starts && memory.at_edge &&
+            t - memory.since <= 64.0 * epsilon * std::abs(t)) {
             mode.impossible = conditions_->contacts()[at(k)].name +
                               " breaks away in space at a friction that does not fall, in a direction that turns as it "
                               "begins, and finds none; give it a dynamic coefficient below the static one";

@@ -51,6 +51,15 @@ inline bool next_way(const std::vector<std::size_t>& of, std::span<const int> ch
     return false;
 }
 
+/// Whether contacts that are open and touch, at rest, part as the motion goes on.
+inline bool part(const Mode& mode, double t, std::span<const double> x, const std::vector<int>& contacts) {
+    return std::all_of(mode.equations->guards.begin(), mode.equations->guards.end(), [&](const Guard& guard) {
+        const bool is_gap = guard.kind == EventKind::land && guard.output >= 0 &&
+                            std::find(contacts.begin(), contacts.end(), guard.contact) != contacts.end();
+        return !is_gap || leading_sign(mode, t, x, guard.output, 2) > 0;
+    });
+}
+
 }  // namespace joint_contacts
 
 RBDYN_INLINE std::vector<mechanics::Row<double>> TreeModel::constraints_of(
@@ -187,6 +196,21 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
                          fired.resisted_stopping.empty() && fired.stopping.empty() && fired.singular.empty() &&
                          !(fired.turning.empty() && fired.resisted_turning.empty());
     if (is_form) return settle_contacts(before, mode, t, x, candidates, fired);
+    // what a joint has held at its surface without a force, until it breaks, may close again, or part: at the limit
+    // both begin with no acceleration, and what comes next decides
+    if (!fired.rubbed_breaking.empty()) {
+        std::vector<int> closed;
+        for (const int k : candidates)
+            if (before.slip[at(k)] != flies || fired.has(k)) closed.push_back(k);
+        if (closed.size() < candidates.size()) {
+            Mode parted = mode;
+            settle_all(before, parted, t, x, closed, fired);
+            if (parted.impossible.empty() && joint_contacts::part(parted, t, x, candidates)) {
+                mode = std::move(parted);
+                return;
+            }
+        }
+    }
     const Mode undecided = mode;
     std::vector<int> sign(n, 0);
     std::vector<std::size_t> resting;

@@ -489,7 +489,7 @@ RBDYN_INLINE signed char TreeModel::sliding_state(Mode& mode, int joint, double 
     mechanics::JointMemory memory = joint_memory(mode, joint);
     memory.least_rate =
         0x1p-43 * std::max({std::abs(rate), std::sqrt(acceleration * (joints_[at(joint)].turns ? 1.0 : length)),
-                            std::abs(surface_speed(mode, joint, t, x)), 1e-250});
+                            std::abs(surface_speed(mode, joint, t, x)), mechanics::contact_state::least_speed});
     memory.least_load = std::max(0x1p-43 * load_size, 1e-280);
     const double pressing = std::hypot(load[0], load[1]);
     signed char now = slides;

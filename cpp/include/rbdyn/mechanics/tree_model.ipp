@@ -102,14 +102,17 @@ RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
     const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
                                               mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
     std::vector<std::string> names;
-    for (const mechanics::Condition& c : conditions_->all())
-        for (const auto& one : loose) {
-            const bool is_in = std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
-                                           [](double part) { return std::abs(part) > 1e-9; });
-            if (!is_in) continue;
-            names.push_back(c.name);
-            break;
-        }
+    for (const mechanics::Condition& c : conditions_->all()) {
+        const auto is_in = [&](const std::vector<double>& one) {
+            return std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
+                               [](double part) { return std::abs(part) > 1e-9; });
+        };
+        // a row that is not used does what other rows do, or what joints do by themselves
+        bool is_unused = false;
+        for (int r = c.first; r < c.first + c.rows(); ++r)
+            is_unused = is_unused || !std::binary_search(rows_.begin(), rows_.end(), r);
+        if (is_unused || std::ranges::any_of(loose, is_in)) names.push_back(c.name);
+    }
     return names;
 }
 

@@ -135,7 +135,8 @@ RBDYN_INLINE void TreeModel::decide_resistances(
         const bool goes_on = before.jumps == mode.jumps && was != flies;
         // rates far below those of what acts are rounding
         const double size = size_of(law.contact, all), pull = scene_.gravity().norm();
-        const double least = 0x1p-43 * std::max({fastest, std::sqrt(pull / size), 1e-250});
+        const double least =
+            0x1p-43 * std::max({fastest, std::sqrt(pull / size), mechanics::contact_state::least_speed});
         const auto begins =
             std::find_if(breaking.begin(), breaking.end(), [&](const auto& one) { return one.first == e; });
         // what stops together does so within the rounding of its speeds

@@ -132,6 +132,11 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
                 if (end->body >= 0)
                     bodies[at(end->body)].effort.moment +=
                         tree_states::moment_size(on_a.force, tree.point<double>(*end, moving).arm);
+            // the other body is pushed where the point is, known to the rounding of both places
+            const bool wanders = c.points == Condition::Points::plane || c.points == Condition::Points::curve;
+            if (wanders && c.b.body >= 0)
+                bodies[at(c.b.body)].effort.moment += tree_states::moment_size(
+                    on_a.force, sizes(tree.point<double>(c.a, moving).place) + sizes(moving[at(c.b.body)].place));
             report.torque = about<double>(on_a, Vector3(-tree.point<double>(c.a, moving).arm)).moment;
             report.gap = conditions.gap(tree, static_cast<int>(constraints.size()), moving);
             constraints.push_back(report);
@@ -153,6 +158,14 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
             on_b.moment -= torque;
             hold(row.a, on_a);
             hold(row.b, on_b);
+            // arms are differences of places: where a force passes a body's own point its moment is their rounding
+            const auto add_moment = [&](int body, const Vector3& of) {
+                if (body >= 0) bodies[at(body)].effort.moment += tree_states::moment_size(report.force, of);
+            };
+            const auto center = tree.point<double>(conditions.contacts()[k].a, moving);
+            const Vector3 reach = sizes(Vector3(center.place - touching.place));
+            add_moment(row.a, sizes(center.arm) + reach);
+            if (row.b >= 0) add_moment(row.b, sizes(center.place) + reach + sizes(moving[at(row.b)].place));
             contacts.push_back(report);
             torques.push_back(torque);
         }
@@ -177,7 +190,9 @@ RBDYN_INLINE TreeState::TreeState(const Tree& given, const Conditions& condition
         if (const int parent = tree.node(i).parent; parent >= 0) {
             const Vector3 r = moving[at(i)].place - moving[at(parent)].place;
             add<double>(bodies[at(parent)].reaction, about<double>(bodies[at(i)].reaction, r), 1.0);
-            tree_states::add_sizes(bodies[at(parent)].effort, bodies[at(i)].effort, r);
+            // r is a difference, too
+            const Vector3 places = sizes(moving[at(i)].place) + sizes(moving[at(parent)].place);
+            tree_states::add_sizes(bodies[at(parent)].effort, bodies[at(i)].effort, places);
         }
     for (int i = 0; i < tree.size(); ++i) {
         const Moving<double>& m = moving[at(i)];

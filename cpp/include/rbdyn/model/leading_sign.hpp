@@ -1,4 +1,5 @@
-// The sign that a function of the motion takes just after a time at which it is zero.
+// The sign that a function of the motion takes just after a time at which it is zero, and the power of time that a norm
+// begins with there.
 #pragma once
 
 #include <span>
@@ -42,5 +43,10 @@ bool only_dips(const Mode& mode, double t, std::span<const double> x, int output
 /// Whether a mode stays at (t, x): all rates are zero but for rounding, and neither they nor guards depend on time. Not
 /// told of equations that call back.
 bool stays_there(const Mode& mode, double t, std::span<const double> x);
+
+/// Sets what tells of each norm that is zero at t how many of its first coefficients are rounding (Switch::parameter):
+/// |v| is t^m |d(t)| for v = t^m d(t), and what is left of coefficients before m, where forces balance, is no
+/// direction.
+void find_leading_powers(Mode& mode, double t, std::span<const double> x);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -4,6 +4,7 @@
 #include "rbdyn/model/leading_sign.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -154,6 +155,58 @@ RBDYN_INLINE bool stays_there(const Mode& mode, double t, std::span<const double
         if (depends(static_cast<int>(i))) return false;
     return std::none_of(mode.equations->guards.begin(), mode.equations->guards.end(),
                         [&](const Guard& g) { return g.output >= 0 ? depends(g.output) : g.watch >= 0; });
+}
+
+RBDYN_INLINE void find_leading_powers(Mode& mode, double t, std::span<const double> x) {
+    constexpr int most = 6;
+    const Program& program = mode.equations->program;
+    const auto& switches = program.switches();
+    if (program.has_calls()) return;
+    struct Beginning {
+        double* flag;
+        double before;
+        const Instruction* norm;
+    };
+    std::vector<Beginning> starts;
+    for (std::size_t k = 0; k < switches.size(); ++k) {
+        const Instruction* norm = switches[k].is_norm ? program.norm(program.outputs() + static_cast<int>(k)) : nullptr;
+        if (norm == nullptr) continue;
+        double& flag = mode.parameters[static_cast<std::size_t>(switches[k].parameter)];
+        starts.push_back({&flag, flag, norm});
+    }
+    if (starts.empty()) return;
+    const BorrowedSeries borrowed(program, most);
+    SeriesEvaluator& series = *borrowed;
+    const auto expand = [&](int order) {
+        series.set_parameters(mode.parameters);
+        series.begin(t, 1.0);
+        for (std::size_t i = 0; i < x.size(); ++i) series.set_input(static_cast<int>(i), 0, x[i]);
+        for (int k = 0; k <= order; ++k) {
+            series.advance(k);
+            if (k < order) series.integrate(k);
+        }
+    };
+    const auto any = [&](const Beginning& s, const auto& is_so) {
+        return std::ranges::any_of(std::array{s.norm->a, s.norm->b, s.norm->c},
+                                   [&](int slot) { return slot >= 0 && is_so(slot); });
+    };
+    expand(0);
+    std::erase_if(starts, [&](const Beginning& s) {
+        return s.before == 0.0 && any(s, [&](int slot) { return series.coefficients(slot)[0] != 0.0; });
+    });
+    for (int m = 1; m <= most && !starts.empty(); ++m) {
+        expand(m);
+        std::erase_if(starts, [&](const Beginning& s) {
+            return any(s, [&](int slot) {
+                // each by itself: what is asked for within another's rate is known in part
+                const double size = TermSizes(series, m, TermSizes::many)(slot)[static_cast<std::size_t>(m)];
+                return std::abs(series.coefficients(slot)[m]) > 64.0 * std::numeric_limits<double>::epsilon() * size;
+            });
+        });
+        for (const Beginning& s : starts) *s.flag = m + 1;
+    }
+    // what stays zero begins with no power
+    for (const Beginning& s : starts) *s.flag = s.before;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

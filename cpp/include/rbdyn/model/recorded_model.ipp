@@ -338,6 +338,7 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
         }
     };
     settle();
+    find_leading_powers(mode, t, x);
     // what starts at zero takes the sign of its first change, which may depend on the signs of the others
     bool is_changed = false;
     for (std::size_t k = 0; k < program.switches().size(); ++k) {
@@ -349,7 +350,9 @@ RBDYN_INLINE void RecordedModel::set_parameters(Mode& mode, double t, std::span<
         leaves[k] = sign != 0;
         if (sign != 0 && std::exchange(now, sign) != sign) is_changed = true;
     }
-    if (is_changed) settle();
+    if (!is_changed) return;
+    settle();
+    find_leading_powers(mode, t, x);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM
