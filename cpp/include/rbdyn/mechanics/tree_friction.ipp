@@ -214,7 +214,9 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
 RBDYN_INLINE std::vector<int> TreeModel::ending(const Mode& before, double t, std::span<const double> x,
                                                 const Fired& fired) const {
     std::vector<int> result;
-    if (before.equations == nullptr || (fired.doubtful.empty() && fired.breaking.empty())) return result;
+    // where joints with friction change with it, what it did before tells nothing
+    if (!joints_.empty() || before.equations == nullptr) return result;
+    if (fired.doubtful.empty() && fired.breaking.empty()) return result;
     Evaluator<double> values(before.equations->program);
     values.set_parameters(before.parameters);
     values(t, x);
