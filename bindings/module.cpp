@@ -61,8 +61,7 @@ FastCall dispatch = nullptr;
 
 PyObject* explained(PyObject* self, PyObject* const* arguments, std::size_t count, PyObject* names) {
     PyObject* const result = dispatch(self, arguments, count, names);
-    if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError))
-        explain(arguments, count, names);
+    if (result == nullptr && PyErr_ExceptionMatches(PyExc_TypeError)) explain(arguments, count, names);
     return result;
 }
 

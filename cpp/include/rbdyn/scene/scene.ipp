@@ -311,8 +311,7 @@ RBDYN_INLINE ContactHandle Scene::contact(ContactPart a, ContactSurface b, Conta
                on_plane = std::holds_alternative<Plane>(b) || std::holds_alternative<BodyPlane>(b);
     if (is_round && !on_plane)
         throw InvalidInput("contact: a disc or an ellipsoid touches a Plane; a sphere or a point a Sphere too");
-    if (std::holds_alternative<BodyPlane>(b) &&
-        bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
+    if (std::holds_alternative<BodyPlane>(b) && bodies_[static_cast<std::size_t>(second)].rigid() == nullptr)
         throw InvalidInput("contact: " + bodies_[static_cast<std::size_t>(second)].name +
                            " is a particle, which has no plane");
     require_new_name(name, "contact");
