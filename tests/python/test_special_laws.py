@@ -1,7 +1,8 @@
 """The shorter laws that a plan takes for single bodies, against the one mechanics of what is joined.
 
-A scene whose bodies hang on the world has laws of its own for particles and for bodies on each joint; the same scene with
-something welded to the world, on which the bodies hang, is a tree. Both are told to the same motion, with its reactions.
+A scene whose bodies hang on the world has laws of its own for particles and for bodies on each joint; the same scene
+with something welded to the world, on which the bodies hang, is a tree. Both are told to the same motion, with its
+reactions.
 RBDYN_TEST_LAWS: how many random scenes (24).
 """
 

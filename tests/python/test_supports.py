@@ -1,7 +1,7 @@
 """What rests on something that moves, against closed forms: riders share the motion of what carries them, exactly.
 
-Forces pass the point of what is driven or slides there, so that moments of reactions are nothing but the rounding of the
-places that they are differences of. What is really small beside that is still judged.
+Forces pass the point of what is driven or slides there, so that moments of reactions are nothing but the rounding of
+the places that they are differences of. What is really small beside that is still judged.
 """
 
 import numpy as np
