@@ -221,7 +221,7 @@ TEST(Abreast, expansions_are_made_together) {
     std::vector<RunAbreast*> all;
     for (std::size_t i = 0; i < Abreast::room(); ++i) {
         auto engine = std::make_unique<TaylorEngine>(1e-10);
-        auto driver = simulating::make_driver(*plan.model, *engine, options, {0.0}, 1e-10, {});
+        auto driver = simulating::make_driver(*plan.model, *engine, options, {0.0}, 1e-10, {}, {});
         runs.push_back(std::make_unique<RunAbreast>(std::move(engine), std::move(driver), options.until, none));
         runs.back()->begin(0.0, plan.model->start(0.0));
         all.push_back(runs.back().get());
