@@ -33,8 +33,10 @@ RBDYN_INLINE bool EventSearch::is_up(std::int64_t n) {
 
 RBDYN_INLINE double EventSearch::otherwise(const Mode& mode, std::size_t g, double place) {
     const Guard& guard = mode.equations->guards[g];
-    const bool is_gap = guard.contact >= 0 && guard.kind == EventKind::land;
-    if (!rounds_otherwise_ || guard.output < 0 || !(is_gap || guard.watch >= 0)) return place;
+    // what is only noted changes no motion
+    const bool is_gap = guard.contact >= 0 && guard.kind == EventKind::land,
+               changes = guard.watch >= 0 && guard.role == GuardRole::mode;
+    if (!rounds_otherwise_ || guard.output < 0 || !(is_gap || changes)) return place;
     const Piece& piece = engine_.piece();
     const double* c = engine_.guard(static_cast<int>(g));
     double slope = 0.0;

@@ -143,7 +143,7 @@ RBDYN_INLINE double EventSearch::examine(Record& record, const Mode& mode, bool 
             passed_at_end_[f.guard] = true;
         }
         if (f.is_pole || f.is_silent || guard.role != GuardRole::record || !matches(guard, f.product_rises)) continue;
-        const double place = otherwise(mode, f.guard, f.place * piece.length);
+        const double place = f.place * piece.length;
         note(record, guard, direction_of(f.product_rises), piece.at(cut >= 0.0 ? std::min(place, cut) : place));
     }
     ended_.clear();
