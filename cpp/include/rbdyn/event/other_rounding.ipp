@@ -49,7 +49,7 @@ RBDYN_INLINE double EventSearch::otherwise(const Mode& mode, std::size_t g, doub
     if (!handled(g)) size += sizes[0];
     const double late = 0.5 * epsilon * size / std::abs(slope);
     // bounces that are so low that they are known no better are followed in ways of their own (search_low.ipp)
-    constexpr double most = 0x1p-26;
+    constexpr double most = 0x1p-30;
     if (!(late <= most * place)) return place;
     return std::min(is_up(roundings_++) ? place + late : place - late, piece.length);
 }
