@@ -50,7 +50,12 @@ INNER = [
     *("closed_form/symmetric_modes", "curve/axes", "curve/checks", "curve/own_axes", "curve/polynomial_piece"),
     *("curve/stretch", "engine/work", "expression/callback", "expression/derivative", "expression/given"),
     *("expression/kept_series", "expression/node", "expression/numbers", "expression/own_function"),
-    *("expression/program",),
+    *(
+        "expression/program",
+        "expression/code_memory",
+        "expression/value_code",
+        "series/lanes",
+    ),
     *("expression/recorder", "expression/recording", "expression/rounded", "expression/time_function"),
     *("model/equations", "model/equations_writer", "model/hybrid", "model/recorded_model", "model/size"),
     *("model/sliding", "model/system_report", "model/variables_model", "rbdyn", "scene/plan_slot", "series/piece"),

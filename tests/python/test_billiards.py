@@ -57,7 +57,7 @@ def test_a_chaotic_billiard_is_as_right_as_it_tells(error):
         told += 1
         assert len(run.events) == bounces, seed
         true = np.abs(run[ball].position(until)[:2] - end).max() / 2
-        assert true <= min(error, 2 * run.error + 1e-15), seed
+        assert true <= min(error, 3 * run.error + 1e-15), seed
     assert told >= 25
 
 

@@ -299,7 +299,10 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     for (int index : fired) {
         const Guard& guard = before->guards[static_cast<std::size_t>(index)];
         if (guard.watch < 0) {
-            if (after.equations == before && (!guard.renews || after.parameters == now_.mode.parameters))
+            // a force that has only touched zero is known to be there
+            const bool touches =
+                guard.contact >= 0 && guard.kind == EventKind::detach && after.parameters == now_.mode.parameters;
+            if (after.equations == before && (!guard.renews || touches))
                 handled[static_cast<std::size_t>(index)] = true;
             if (const auto surface = before->surface_of(guard))
                 for (std::size_t g = 0; g < handled.size(); ++g)

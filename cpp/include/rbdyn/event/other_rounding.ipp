@@ -37,6 +37,8 @@ RBDYN_INLINE double EventSearch::otherwise(const Mode& mode, std::size_t g, doub
     const bool is_gap = guard.contact >= 0 && guard.kind == EventKind::land,
                changes = guard.watch >= 0 && guard.role == GuardRole::mode;
     if (!rounds_otherwise_ || guard.output < 0 || !(is_gap || changes)) return place;
+    // what comes together stays together
+    if (fired_.size() > 1) return place;
     const Piece& piece = engine_.piece();
     const double* c = engine_.guard(static_cast<int>(g));
     double slope = 0.0;

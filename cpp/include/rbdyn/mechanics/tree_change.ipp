@@ -231,12 +231,13 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     for (int k = 0; k < contacts(); ++k) {
         if (conditions_->contacts()[at(k)].is_gone) continue;
         const auto row = at(conditions_->normal_row(k));
-        const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all);
+        const double gap = gaps[row], near = nearest_touch(before, k) * size_of(k, all),
+                     late = 4.0 * epsilon * std::abs(t) * speed_of(k, all);
         require(
-            gap >= -near, conditions_->contacts()[at(k)].name, "gap", gap,
+            gap >= -near - late, conditions_->contacts()[at(k)].name, "gap", gap,
             "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
             "surface");
-        if (gap > near) continue;
+        if (gap > near + late) continue;
         const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
         if (speed <= noise) closed.push_back(k);
     }
