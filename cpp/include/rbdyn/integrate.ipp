@@ -302,6 +302,12 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         result.certain_until = result.record.start;
         return std::move(result);
     };
+    const auto stopped_by = [&](Status status) {
+        run.record.status = status == Status::step_limit ? status : Status::stopped_by_user;
+        take(std::move(run));
+        result.certain_until = result.record.start;
+        return std::move(result);
+    };
     for (;;) {
         if (is_cut_short(run)) return result;
         const Pass finer = judging_pass(options, engine, is_judge, first, run.record, amplifies);
@@ -324,12 +330,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         } catch (...) {
             return broken_by(std::current_exception());
         }
-        if (comparison.stopped) {
-            if (run.record.status != Status::step_limit) run.record.status = Status::stopped_by_user;
-            take(std::move(run));
-            result.certain_until = result.record.start;
-            return result;
-        }
+        if (comparison.stopped) return stopped_by(run.record.status);
         result.error = comparison.error;
         result.certain_until = comparison.certain_until;
         grazes = std::move(comparison.grazes);
@@ -359,6 +360,8 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
                     std::min(comparison.certain_until, second.certain_until);
             } else if (other.record.thrown) {
                 return broken_by(other.record.thrown);
+            } else if (other.record.status == Status::stopped_by_user || other.record.status == Status::step_limit) {
+                return stopped_by(other.record.status);
             }
         }
         if (is_right(comparison)) break;

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "expression/programs.hpp"
 #include "random.hpp"
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/evaluate.hpp"
@@ -23,21 +24,6 @@ namespace rbdyn::test::test_series_abreast {
 namespace {
 
 using E = Expression;
-
-/// Rates of three variables with all that can be recorded, and four more outputs, the last one the square of a rate.
-Program everything() {
-    Recorder r;
-    const E x = r.input(0), y = r.input(1), z = r.input(2), t = r.time(), p = r.parameter(r.new_parameter());
-    std::vector<E> outputs = {p * y * z - 0.3 * x * sin(x) + exp(-x * y) + 0.1 * t,
-                              cos(z) * sqrt(x * x + 2.0) - x / (y * y + 1.0) + 0.25 * (x * x + y * y),
-                              tanh(x - y) + sinh(0.2 * z) * cosh(0.1 * x) - 0.5 * z + p * x * y};
-    outputs.push_back(log(x * x + 1.5) + pow(y * y + 0.5, 1.25) + pow(z * z + 0.25, -2.0) + 2.0);
-    outputs.back() += expm1(0.5 * x) + log1p(y * y) + asinh(z) + atanh(0.2 * x) + pow(y * y + 0.5, x);
-    outputs.push_back(recording::angle(y, x + 4.0) * length({x, y, z}));
-    outputs.push_back((x - y) * (x + y) * (z - x) + p);
-    outputs.push_back(outputs[0] * outputs[0]);
-    return Program(r, outputs, 3);
-}
 
 struct Alone {
     double t, unit;
