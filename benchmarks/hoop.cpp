@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <rbdyn/event/record.hpp>
 #include <rbdyn/integrate.hpp>
-#include <rbdyn/model/points.hpp>
+#include <rbdyn/special/points.hpp>
 #include <rbdyn/rbdyn.hpp>
 #include <string>
 #include <vector>

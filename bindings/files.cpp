@@ -48,18 +48,20 @@ Handle new_handle(Handle::Of of, int index, std::string name) {
 
 bool has_coupling_named(const BoundScene& scene, const std::string& name) {
     const auto& couplings = scene.handles.couplings;
-    return std::any_of(couplings.begin(), couplings.end(), [&](const auto& c) { return c.name == name; });
+    return scene.handles.taken.contains(name) &&
+           std::any_of(couplings.begin(), couplings.end(), [&](const auto& c) { return c.name == name; });
 }
 
 CouplingHandle add_coupling(BoundScene& self, int index) {
-    const auto& bodies = self.handles.bodies;
+    Handles& handles = self.handles;
+    for (; handles.looked_at < handles.bodies.size(); ++handles.looked_at)
+        handles.taken.insert(handles.bodies[handles.looked_at].name);
     const auto& coupling = self.scene.connections()[static_cast<std::size_t>(index)].coupling;
     int number = index;
     std::string name;
     do name = std::string(kind_of(coupling)) + " " + std::to_string(++number);
-    while (has_coupling_named(self, name) ||
-           std::any_of(bodies.begin(), bodies.end(), [&](const auto& body) { return body.name == name; }));
-    return self.handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, index, name)});
+    while (!handles.taken.insert(name).second);
+    return handles.couplings.emplace_back(CouplingHandle{new_handle(Handle::Of::coupling, index, name)});
 }
 
 LoadHandle add_load(BoundScene& self, int index) {

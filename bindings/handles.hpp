@@ -8,6 +8,7 @@
 #include <optional>
 #include <rbdyn/scene/scene.hpp>
 #include <string>
+#include <unordered_set>
 #include <variant>
 #include <vector>
 
@@ -56,6 +57,9 @@ struct Handles {
     std::vector<WatchHandle> watches;
     std::vector<ConstraintHandle> constraints = {};
     std::vector<ContactHandle> contacts = {};
+    // names that a coupling cannot be given: of couplings, and of as many bodies as were looked at
+    std::unordered_set<std::string> taken = {};
+    std::size_t looked_at = 0;
 
     bool has(const Handle& h) const {
         const auto among = [&](const auto& known) {

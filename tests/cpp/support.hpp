@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "random.hpp"
-#include "rbdyn/model/point_laws.hpp"
+#include "rbdyn/special/point_laws.hpp"
 #include "rbdyn/simulate.hpp"
 
 namespace rbdyn::test {

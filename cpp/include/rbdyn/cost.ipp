@@ -24,6 +24,7 @@
 #include "rbdyn/pricing.hpp"
 #include "rbdyn/scene/parts.hpp"
 #include "rbdyn/scene/scene.hpp"
+#include "rbdyn/special/door.hpp"
 #include "rbdyn/simulate.hpp"
 #include "rbdyn/solve.hpp"
 #include "rbdyn/system/system.hpp"

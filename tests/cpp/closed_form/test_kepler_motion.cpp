@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "rbdyn/closed_form/kepler_motion.hpp"
-#include "rbdyn/plan/two_body_motion.hpp"
+#include "rbdyn/special/two_body_motion.hpp"
 
 #include <cmath>
 #include <limits>

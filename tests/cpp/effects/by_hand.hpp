@@ -12,7 +12,7 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/special/points.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/simulate.hpp"
 

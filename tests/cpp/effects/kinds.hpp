@@ -10,7 +10,7 @@
 
 #include "by_hand.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/special/points.hpp"
 
 namespace rbdyn::proof {
 

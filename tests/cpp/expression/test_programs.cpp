@@ -9,7 +9,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/special/points.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
 
 namespace rbdyn::test_programs {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "rbdyn/event/record.hpp"
-#include "rbdyn/model/points.hpp"
+#include "rbdyn/special/points.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_what_stays {

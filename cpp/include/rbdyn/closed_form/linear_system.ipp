@@ -142,6 +142,11 @@ RBDYN_INLINE LinearBlocks solve(const LinearSystem& system, int own) {
                                                                                system.constants[at(first)]));
             continue;
         }
+        // whatever they are, modes and flows are of fewer: no matrix of them is made
+        if (size > 2 * most_modes + most_in_flow) {
+            result.too_large = size;
+            return result;
+        }
         const auto pairs = linear::second_order(system, block, own);
         // of few variables that are forced one flow is set up as quickly as many
         if (pairs && (pairs->drivers.empty() || size > most_in_flow)) {

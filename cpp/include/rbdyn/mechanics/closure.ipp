@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
-#include "rbdyn/model/projection.hpp"
+#include "rbdyn/model/compensated.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 

@@ -46,10 +46,14 @@ struct Node {
     Vector3Of<DoubleDouble> from_held(const Vector3& point) const { return widened(point) - joint.held().point; }
 };
 
+/// Whether beads leave the rails that they may leave, or are held there all the same.
+enum class Beads { may_leave, stay };
+
 class Tree {
 public:
     /// `flying`: bodies that have left their rails.
-    [[gnu::cold]] explicit Tree(const Scene& scene, const std::vector<int>& flying = {});
+    [[gnu::cold]] explicit Tree(const Scene& scene, const std::vector<int>& flying = {},
+                                Beads beads = Beads::may_leave);
 
     int size() const { return static_cast<int>(nodes_.size()); }
     const std::vector<Node>& nodes() const { return nodes_; }

@@ -102,7 +102,7 @@ inline JointLaw of(const Fixed& joint, const Scene::Body&) {
 
 }  // namespace laws
 
-RBDYN_INLINE Tree::Tree(const Scene& scene, const std::vector<int>& flying) : starts_(scene.bodies()) {
+RBDYN_INLINE Tree::Tree(const Scene& scene, const std::vector<int>& flying, Beads beads) : starts_(scene.bodies()) {
     for (const Scene::Body& b : starts_) {
         Node n;
         n.name = b.name;
@@ -110,6 +110,8 @@ RBDYN_INLINE Tree::Tree(const Scene& scene, const std::vector<int>& flying) : st
         // nothing joins a free body to a parent: it is one without
         n.parent = is_free ? -1 : b.parent;
         n.joint = std::visit([&](const auto& joint) { return laws::of(joint, b); }, b.joint);
+        if (const LooseRailLaw* loose = n.joint.as<LooseRailLaw>(); loose != nullptr && beads == Beads::stay)
+            n.joint = static_cast<const RailLaw&>(*loose);
         if (std::find(flying.begin(), flying.end(), size()) != flying.end()) {
             n.joint.set_flying();
             n.parent = -1;

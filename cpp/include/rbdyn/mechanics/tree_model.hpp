@@ -24,10 +24,9 @@
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_state.hpp"
 #include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/body_report.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/scene/scene.hpp"
@@ -59,6 +58,7 @@ public:
     const std::string& why_all() const override { return why_all_; }
     const std::string& name(int body) const override { return tree_->node(body).name; }
     std::string coordinates(int body) const override { return tree_->coordinates(body); }
+    std::vector<std::string> guards() const override;
     bool touches() const override;
     bool holds_what_touches(int subject) const override;
     bool turns(int body) const override { return !tree_->node(body).is_point; }

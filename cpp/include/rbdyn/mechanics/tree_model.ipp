@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -162,6 +163,21 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
             rows_in(mode),
             moving(mode, state.t, state.x),
             values.subspan(at(variables()))};
+}
+
+RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
+    std::vector<std::string> lines;
+    std::set<std::string> known;
+    std::vector<double> x = start(0.0);
+    for (const Guard& guard : begin(0.0, x).equations->guards) {
+        const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
+        std::string line = (is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
+                            : is_loop                    ? guard.name + ", where no motion goes on"
+                            : guard.is_watched()         ? "\"" + guard.name + "\" (watch)"
+                                                         : guard.name + " through zero (switch)");
+        if (known.insert(line).second) lines.push_back(std::move(line));
+    }
+    return lines;
 }
 
 RBDYN_INLINE PointReport TreeModel::report(const Mode& mode, int body, double t, std::span<const double> x) const {

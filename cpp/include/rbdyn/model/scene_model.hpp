@@ -11,6 +11,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/model/omission.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/model/system_report.hpp"
@@ -22,9 +23,8 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-struct PointReport;  // model/point_laws.hpp
-struct RigidReport;  // model/rigid_loads.hpp
-class PointLaws;     // model/point_laws.hpp
+struct PointReport;  // model/body_report.hpp
+struct RigidReport;  // model/body_report.hpp
 
 /// What a joint's own coordinates are, and their rates, in its own order.
 struct JointReport {
@@ -57,11 +57,15 @@ public:
     virtual const StateMap& map() const = 0;
     /// Why all variables are simulated, also what stays as it starts; empty if that is left out.
     virtual const std::string& why_all() const = 0;
-    /// The special laws it is made of (point_laws.hpp); none of one that is made of a tree.
-    virtual const PointLaws* special() const { return nullptr; }
     virtual const std::string& name(int body) const = 0;
-    /// The coordinates of a body that are simulated, in words; of the special laws plan/simulated.hpp says them.
-    virtual std::string coordinates(int /*body*/) const { return {}; }
+    /// The coordinates of a body that are simulated, in words.
+    virtual std::string coordinates(int body) const = 0;
+    /// What of a body is left out, and what would bring it in.
+    virtual std::vector<Omission> left_out(int /*body*/) const { return {}; }
+    /// What the equations watch for, in words, each once.
+    virtual std::vector<std::string> guards() const = 0;
+    /// Whether that may be called otherwise where motion starts elsewhere.
+    virtual bool guards_depend_on_start() const { return true; }
     /// Whether a body may turn.
     virtual bool turns(int body) const = 0;
     /// Degrees of freedom left by joints and constraints.

@@ -1,19 +1,17 @@
 // The first integrals that a scene's effects leave (7.40-7.43, 7.46): their names, and what they are about.
 //
 // Rigid bodies with a point fixed (7.58): energy; the angular momentum about that point along the vertical; the spin of
-// a symmetric body loaded on its axis (Lagrange); Kovalevskaya's, of a body with A = B = 2C whose centre of mass lies
-// in the plane of its equal moments: |z^2 - (M g/C) c zeta|^2, where z = w1 + i w2, zeta = u1 + i u2 of the upward
-// vertical u, c = x1 + i x2 of G (Kovalevskaya, "Sur le probleme de la rotation d'un corps solide autour d'un point
-// fixe", 1889; checked by differentiation with Euler's equations).
+// a symmetric body loaded on its axis (Lagrange); Kovalevskaya's (special/lone_body.hpp).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/scene/scene.hpp"
+#include "rbdyn/special/lone_body.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -29,12 +27,6 @@ namespace planning {
 /// Whether a force of the user's has a potential along the way of its body, though it may have none in space: one of
 /// position only, on a bead that stays on a smooth rail at rest (eq. 7.18).
 bool has_potential_along_rail(const Scene& scene, const Scene::AppliedLoad& load);
-
-/// Whether a body with its centre of mass off the axis of its equal moments A = B has C = A/2 and G in their plane.
-bool is_kovalevskaya(const RigidLaw& law);
-
-/// |z^2 - (M g/C) c zeta|^2 [1/s^4], all in the frame of the law.
-double kovalevskaya(const RigidLaw& law, double gravity, const Vector3& omega, const Vector3& up);
 
 /// What the effects of a scene leave of the first integrals of a system (7.40-7.42, 7.46), effect by effect.
 ///
@@ -65,8 +57,8 @@ struct Remaining {
 
 Remaining remaining_of(const Scene& scene);
 
-/// `body`: the law of the only one, if it is rigid.
-FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* body);
+/// `body`: what is known of the only one, if it is rigid.
+FirstIntegrals first_integrals(const Scene& scene, const std::optional<LoneBody>& body);
 
 }  // namespace planning
 

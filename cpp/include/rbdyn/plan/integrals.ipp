@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <string>
 #include <variant>
@@ -15,7 +14,6 @@
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/node.hpp"
-#include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -32,20 +30,6 @@ RBDYN_INLINE bool has_potential_along_rail(const Scene& scene, const Scene::Appl
     const Rail* rail = scene.bodies()[static_cast<std::size_t>(load.body)].rail();
     return force != nullptr && !force->is_constant() && !force->depends_on_time() && !force->depends_on_velocity() &&
            rail != nullptr && !rail->friction() && !rail->motion().present() && !rail->may_release();
-}
-
-RBDYN_INLINE bool is_kovalevskaya(const RigidLaw& law) {
-    const double near = 1e-12;
-    return law.kind == RigidLaw::Kind::spherical &&
-           std::abs(law.moments[0] - law.moments[1]) <= near * law.moments[0] &&
-           std::abs(law.moments[0] - 2.0 * law.moments[2]) <= near * law.moments[0] &&
-           std::abs(law.center[2]) <= near * law.center.norm() && !law.center.isZero(0.0);
-}
-
-RBDYN_INLINE double kovalevskaya(const RigidLaw& law, double gravity, const Vector3& omega, const Vector3& up) {
-    using C = std::complex<double>;
-    const C z(omega[0], omega[1]), zeta(up[0], up[1]), c(law.center[0], law.center[1]);
-    return std::norm(z * z - law.mass * gravity / law.moments[2] * c * zeta);
 }
 
 RBDYN_INLINE void Remaining::push(const Vector3& force) {
@@ -176,7 +160,7 @@ RBDYN_INLINE Remaining remaining_of(const Scene& scene) {
     return left;
 }
 
-RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* body) {
+RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const std::optional<LoneBody>& body) {
     FirstIntegrals result;
     const Vector3& g = scene.gravity();
     const bool has_gravity = !g.isZero(0.0);
@@ -191,19 +175,19 @@ RBDYN_INLINE FirstIntegrals first_integrals(const Scene& scene, const RigidLaw* 
         if (left.momentum[i]) result.names.push_back("momentum " + components[i]);
     result.pole = left.settle();
     // on a ball joint weight has a moment if it does not act at the joint
-    const bool is_top = body != nullptr && body->kind == RigidLaw::Kind::spherical && left.only_weight && has_gravity;
-    if (is_top && body->center.isZero(0.0)) {
+    const bool is_top = body && body->on_ball_joint && left.only_weight && has_gravity;
+    if (is_top && body->is_balanced) {
         result.names.push_back("angular momentum");
     } else if (is_top) {
         result.names.push_back("vertical angular momentum");
-        if (is_kovalevskaya(*body)) result.names.push_back("Kovalevskaya");
+        if (body->is_kovalevskaya) result.names.push_back("Kovalevskaya");
     } else if (left.angular[0] && left.angular[1] && left.angular[2]) {
         result.names.push_back("angular momentum");
     } else {
         for (int i = 0; i < 3; ++i)
             if (left.angular[i]) result.names.push_back("angular momentum " + components[i]);
     }
-    if (body != nullptr && body->follows_axis) result.names.push_back("spin");
+    if (body && body->keeps_spin) result.names.push_back("spin");
     return result;
 }
 

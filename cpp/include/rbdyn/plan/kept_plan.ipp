@@ -16,9 +16,7 @@
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/given.hpp"
 #include "rbdyn/expression/numbers.hpp"
-#include "rbdyn/model/points.hpp"
 #include "rbdyn/model/recorded_model.hpp"
-#include "rbdyn/plan/linear_motion.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/plan/planning.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -27,6 +25,7 @@
 #include "rbdyn/scene/plan_slot.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
+#include "rbdyn/special/door.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::planning {
 
@@ -59,13 +58,6 @@ RBDYN_INLINE void require_own_names(const Scene& scene, const Plan& plan) {
                 "\" is one that this scene has by itself, and drifts are found by name; give it another");
 }
 
-/// Whether what is watched for may be called otherwise where motion starts elsewhere.
-RBDYN_INLINE bool names_depend_on_start(const SceneModel& model) {
-    const PointLaws* laws = model.special();
-    return laws == nullptr || std::any_of(laws->bodies().begin(), laws->bodies().end(),
-                                          [](const PointLaws::Body& b) { return b.one_side.has_value(); });
-}
-
 RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, const GivenNumbers& numbers,
                                          bool elsewhere) {
     if (kept.model) {
@@ -76,8 +68,8 @@ RBDYN_INLINE std::optional<Plan> renewed(const Plan& kept, const Scene& scene, c
         plan.model = std::move(model);
         if (elsewhere) plan.not_unique = plan.model->not_unique();
         // on which side of a case motion begins depends on both
-        if (plan.model->distinguishes() || (elsewhere && names_depend_on_start(*plan.model)))
-            plan.guards = guards_of(*plan.model);
+        if (plan.model->distinguishes() || (elsewhere && plan.model->guards_depend_on_start()))
+            plan.guards = plan.model->guards();
         // what a plan says where there are none
         if (plan.guards.empty() != kept.guards.empty()) return std::nullopt;
         if (!kept.closed) return plan;

@@ -12,6 +12,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/point.hpp"
+#include "rbdyn/model/omission.hpp"
 #include "rbdyn/model/size.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -21,11 +22,6 @@ class Scene;        // scene/scene.hpp
 class SceneModel;   // model/scene_model.hpp
 struct Callback;    // expression/callback.hpp
 struct SceneParts;  // scene/parts.hpp
-
-/// Something a scene does not call for, and why; what would bring it in.
-struct Omission {
-    std::string what, why;
-};
 
 /// The decisions made from a scene before anything is computed.
 struct Plan {

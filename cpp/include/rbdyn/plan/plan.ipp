@@ -14,8 +14,6 @@
 
 #include "rbdyn/expression/callback.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/points.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/scene/scene.hpp"

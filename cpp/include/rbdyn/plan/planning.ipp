@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <set>
+#include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -31,15 +30,8 @@
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/points.hpp"
-#include "rbdyn/model/rigid_law.hpp"
 #include "rbdyn/model/scene_model.hpp"
-#include "rbdyn/plan/closed_motion.hpp"
 #include "rbdyn/plan/integrals.hpp"
-#include "rbdyn/plan/linear_motion.hpp"
-#include "rbdyn/plan/simulated.hpp"
-#include "rbdyn/plan/two_body_motion.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/effects.hpp"
 #include "rbdyn/scene/handles.hpp"
@@ -51,87 +43,19 @@
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
+#include "rbdyn/special/door.hpp"
+#include "rbdyn/special/lone_body.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::planning {
 
-RBDYN_INLINE Placement view_of(const Scene& scene) {
-    if (scene.bodies().size() != 1 || scene.bodies()[0].rail() == nullptr) return {};
-    const Curve& curve = scene.bodies()[0].rail()->curve();
-    Placement view = curve.placement();
-    if (!curve.straight()) return view;
-    // a line: the y axis along what pulls across it
-    Vector3 across = Vector3::Zero();
-    const Vector3 x = column(view.axes, 0);
-    const auto take = [&](const Vector3& v) {
-        const Vector3 part = v - x * x.dot(v);
-        if (across.isZero(0.0) && part.norm() > 1e-12 * v.norm()) across = part;
-    };
-    take(scene.gravity());
-    for (const auto& load : scene.loads())
-        if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->is_constant())
-            take(force->settled());
-    for (const auto& c : scene.connections()) {
-        if (!is_present(c.coupling)) continue;
-        for (const End* e : {&c.a, &c.b})
-            if (const Vector3* point = std::get_if<Vector3>(e)) take(*point - view.origin);
-    }
-    if (across.isZero(0.0)) return view;
-    const curves::WideVector along = view.exact_axes().col(0), beside = curves::wide_unit(across);
-    const curves::WideVector y = beside - along * dot<DoubleDouble>(along, beside);
-    const curves::WideVector unit = y / sqrt(dot<DoubleDouble>(y, y));
-    return placed(view.origin, curves::columns(along, unit, cross<DoubleDouble>(along, unit)));
+RBDYN_INLINE void Simulated::take(const SceneModel& model) {
+    for (int i = 0; i < model.bodies(); ++i) any_turns = any_turns || model.turns(i);
+    if (!model.why_all().empty()) omissions.push_back({"no variable", model.why_all()});
 }
 
-RBDYN_INLINE std::vector<std::string> guards_of(const SceneModel& scene_model) {
-    std::vector<std::string> lines;
-    std::set<std::string> known;  // of a long chain there are as many as it has masses
-    const auto say = [&](std::string line) {
-        if (known.insert(line).second) lines.push_back(std::move(line));
-    };
-    if (scene_model.special() == nullptr) {
-        std::vector<double> x = scene_model.start(0.0);
-        for (const Guard& guard : scene_model.begin(0.0, x).equations->guards) {
-            const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
-            say(is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
-                : is_loop                    ? guard.name + ", where no motion goes on"
-                : guard.is_watched()         ? "\"" + guard.name + "\" (watch)"
-                                             : guard.name + " through zero (switch)");
-        }
-        return lines;
-    }
-    const auto& model = dynamic_cast<const PointsModel&>(scene_model);
-    for (const signed char slip : {static_cast<signed char>(1), sticks, flies}) {
-        std::vector<signed char> slips(static_cast<std::size_t>(model.bodies()), slip);
-        if (slip == flies)
-            for (int i = 0; i < model.bodies(); ++i)
-                if (!model.laws().body(i).may_fly) slips[static_cast<std::size_t>(i)] = 1;
-        for (const Guard& guard : model.equations(slips).guards) {
-            std::string line = guard.subject >= 0 ? model.laws().body(guard.subject).name + ": " : std::string();
-            switch (guard.kind) {
-                case EventKind::reverse: line += "its slip through zero (reverse, stick)"; break;
-                case EventKind::slip: line += "the static limit while it sticks (slip)"; break;
-                case EventKind::normal_zero: line += "its normal reaction through zero (normal-zero)"; break;
-                case EventKind::rail_end: line += "an end of its rail (rail-end)"; break;
-                case EventKind::detach:
-                    line += "what its rail, which pushes along " +
-                            curves::vector_text(model.laws().body(guard.subject).one_side->normal()) +
-                            " where it starts, would have to pull (detach)";
-                    break;
-                case EventKind::singular: line += "a place of its rail without a tangent (ends the run)"; break;
-                case EventKind::land: line += "its way back to the rail (land)"; break;
-                case EventKind::watch: line += "\"" + guard.name + "\" (watch)"; break;
-                case EventKind::switching:
-                    if (guard.name.empty()) {
-                        line += "a change from one formula to the next (no event)";
-                        break;
-                    }
-                    [[fallthrough]];
-                default: line += guard.name + " through zero (switch)"; break;
-            }
-            say(std::move(line));
-        }
-    }
-    return lines;
+RBDYN_INLINE void Simulated::take(const SceneModel& model, int body) {
+    coordinates.push_back(model.name(body) + ": " + model.coordinates(body));
+    for (Omission& o : model.left_out(body)) omissions.push_back(std::move(o));
 }
 
 RBDYN_INLINE std::string first_of(const std::vector<std::string>& names, std::size_t most, const std::string& between) {
@@ -166,20 +90,6 @@ RBDYN_INLINE void plan_parts(const Scene& scene, SceneParts&& apart, bool any_ri
     plan.reason = std::to_string(names.size()) + " parts, solved apart: " + first_of(names, 6, ", ") +
                   "; a coupling between two of them would join those";
     plan.apart = std::make_shared<const SceneParts>(std::move(apart));
-}
-
-RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid) {
-    FoundForm found;
-    if (model.special() == nullptr)
-        return {nullptr,
-                scene.contacts().empty() ? "bodies joined to bodies have none here" : "contacts have none here"};
-    if (any_rigid) std::tie(found.form, found.why_not) = closed_motion(scene, *model.special());
-    if (found.form) return found;
-    FoundForm linear = linear_motion(scene, dynamic_cast<const PointsModel&>(model));
-    if (linear.form) return linear;
-    FoundForm two = two_body_motion(scene, *model.special());
-    if (two.form || !two.why_not.empty()) return two;
-    return any_rigid ? found : linear;
 }
 
 /// Said where there is one form after the other: series need no set-up where it changes.
@@ -296,7 +206,7 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
         leave_out("parts", "\"" + apart.joined_by + "\" is called back or changes the state, nobody knows of which " +
                                "bodies; all are solved together");
     plan.engine = plan.integrator = plan.calls_back ? "dop853" : "taylor";
-    const RigidLaw* only = nullptr;
+    std::optional<LoneBody> only;
     Simulated simulated;
     if (apart.parts.empty()) {
         plan.view = view_of(scene);
@@ -306,13 +216,12 @@ RBDYN_INLINE Plan plan_of(const Scene& scene, bool beside_rigid, const GivenNumb
             plan.not_unique = tree->not_unique();
             plan.model = tree;
         } else {
-            plan.model = std::make_shared<const PointsModel>(scene, plan.view, true, numbers);
+            plan.model = special_model(scene, plan.view, numbers);
         }
         simulated.take(*plan.model);
         for (int i = 0; i < plan.model->bodies(); ++i) simulated.take(*plan.model, i);
-        plan.guards = guards_of(*plan.model);
-        if (const PointLaws* laws = plan.model->special(); laws != nullptr && scene.bodies().size() == 1)
-            if (const auto& rigid = laws->body(0).rigid) only = &*rigid;
+        plan.guards = plan.model->guards();
+        only = lone_body(*plan.model);
         plan.reason = plan.calls_back
                           ? "a force that is called back has no Taylor series; events are located but not certain"
                           : "the equations are known, so their Taylor series are";

@@ -197,6 +197,9 @@ using Load = std::variant<Force, Potential, Lorentz, Drag, Torque, TorsionSpring
 /// Whether a load does anything.
 bool is_present(const Load& load);
 
+/// A load that a function gives, as a subject of a sentence.
+std::string title_of(const Load& load);
+
 /// A load with the numbers of the user's as they are now.
 Load frozen(const Load& load);
 /// The numbers of the user's that a load depends on.

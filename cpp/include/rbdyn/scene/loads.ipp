@@ -125,6 +125,12 @@ RBDYN_INLINE void TorsionSpring::validate() const {
             "an angle is finite, in rad");
 }
 
+RBDYN_INLINE std::string title_of(const Load& load) {
+    if (const Force* force = std::get_if<Force>(&load)) return "force \"" + force->name() + "\"";
+    if (const Potential* u = std::get_if<Potential>(&load)) return "the slope of potential \"" + u->name() + "\"";
+    return "the force";
+}
+
 RBDYN_INLINE bool is_present(const Load& load) {
     return std::visit([](const auto& l) { return l.present(); }, load);
 }

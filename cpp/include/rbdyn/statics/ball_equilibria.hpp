@@ -9,7 +9,7 @@
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/point_forces.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -29,7 +29,7 @@ private:
     std::vector<double> turned(const std::vector<double>& q, const Vector3& axis, double angle) const;
     void look_from(std::vector<double> q);
 
-    PointForces forces_;
+    TreeForces forces_;
     std::vector<double> start_;
     std::vector<Equilibrium> found_;
     std::vector<std::vector<double>> places_;

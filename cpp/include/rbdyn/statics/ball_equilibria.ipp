@@ -12,8 +12,8 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
-#include "rbdyn/statics/point_forces.hpp"
 #include "rbdyn/statics/search.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 

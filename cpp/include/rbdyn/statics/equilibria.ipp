@@ -23,7 +23,6 @@
 #include "rbdyn/statics/normal_modes.hpp"
 #include "rbdyn/statics/path_equilibria.hpp"
 #include "rbdyn/statics/path_forces.hpp"
-#include "rbdyn/statics/point_forces.hpp"
 #include "rbdyn/statics/search.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 
@@ -72,23 +71,21 @@ RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::
     require(near.empty() || static_cast<int>(near.size()) == coordinates, user, "number of coordinates in near",
             static_cast<double>(near.size()), "this scene has " + std::to_string(coordinates));
     for (const double x : near) require(std::isfinite(x), user, "a coordinate of near", x, "it is finite");
-    if (is_tree) {
-        statics::TreeForces forces(now);
-        require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
-        std::vector<Equilibrium> found = statics::nearest(forces, near);
-        for (Equilibrium& e : found)
-            if (!e.periods.empty()) e.periods = statics::periods(now, e);
-        return found;
-    }
     const Scene::Body& first = now.bodies()[0];
-    if (now.bodies().size() == 1 && coordinates == 1) {
+    const bool is_alone = !is_tree && now.bodies().size() == 1;
+    if (is_alone && coordinates == 1) {
         const double place = near.empty() ? first.parameter : near[0];
         return PathEquilibria(first.rail() != nullptr ? statics::alone(now, BodyHandle{0}, user) : now, place).find();
     }
-    statics::PointForces forces(now);
-    if (now.bodies().size() == 1 && std::holds_alternative<Spherical>(first.joint))
-        return statics::BallEquilibria(now, near.empty() ? forces.start() : forces.place(near)).find();
-    return statics::nearest(forces, near);
+    statics::TreeForces forces(now);
+    require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
+    std::vector<Equilibrium> found =
+        is_alone && std::holds_alternative<Spherical>(first.joint)
+            ? statics::BallEquilibria(now, near.empty() ? forces.start() : forces.place(near)).find()
+            : statics::nearest(forces, near);
+    for (Equilibrium& e : found)
+        if (!e.periods.empty() && !forces.has_own_masses()) e.periods = statics::periods(now, e);
+    return found;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

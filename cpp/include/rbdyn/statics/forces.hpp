@@ -1,8 +1,7 @@
 // What a search for states of rest asks of a scene: the generalized forces at rest in freedoms of its own, and how they
 // change with the place of its bodies.
 //
-// Point masses and single bodies: point_forces.hpp; bodies joined to bodies, and loops: tree_forces.hpp. Places are
-// kept as each has them; users give and get them as `coordinates` (equilibrium.hpp).
+// Of a scene: tree_forces.hpp. Users give and get places as `coordinates` (equilibrium.hpp).
 #pragma once
 
 #include <algorithm>

@@ -18,16 +18,12 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/interruption.hpp"
-#include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"
-#include "rbdyn/mechanics/tree_model.hpp"
-#include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
 #include "rbdyn/statics/path_forces.hpp"
-#include "rbdyn/statics/point_forces.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -53,20 +49,9 @@ RBDYN_INLINE WideMatrix cholesky(const WideMatrix& m) {
 }
 
 /// What a scene says of a place of rest.
-RBDYN_INLINE SmallMotion small_motion(const PointForces& forces, const std::vector<double>& q) {
-    const int n = forces.freedoms();
-    const PointForces::WideJacobian slope = forces.wide_jacobian(q);
-    const std::vector<DoubleDouble> metric = forces.wide_metric(q);
-    SmallMotion result{WideMatrix(n), WideMatrix(n), slope.is_constant};
-    for (int i = 0; i < n; ++i) {
-        result.mass(i, i) = metric[static_cast<std::size_t>(i)];
-        for (int j = 0; j < n; ++j) result.stiffness(i, j) = -slope.entries(i, j);
-    }
-    return result;
-}
-
 RBDYN_INLINE SmallMotion small_motion(const TreeForces& forces) {
-    SmallMotion result{forces.wide_mass(), forces.wide_jacobian()};
+    TreeForces::WideJacobian slope = forces.wide_jacobian();
+    SmallMotion result{forces.wide_mass(), std::move(slope.entries), slope.is_constant};
     for (int i = 0; i < forces.freedoms(); ++i)
         for (int j = 0; j < forces.freedoms(); ++j) result.stiffness(i, j) = -result.stiffness(i, j);
     return result;
@@ -84,28 +69,6 @@ inline std::vector<double> place_of_rest(Forces& forces, const std::vector<doubl
         require(std::abs(s.force[i]) <= near * s.effort[i], user, "generalized force of freedom " + std::to_string(i),
                 s.force[i], "at an equilibrium there is none; take one of equilibria(scene)");
     return q;
-}
-
-/// Small motion of bodies joined to bodies, all of them told.
-inline NormalModes modes_of_tree(const Scene& scene, const Equilibrium& at, const std::string& user) {
-    TreeForces forces(scene);
-    require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
-    const std::vector<double> q = place_of_rest(forces, at.coordinates, user);
-    NormalModes modes = normal_modes(small_motion(forces));
-    Matrix shapes;
-    for (int mode = 0; mode < forces.freedoms(); ++mode) {
-        std::vector<double> motion;
-        for (int i = 0; i < forces.freedoms(); ++i) motion.push_back(modes.shapes(i, mode));
-        std::vector<double> all = forces.in_bodies(q, motion);
-        double largest = 0.0;
-        for (const double x : all)
-            if (std::abs(x) > std::abs(largest)) largest = x;
-        if (mode == 0) shapes = Matrix(static_cast<int>(all.size()), forces.freedoms());
-        for (std::size_t k = 0; k < all.size(); ++k)
-            shapes(static_cast<int>(k), mode) = std::copysign(1.0, largest) * all[k];
-    }
-    modes.shapes = std::move(shapes);
-    return modes;
 }
 
 }  // namespace statics
@@ -174,7 +137,6 @@ RBDYN_INLINE NormalModes normal_modes(const Scene& scene, const Equilibrium& at)
     const std::string user = "normal_modes";
     if (scene.bodies().empty()) throw InvalidInput("Scene: it has 0 bodies; add() at least one before it is asked");
     const Scene now = scene.frozen();
-    const bool is_tree = needs_tree(now);
     int coordinates = 0;
     for (int i = 0; i < static_cast<int>(now.bodies().size()); ++i) {
         const Scene::Body& body = now.bodies()[static_cast<std::size_t>(i)];
@@ -187,22 +149,24 @@ RBDYN_INLINE NormalModes normal_modes(const Scene& scene, const Equilibrium& at)
     }
     require(static_cast<int>(at.coordinates.size()) == coordinates, user, "number of coordinates of the equilibrium",
             static_cast<double>(at.coordinates.size()), "this scene has " + std::to_string(coordinates));
-    if (is_tree) return statics::modes_of_tree(now, at, user);
-    statics::PointForces forces(now);
+    statics::TreeForces forces(now);
+    require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
     const std::vector<double> q = statics::place_of_rest(forces, at.coordinates, user);
-    NormalModes modes = normal_modes(statics::small_motion(forces, q));
-    // turns about the axes of the body, not of the frame of its law
-    for (int b = 0; b < forces.bodies(); ++b) {
-        if (!forces.turns(b)) continue;
-        const int first = forces.first(b) + forces.displacements(b);
-        const Quaternion frame = forces.laws().body(b).rigid->frame_attitude;
-        for (int mode = 0; mode < modes.shapes.columns(); ++mode) {
-            const Vector3 turn = to_world<double>(
-                frame,
-                Vector3(modes.shapes(first, mode), modes.shapes(first + 1, mode), modes.shapes(first + 2, mode)));
-            for (int k = 0; k < 3; ++k) modes.shapes(first + k, mode) = turn[k];
-        }
+    NormalModes modes = normal_modes(statics::small_motion(forces));
+    // all bodies are told, also those that follow from others
+    Matrix shapes;
+    for (int mode = 0; mode < forces.freedoms(); ++mode) {
+        std::vector<double> motion;
+        for (int i = 0; i < forces.freedoms(); ++i) motion.push_back(modes.shapes(i, mode));
+        std::vector<double> all = forces.in_bodies(q, motion);
+        double largest = 0.0;
+        for (const double x : all)
+            if (std::abs(x) > std::abs(largest)) largest = x;
+        if (mode == 0) shapes = Matrix(static_cast<int>(all.size()), forces.freedoms());
+        for (std::size_t k = 0; k < all.size(); ++k)
+            shapes(static_cast<int>(k), mode) = std::copysign(1.0, largest) * all[k];
     }
+    modes.shapes = std::move(shapes);
     return modes;
 }
 

@@ -14,7 +14,6 @@
 
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/given.hpp"
-#include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
@@ -167,7 +166,7 @@ RBDYN_INLINE bool PathEquilibria::is_same_all_along(const Piece& p) const {
 }
 
 RBDYN_INLINE double PathEquilibria::hold_noise(const Piece& p) const {
-    const double mu = forces_.body().mu_static;
+    const double mu = forces_.static_friction();
     return 2.0 * (1.0 + mu * mu) * p.effort * p.noise();
 }
 

@@ -5,7 +5,7 @@
 //     Q = F.r' = |r'| F_t                                                     (eq. 7.15, in the curve's own parameter)
 //     hold = mu_s^2 |r' x F|^2 - Q^2, not negative where friction holds the bead   (eqs. 7.16, 7.25 at rest)
 //     push = -b.(r' x F), not negative where a rail that only pushes does so
-// On a hinge Q = M_3, the moment about the axis (eq. 7.60); on a slide Q = F.e3.
+// On a hinge Q is the moment about the axis (eq. 7.60); on a slide the force along it.
 // Invariant: one body in the scene; no force of it depends on time.
 #pragma once
 
@@ -13,25 +13,20 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/curve.hpp"
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/point_state.hpp"
-#include "rbdyn/model/points.hpp"
-#include "rbdyn/model/points_now.hpp"
-#include "rbdyn/model/rigid_law.hpp"
-#include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/scene/scene.hpp"
+#include "rbdyn/statics/rest_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -46,15 +41,6 @@ Scene alone(const Scene& scene, BodyHandle bead, const std::string& user);
 
 /// Chooses the signs of a program's switches by the state x.
 void set_signs(const Program& program, std::vector<double>& parameters, std::span<const double> x);
-
-/// The sum of the sizes of the forces on a body at rest [N], and of their moments about the point its equations are
-/// about [N m]: what is rounding beside them is none.
-struct Effort {
-    double force = 0.0, moment = 0.0;
-
-    void add(double size, const Vector3& point);
-};
-Effort effort(const PointLaws& laws, int body, const CouplingForces<double>& couplings);
 
 }  // namespace statics
 
@@ -76,25 +62,28 @@ public:
     explicit PathForces(const Scene& scene);
 
     /// Of a bead.
-    const Curve& curve() const { return *body().curve; }
-    double mass() const { return body().mass; }
+    const Curve& curve() const { return rail_->curve(); }
+    double mass() const { return mass_; }
 
     /// What its coordinate is, in a word.
-    std::string coordinate() const { return body().curve ? "parameter" : is_on_hinge() ? "angle" : "displacement"; }
-    bool is_on_hinge() const { return body().rigid && body().rigid->kind == RigidLaw::Kind::revolute; }
-    Domain domain() const { return body().curve ? curve().domain() : Domain{}; }
+    std::string coordinate() const { return rail_ ? "parameter" : is_on_hinge() ? "angle" : "displacement"; }
+    bool is_on_hinge() const { return std::holds_alternative<Revolute>(body().joint); }
+    Domain domain() const { return rail_ ? curve().domain() : Domain{}; }
     /// After which all is the same again; 0 if nothing is.
     double period() const;
     /// The torsion springs of a hinge together.
     TorsionSpring torsion() const;
     /// |r'|; 1 for a hinge and a slide.
-    double speed(double u) const { return body().curve ? curve().first(u).norm() : 1.0; }
+    double speed(double u) const { return rail_ ? curve().first(u).norm() : 1.0; }
     /// Twice the kinetic energy over the squared rate of the coordinate.
-    double inertia(double u) const { return is_on_hinge() ? body().rigid->moments[2] : mass() * speed(u) * speed(u); }
-    double start() const { return body().rigid ? body().start_positions[0].hi : body().start_u.hi; }
-    bool rough() const { return body().rough; }
-    bool one_sided() const { return body().side != RailSide::both; }
+    double inertia(double u) const { return is_on_hinge() ? moment_ : mass() * speed(u) * speed(u); }
+    double start() const { return body().parameter; }
+    bool rough() const { return rail_ && rail_->friction(); }
+    /// mu_s of a rough rail.
+    double static_friction() const { return rough() ? static_cast<double>(rail_->friction()->mu_static) : 0.0; }
+    bool one_sided() const { return !at_rest_->one_sided().empty(); }
     const std::string& name() const { return body().name; }
+    const Scene& scene() const { return at_rest_->scene(); }
 
     /// The formula that is right about u.
     Formula formula(double u) const;
@@ -108,7 +97,10 @@ public:
         double operator()(double u);
 
     private:
+        void choose(double u);
+
         const PathForces* forces_;
+        Formula formula_;
         std::optional<Evaluator<double>> quick_;
     };
 
@@ -119,20 +111,13 @@ public:
     /// What is not finite at u, in words.
     std::string not_finite(double u) const;
 
-    const PointLaws& laws() const { return model_->laws(); }
-    const PointLaws::Body& body() const { return laws().body(0); }
-
 private:
-    /// Q on a hinge or a slide.
-    template <class S>
-    S along_joint(const std::vector<PointState<S>>& states) const {
-        const Wrench<S> w = laws().wrench<S>(0, CouplingForces<S>(laws(), S(0.0), states));
-        return is_on_hinge() ? w.moment[2] : dot<S>(states[0].rigid->axes.e3, w.force);
-    }
-    PointState<double> at_rest(double u) const;
+    const Scene::Body& body() const { return scene().bodies()[0]; }
 
-    std::shared_ptr<const PointsModel> model_;
-    Formula smooth_;
+    std::shared_ptr<const statics::RestForces> at_rest_;
+    std::optional<Rail> rail_;
+    double mass_ = 0.0, moment_ = 0.0;  // about the axis of a hinge
+    Formula smooth_;                    // about the start
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

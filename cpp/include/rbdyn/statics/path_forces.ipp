@@ -28,17 +28,9 @@
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/rounded.hpp"
 #include "rbdyn/expression/time_function.hpp"
+#include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
-#include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/point_state.hpp"
-#include "rbdyn/model/points.hpp"
-#include "rbdyn/model/points_now.hpp"
-#include "rbdyn/model/rigid_law.hpp"
-#include "rbdyn/model/rigid_loads.hpp"
 #include "rbdyn/model/rigid_state.hpp"
-#include "rbdyn/plan/plan.hpp"
-#include "rbdyn/plan/planning.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -46,6 +38,7 @@
 #include "rbdyn/scene/rigid_motion.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/torque.hpp"
+#include "rbdyn/statics/rest_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
@@ -163,56 +156,34 @@ RBDYN_INLINE void set_signs(const Program& program, std::vector<double>& paramet
     }
 }
 
-RBDYN_INLINE void Effort::add(double size, const Vector3& point) {
-    force += size;
-    moment += size * point.norm();
-}
-
-RBDYN_INLINE Effort effort(const PointLaws& laws, int body, const CouplingForces<double>& couplings) {
-    const std::vector<PointState<double>>& states = couplings.states();
-    const PointLaws::Body& b = laws.body(body);
-    const PointState<double>& p = states[static_cast<std::size_t>(body)];
-    const Vector3 r = laws.in_world<double>(p.r), zero = Vector3::Zero();
-    Effort sum;
-    sum.add(rounded(b.force).norm(), b.rigid ? b.rigid->center : zero);
-    // high powers far away, whose squares overflow
-    for (const auto& function : b.functions) sum.force += force_of<double>(function, 0.0, r, zero).stableNorm();
-    for (const RigidLoad& load : b.loads) {
-        if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
-            sum.moment += spring->stiffness * (std::abs(p.rigid->coordinate) + std::abs(spring->rest_angle));
-            continue;
-        }
-        Wrench<double> w;
-        add_load(w, *b.rigid, *p.rigid, load, 0.0, b.name);
-        sum.add(w.force.norm(), rounded(load.point));
-        if (std::holds_alternative<Torque>(load.load)) sum.moment += w.moment.norm();
-    }
-    for (const int k : b.couplings) {
-        const PointLaws::Connected& c = laws.couplings()[static_cast<std::size_t>(k)];
-        const bool is_spring = std::holds_alternative<Spring>(c.coupling);
-        const double force = is_spring ? 0.0 : couplings[k].norm();
-        const double size = force + effort_of(c.coupling, laws.ends<double>(c, 0.0, states), force);
-        for (const PointLaws::CouplingEnd* end : {&c.a, &c.b})
-            if (end->body == body) sum.add(size, end->is_on_rigid ? rounded(end->point_on_rigid) : zero);
-    }
-    return sum;
-}
-
 }  // namespace rbdyn::inline RBDYN_FORM::statics
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE PathForces::PathForces(const Scene& scene)
-    : model_(std::make_shared<const PointsModel>(scene, planning::view_of(scene))), smooth_(formula(start())) {}
+RBDYN_INLINE PathForces::PathForces(const Scene& scene) : at_rest_(std::make_shared<const statics::RestForces>(scene)) {
+    if (body().rail() != nullptr) rail_ = *body().rail();
+    mass_ = body().mass();
+    if (is_on_hinge()) {
+        // about the axis through the point held there
+        const mechanics::Node& n = at_rest_->tree().node(0);
+        const auto axis = n.joint.as<mechanics::RevoluteLaw>()->axis;
+        const auto across = cross<DoubleDouble>(axis, n.center);
+        DoubleDouble sum = n.mass * dot<DoubleDouble>(across, across);
+        for (int i = 0; i < 3; ++i)
+            for (int k = 0; k < 3; ++k) sum += axis[i] * n.body.inertia(i, k) * axis[k];
+        moment_ = static_cast<double>(sum);
+    }
+    smooth_ = formula(start());
+}
 
 RBDYN_INLINE double PathForces::period() const {
-    if (body().curve) return curve().period();
+    if (rail_) return curve().period();
     return is_on_hinge() && torsion().stiffness == 0.0 ? 2.0 * std::numbers::pi : 0.0;
 }
 
 RBDYN_INLINE TorsionSpring PathForces::torsion() const {
     TorsionSpring sum;
-    for (const RigidLoad& load : body().loads)
+    for (const Scene::AppliedLoad& load : scene().loads())
         if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load); spring && spring->stiffness > 0) {
             const double k = sum.stiffness + spring->stiffness;
             sum.rest_angle = sum.rest_angle + (spring->rest_angle - sum.rest_angle) * spring->stiffness / k;
@@ -225,22 +196,15 @@ RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
     using S = Expression;
     Recorder r;
     r.follow(0.0, std::span<const double>(&u, 1), {});
-    const S q = r.input(0), zero(0.0);
-    const std::vector<PointState<S>> states{laws().moving<S>(body(), zero, &q, &zero, false)};
+    const statics::RestForces::Recorded at = at_rest_->recorded({r.input(0)});
     Formula result;
-    std::vector<S> outputs;
-    if (body().rigid) {
-        outputs.push_back(along_joint<S>(states));
-    } else {
-        const CouplingForces<S> couplings(laws(), zero, states);
-        const Resultant<S> f = laws().resultant<S>(0, couplings, false, [](const S& w) { return w; });
-        const CurvePoint<S>& c = states[0].curve;
-        outputs.push_back(dot<S>(c.first, f.force));
-        const Vector3Of<S> across = cross<S>(c.first, f.force);
-        if (rough() || one_sided())
-            outputs.push_back(S(body().mu_static * body().mu_static) * dot<S>(across, across) -
-                              outputs[0] * outputs[0]);
-        if (one_sided()) outputs.push_back(-dot<S>(body().binormal, across));
+    std::vector<S> outputs = at.along;
+    if (rough() || one_sided()) {
+        const Vector3Of<S>& force = at.wrenches[0].force;
+        const Vector3Of<S> across = cross<S>(at.all[0].joint.front().move, force);
+        const double mu = static_friction();
+        outputs.push_back(S(mu * mu) * dot<S>(across, across) - outputs[0] * outputs[0]);
+        if (one_sided()) outputs.push_back(at_rest_->push<S>(at_rest_->one_sided()[0], at.all, force));
     }
     result.outputs = static_cast<int>(outputs.size());
     for (const Branch& b : r.branches()) {
@@ -255,47 +219,42 @@ RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
     return result;
 }
 
-RBDYN_INLINE PathForces::Values::Values(const PathForces& forces) : forces_(&forces) {
-    if (forces.smooth_.is_smooth) {
-        quick_.emplace(forces.smooth_.program);
-        quick_->set_parameters(forces.smooth_.parameters);
+RBDYN_INLINE PathForces::Values::Values(const PathForces& forces) : forces_(&forces), formula_(forces.smooth_) {
+    quick_.emplace(formula_.program);
+    quick_->set_parameters(formula_.parameters);
+}
+
+RBDYN_INLINE void PathForces::Values::choose(double u) {
+    const std::span<const double> place(&u, 1);
+    bool is_right = true;
+    if (formula_.guards > 0) {
+        (*quick_)(0.0, place);
+        for (int k = 0; k < formula_.guards; ++k) is_right = is_right && quick_->output(formula_.outputs + k) > 0.0;
     }
+    if (!is_right) {
+        formula_ = forces_->formula(u);
+        quick_.emplace(formula_.program);
+    }
+    statics::set_signs(formula_.program, formula_.parameters, place);
+    quick_->set_parameters(formula_.parameters);
 }
 
 RBDYN_INLINE double PathForces::Values::operator()(double u) {
-    if (!quick_) return forces_->along_path(u);
+    if (!formula_.is_smooth) choose(u);
     (*quick_)(0.0, std::span<const double>(&u, 1));
     return quick_->output(along);
 }
 
-RBDYN_INLINE double PathForces::along_path(double u) const {
-    const std::vector<PointState<double>> states{at_rest(u)};
-    if (body().rigid) return along_joint<double>(states);
-    const CouplingForces<double> couplings(laws(), 0.0, states);
-    const auto f = laws().resultant<double>(0, couplings, false, [](double w) { return w; });
-    return dot<double>(states[0].curve.first, f.force);
-}
+RBDYN_INLINE double PathForces::along_path(double u) const { return Values(*this)(u); }
 
 RBDYN_INLINE double PathForces::effort(double u) const {
-    const std::vector<PointState<double>> states{at_rest(u)};
-    const statics::Effort sum = statics::effort(laws(), 0, CouplingForces<double>(laws(), 0.0, states));
-    if (body().rigid) return is_on_hinge() ? sum.moment : sum.force;
-    return std::sqrt(states[0].curve.speed_squared) * sum.force;
+    const statics::RestForces::Efforts efforts = at_rest_->efforts({u});
+    return efforts.joints[0] + efforts.of(0, efforts.all[0].joint.front());
 }
 
 RBDYN_INLINE std::string PathForces::not_finite(double u) const {
-    Mode mode;
-    mode.slip.assign(1, 1);
-    std::vector<double> x = model_->start();
-    for (double& value : x) value = 0.0;
-    x[0] = u;
-    const std::string what = model_->not_finite(mode, 0.0, x);
+    const std::string what = at_rest_->not_finite({u});
     return what.empty() ? "a derivative of the forces" : what;
-}
-
-RBDYN_INLINE PointState<double> PathForces::at_rest(double u) const {
-    const double zero = 0.0;
-    return laws().moving<double>(body(), 0.0, &u, &zero, false);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -75,6 +75,8 @@ private:
     std::string user() const;
     double on_rail(double u) const;
 
+    /// r(u), world.
+    Vector3 place(double u) const;
     /// What has a closed form of U(u), and the sizes of its terms together.
     std::pair<double, double> closed_form(double u) const;
 

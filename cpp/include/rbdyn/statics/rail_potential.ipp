@@ -26,7 +26,6 @@
 #include "rbdyn/curve/point.hpp"
 #include "rbdyn/curve/quadrature.hpp"
 #include "rbdyn/expression/given.hpp"
-#include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/handles.hpp"
 #include "rbdyn/scene/joints.hpp"
@@ -176,26 +175,31 @@ RBDYN_INLINE double RailPotential::on_rail(double u) const {
     return u;
 }
 
+RBDYN_INLINE Vector3 RailPotential::place(double u) const { return curve().at<double>(u, Placement{}).position; }
+
 RBDYN_INLINE std::pair<double, double> RailPotential::closed_form(double u) const {
-    const PointLaws& laws = forces_->path.laws();
-    const PointLaws::Body& b = forces_->path.body();
-    const Vector3 r = laws.curve_point(b, on_rail(u)).position, r0 = laws.curve_point(b, forces_->origin).position;
-    const Vector3 force = rounded(b.force);
+    const Scene& scene = forces_->path.scene();
+    const Vector3 r = place(on_rail(u)), r0 = place(forces_->origin);
+    Vector3Of<DoubleDouble> constant = scaled(widened(scene.gravity()), DoubleDouble(mass()));
     double sum = 0.0, size = 0.0;
+    for (const Scene::AppliedLoad& load : scene.loads()) {
+        const Force* force = std::get_if<Force>(&load.load);
+        if (force != nullptr && force->is_constant()) constant += widened(force->settled());
+        const Potential* potential = std::get_if<Potential>(&load.load);
+        if (potential == nullptr) continue;
+        const double here = potential->value<double>(r), there = potential->value<double>(r0);
+        sum += here - there;
+        size += std::abs(here) + std::abs(there);
+    }
+    const Vector3 force = rounded(constant);
     for (int i = 0; i < 3; ++i) {
         sum += force[i] * (r[i] - r0[i]);
         size += std::abs(force[i]) * (std::abs(r[i]) + std::abs(r0[i]));
     }
-    for (const auto& function : b.functions)
-        if (const Potential* potential = std::get_if<Potential>(&function)) {
-            const double here = potential->value<double>(laws.in_world<double>(r)),
-                         there = potential->value<double>(laws.in_world<double>(r0));
-            sum += here - there;
-            size += std::abs(here) + std::abs(there);
-        }
-    for (const int index : b.couplings) {
-        const PointLaws::Connected& c = laws.couplings()[static_cast<std::size_t>(index)];
-        const Vector3 point = rounded(c.a.body >= 0 ? c.b.point : c.a.point);
+    for (const Scene::Connection& c : scene.connections()) {
+        if (!is_present(c.coupling)) continue;
+        const Vector3* fixed = std::get_if<Vector3>(&c.a);
+        const Vector3 point = fixed != nullptr ? *fixed : std::get<Vector3>(c.b);
         const double l = (r - point).norm(), l0 = (r0 - point).norm();
         if (const Central* central = std::get_if<Central>(&c.coupling)) {
             const double gain = central->gain(l0, l);
@@ -338,10 +342,9 @@ RBDYN_INLINE double RailPotential::half_duration(double u, double way, double k)
     const double sign = way > 0.0 ? 1.0 : -1.0, reach = std::sqrt(std::abs(way));
     const double force = std::abs(q(u)), effort = forces_->path.effort(u);
     double noise = 0.0;
-    const PointLaws& laws = forces_->path.laws();
     const auto rate = [&](double x) {
         const double gone = x * x;
-        const double r = std::sqrt(laws.curve_point(forces_->path.body(), u + sign * gone).speed_squared);
+        const double r = forces_->path.speed(u + sign * gone);
         if (x == 0.0) return k > 0.0 ? 0.0 : 2.0 * r / std::sqrt(2.0 * force / mass());
         const double kinetic = k + statics::gained(q, u, sign * gone, effort);
         noise = std::max(noise, 4.0 * epsilon * (k + effort * gone) / std::abs(kinetic));

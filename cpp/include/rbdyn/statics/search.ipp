@@ -15,7 +15,6 @@
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
-#include "rbdyn/model/point_laws.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"

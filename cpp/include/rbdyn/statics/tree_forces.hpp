@@ -1,10 +1,11 @@
-// The generalized forces of bodies joined to bodies at rest, loops included, and how they change with their places.
+// The generalized forces of the bodies of a scene at rest, loops included, and how they change with their places.
 //
 // Freedoms: the velocities of all joints (mechanics/tree.hpp), Q = sum of the powers of all that acts with a unit of
 // each. Where constraints J v = 0 hold, some of the velocities follow from the others, J_d v_d = -J_i v_i, and what is
 // left is Q_i - J_i^T J_d^-T Q_d: the constraints do no work. Which ones follow is chosen by pivots where the bodies
-// are. The Jacobian is of central differences in 32 digits over a 1e-10th of the scene's size, along the constraints:
-// good to doubles. Places are the positions of the tree, in doubles, and satisfy the constraints to their rounding.
+// are. The Jacobian is that of the recorded forces; along constraints it is of central differences in 32 digits over a
+// 1e-10th of the scene's size, good to doubles. Places are the positions of the tree, in doubles, and satisfy the
+// constraints to their rounding.
 #pragma once
 
 #include <cstddef>
@@ -17,15 +18,16 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/program.hpp"
-#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/constraint.hpp"
-#include "rbdyn/mechanics/exert.hpp"
+#include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/tree.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/rest_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
@@ -33,12 +35,14 @@ class TreeForces : public Forces {
 public:
     /// Throws InvalidInput where the scene's start does not satisfy its constraints, nor a place near it.
     explicit TreeForces(const Scene& scene);
-    int freedoms() const override { return tree_.velocities() - static_cast<int>(rows_.size()); }
-    int bodies() const override { return tree_.size(); }
+    int freedoms() const override { return tree().velocities() - static_cast<int>(rows_.size()); }
+    int bodies() const override { return tree().size(); }
     /// Of bodies in loops nothing is said of turns of their own.
-    bool turns(int body) const override { return rows_.empty() && tree_.node(body).joint.attitude() >= 0; }
-    int first(int body) const override { return tree_.node(body).v; }
-    int displacements(int body) const override { return tree_.node(body).joint.attitude(); }
+    bool turns(int body) const override { return rows_.empty() && tree().node(body).joint.attitude() >= 0; }
+    int first(int body) const override { return tree().node(body).v; }
+    int displacements(int body) const override { return tree().node(body).joint.attitude(); }
+    /// Whether each freedom has a mass of its own: the metric is all there is of the masses.
+    bool has_own_masses() const;
 
     std::vector<double> start() const override { return start_; }
     std::vector<double> place(const std::vector<double>& coordinates) const override;
@@ -57,7 +61,11 @@ public:
     std::string not_finite(const std::vector<double>& q) const override;
 
     /// The Jacobian and the masses of the freedoms, in 32 digits, of a place that at_rest() was asked for last.
-    WideMatrix wide_jacobian() const;
+    struct WideJacobian {
+        WideMatrix entries;
+        bool is_constant = false;  // the same in all places
+    };
+    WideJacobian wide_jacobian() const;
     WideMatrix wide_mass() const;
     /// A motion in the freedoms in terms of all velocities, in the order of bodies; turns of what turns freely about
     /// the axes of the body.
@@ -65,16 +73,18 @@ public:
 
 private:
     using Wide = std::vector<DoubleDouble>;
+    using Bodies = std::vector<mechanics::Moving<DoubleDouble>>;
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+    const mechanics::Tree& tree() const { return at_rest_.tree(); }
 
     /// Positions on the constraints, in 32 digits, and zero velocities behind them; empty if they are not to be closed.
     Wide closed(Wide positions) const;
     Wide wide(const std::vector<double>& q) const { return closed(Wide(q.begin(), q.end())); }
-    std::vector<mechanics::Moving<DoubleDouble>> moving(const Wide& x) const;
+    Bodies moving(const Wide& x) const;
     /// The rows of the constraints by velocity.
-    std::vector<Wide> rows(const std::vector<mechanics::Moving<DoubleDouble>>& all) const;
+    std::vector<Wide> rows(const Bodies& all) const;
     /// Chooses which velocities follow from the others at a place.
-    void choose(const std::vector<mechanics::Moving<DoubleDouble>>& all);
+    void choose(const Bodies& all);
     /// All velocities of a motion in the freedoms, where at_rest() was asked for last.
     std::vector<double> in_all(const std::vector<double>& motion) const;
     /// Velocities that follow from a motion in the freedoms.
@@ -82,30 +92,45 @@ private:
     /// Q of the freedoms.
     Wide reduced(const std::vector<Wide>& rows, const Wide& q) const;
     Wide forces(const Wide& x) const;
-    /// The sizes of what makes up the power of all that acts on a motion: forces times ways, whatever is at right
-    /// angles.
-    double effort(const Wide& x, const Wide& motion) const;
-    /// Of the outputs behind Q: what acts along joints, and on each body force and moment.
-    int joints() const { return tree_.velocities(); }
-    int wrenches() const { return 2 * tree_.velocities(); }
+
+    /// What moves with a unit of a freedom where at_rest() was asked for last, and how.
+    struct Carried {
+        int body;
+        mechanics::Twist<DoubleDouble> twist;
+    };
+    std::vector<Carried> carried(int freedom) const;
+    /// What a body's motion adds to the masses: the velocity of its centre of mass, and I omega, world axes.
+    struct Momentum {
+        Vector3Of<DoubleDouble> speed, spin;
+    };
+    Momentum momentum(const Carried& c) const;
+
+    /// How the positions change with a freedom, where no constraint holds.
+    template <class N>
+    struct Change {
+        int freedom, position;
+        N rate;
+    };
+    template <class N>
+    std::vector<Change<N>> changes(const std::vector<N>& q) const;
+    WideJacobian exact_jacobian() const;
+    WideMatrix jacobian_of_differences() const;
     void record(const std::vector<double>& q);
-    std::vector<Expression> recorded(const std::vector<Expression>& q) const;
 
     std::vector<Scene::Body> scene_bodies_;
-    mechanics::Tree tree_;
-    mechanics::Exerted exerted_;
+    RestForces at_rest_;
     mechanics::Conditions conditions_;
     std::vector<int> rows_;  // of the constraints, those that are used, the first pivot first
     std::vector<int> following_,
-        leading_;  // velocities that follow from the others, in order of pivots, and the others
+        leading_;                // velocities that follow from the others, in order of pivots, and the others
+    std::vector<bool> carries_;  // other bodies
     std::vector<double> start_;
-    double size_ = 1.0;                 // of the scene [m]
-    std::vector<double> reach_;         // from P of each body to where something acts on it at most [m]
     Wide place_;                        // where at_rest() was asked last, on the constraints,
-    std::vector<Wide> basis_;           // and of each freedom all velocities there
-    std::optional<Function> function_;  // Q of all velocities, and what it is made of
+    Bodies bodies_;                     // the bodies there,
+    std::vector<Wide> basis_;           // and of each freedom all velocities there, where constraints hold
+    std::optional<Function> function_;  // Q of all velocities
     Program program_;
-    std::unique_ptr<RoundingSizes> sizes_;
+    std::unique_ptr<JacobianEvaluator> values_;
     std::vector<double> parameters_;
     bool distinguishes_ = false;
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,61 +16,43 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/interruption.hpp"
+#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/expression.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
-#include "rbdyn/mechanics/accelerate.hpp"
 #include "rbdyn/mechanics/assemble.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/joint/spherical.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/statics/path_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
-RBDYN_INLINE TreeForces::TreeForces(const Scene& scene)
-    : scene_bodies_(scene.bodies()), tree_(scene), exerted_(scene, tree_) {
-    require_simple_rails(scene);
-    const Wide given = tree_.start(0.0);
-    const auto all = moving(given);
-    conditions_ = mechanics::Conditions(scene, tree_, all);
-    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    const auto take = [&](const Vector3& p) {
-        low = lesser(low, p);
-        high = greater(high, p);
-    };
-    for (int i = 0; i < bodies(); ++i) {
-        take(rounded(all[at(i)].place));
-        take(rounded(all[at(i)].place + all[at(i)].to_world(tree_.node(i).center)));
-    }
-    reach_.assign(at(bodies()), 0.0);
-    const auto reach = [&](const mechanics::Anchor& anchor) {
-        if (anchor.body < 0) return;
-        double& own = reach_[at(anchor.body)];
-        own = std::max(own, rounded(anchor.point).norm());
-    };
-    for (int i = 0; i < bodies(); ++i) reach({i, tree_.node(i).center});
-    for (const Scene::AppliedLoad& l : scene.loads())
-        if (l.at) reach(tree_.anchor(End(BodyPoint{l.body, *l.at})));
-    for (const Scene::Connection& c : scene.connections())
-        for (const End* end : {&c.a, &c.b}) {
-            const mechanics::Anchor anchor = tree_.anchor(*end);
-            take(rounded(tree_.point<DoubleDouble>(anchor, all).place));
-            reach(anchor);
-        }
-    if (const double size = (high - low).norm(); size > 0.0) size_ = size;
-
+RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : scene_bodies_(scene.bodies()), at_rest_(scene) {
+    if (!scene.constraints().empty()) require_simple_rails(scene);
+    const Wide given = tree().start(0.0);
+    conditions_ = mechanics::Conditions(scene, tree(), moving(given));
+    carries_.assign(at(bodies()), false);
+    for (const mechanics::Node& n : tree().nodes())
+        if (n.parent >= 0) carries_[at(n.parent)] = true;
     std::vector<int> every(at(conditions_.constraint_rows()));
     for (std::size_t r = 0; r < every.size(); ++r) every[r] = static_cast<int>(r);
-    const auto doubles = mechanics::closing::moving<double>(tree_, 0.0, mechanics::closing::nearest(given));
-    rows_ = mechanics::independent_rows(tree_, conditions_, every, doubles);
-    const Wide x = closed(Wide(given.begin(), given.begin() + tree_.positions()));
+    const auto doubles = mechanics::closing::moving<double>(tree(), 0.0, mechanics::closing::nearest(given));
+    rows_ = mechanics::independent_rows(tree(), conditions_, every, doubles);
+    const Wide x = closed(Wide(given.begin(), given.begin() + tree().positions()));
     if (x.empty())
         throw InvalidInput(
             "equilibria: the constraints of this scene cannot be closed from where it starts; scene.assemble() finds a "
             "start that satisfies them");
     start_ = mechanics::closing::nearest(x);
-    start_.resize(at(tree_.positions()));
+    start_.resize(at(tree().positions()));
     choose(moving(x));
+}
+
+RBDYN_INLINE bool TreeForces::has_own_masses() const {
+    return rows_.empty() && std::ranges::none_of(tree().nodes(), [](const mechanics::Node& n) {
+               return n.parent >= 0 || n.joint.attitude() >= 0 || (!n.is_point && n.joint.velocities() > 1);
+           });
 }
 
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
@@ -77,8 +60,7 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
     State s;
     s.jacobian = SquareMatrix(n);
     place_ = std::all_of(q.begin(), q.end(), [](double c) { return std::isfinite(c); }) ? wide(q) : Wide{};
-    const Wide& x = place_;
-    if (x.empty()) {
+    if (place_.empty()) {
         // a place that is none
         const double none = std::numeric_limits<double>::quiet_NaN();
         s.force.assign(at(n), none);
@@ -87,83 +69,129 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
         return s;
     }
     if (!function_ || distinguishes_) record(q);
-    const auto all = moving(x);
-    choose(all);
-    const std::vector<Wide> held = rows(all);
+    bodies_ = moving(place_);
+    choose(bodies_);
     basis_.clear();
-    for (int i = 0; i < n; ++i) {
-        Wide one(at(n), 0.0);
-        one[at(i)] = 1.0;
-        basis_.push_back(velocities(held, one));
+    if (!rows_.empty()) {
+        const std::vector<Wide> held = rows(bodies_);
+        for (int i = 0; i < n; ++i) {
+            Wide one(at(n), 0.0);
+            one[at(i)] = 1.0;
+            basis_.push_back(velocities(held, one));
+        }
     }
-    for (const DoubleDouble& f : forces(x)) s.force.push_back(static_cast<double>(f));
-    set_signs(program_, parameters_, q);
-    sizes_->set_parameters(parameters_);
-    (*sizes_)(0.0, q);
-    const WideMatrix slope = wide_jacobian(), mass = wide_mass();
+    for (const DoubleDouble& f : forces(place_)) s.force.push_back(static_cast<double>(f));
+    const RestForces::Efforts efforts = at_rest_.efforts(q);
+    if (rows_.empty()) {
+        set_signs(program_, parameters_, q);
+        values_->set_parameters(parameters_);
+        values_->differentiate(0.0, q);
+        for (const Change<double>& c : changes<double>(q))
+            for (int i = 0; i < n; ++i) s.jacobian(i, c.freedom) += c.rate * values_->derivative(i, c.position);
+    } else {
+        const WideMatrix slope = jacobian_of_differences();
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) s.jacobian(i, j) = static_cast<double>(slope(i, j));
+    }
     for (int i = 0; i < n; ++i) {
-        s.effort.push_back(effort(x, basis_[at(i)]));
-        s.metric.push_back(static_cast<double>(mass(i, i)));
-        for (int j = 0; j < n; ++j) s.jacobian(i, j) = static_cast<double>(slope(i, j));
+        double effort = rows_.empty() ? efforts.joints[at(i)] : 0.0;
+        for (int k = 0; k < tree().velocities() && !rows_.empty(); ++k)
+            effort += std::abs(static_cast<double>(basis_[at(i)][at(k)])) * efforts.joints[at(k)];
+        DoubleDouble own = 0.0;
+        for (const Carried& c : carried(i)) {
+            effort += efforts.of(c.body, {rounded(c.twist.turn), rounded(c.twist.move)});
+            const Momentum m = momentum(c);
+            own += tree().node(c.body).mass * dot<DoubleDouble>(m.speed, m.speed) +
+                   dot<DoubleDouble>(c.twist.turn, m.spin);
+        }
+        s.effort.push_back(effort);
+        s.metric.push_back(static_cast<double>(own));
     }
     for (const int k : leading_)
-        for (const mechanics::Node& node : tree_.nodes()) {
+        for (const mechanics::Node& node : tree().nodes()) {
             if (k < node.v || k >= node.v + node.joint.velocities()) continue;
             const int turns = node.joint.attitude();
             s.size.push_back(turns >= 0 && k - node.v >= turns ? 1.0 : std::abs(q[at(node.q + k - node.v)]));
         }
-    return s;
-}
-
-RBDYN_INLINE double TreeForces::effort(const Wide& x, const Wide& motion) const {
-    double sum = 0.0;
-    for (int k = 0; k < tree_.velocities(); ++k)
-        sum += std::abs(static_cast<double>(motion[at(k)])) * sizes_->size(joints() + k);
-    const auto all = tree_.moving<DoubleDouble>(0.0, x.data(), motion.data());
-    for (int i = 0; i < bodies(); ++i) {
-        const auto size = [&](int first) {
-            double largest = 0.0;
-            for (int k = 0; k < 3; ++k) largest = std::max(largest, sizes_->size(first + 6 * i + k));
-            return largest;
-        };
-        const double force = size(wrenches()), moment = size(wrenches() + 3);
-        sum += force * rounded(all[at(i)].velocity).norm() +
-               (moment + force * reach_[at(i)]) * rounded(all[at(i)].omega).norm();
+    for (const mechanics::LooseRail& rail : at_rest_.one_sided()) {
+        const double size = efforts.of(rail.body, {Vector3::Zero(), efforts.all[at(rail.body)].joint.front().move});
+        s.pushed = s.pushed && at_rest_.push<double>(rail, efforts.all, efforts.bodies[at(rail.body)].force) >=
+                                   -16.0 * std::numeric_limits<double>::epsilon() * size;
     }
-    return sum;
+    return s;
 }
 
 RBDYN_INLINE std::string TreeForces::not_finite(const std::vector<double>& q) const {
     const Wide x = wide(q);
     if (x.empty()) return "the place itself, where the constraints cannot be closed,";
+    if (const std::string what = at_rest_.not_finite(q); !what.empty()) return what;
     if (function_) {
-        const Wide f = (*function_)(std::span<const DoubleDouble>(x.data(), at(tree_.positions())));
-        for (const mechanics::Node& n : tree_.nodes())
+        const Wide f = (*function_)(std::span<const DoubleDouble>(x.data(), at(tree().positions())));
+        for (const mechanics::Node& n : tree().nodes())
             for (int k = 0; k < n.joint.velocities(); ++k)
                 if (!std::isfinite(f[at(n.v + k)].hi)) return "a force or torque on " + n.name;
     }
     return "a derivative of the forces";
 }
 
-RBDYN_INLINE WideMatrix TreeForces::wide_jacobian() const {
+RBDYN_INLINE TreeForces::WideJacobian TreeForces::wide_jacobian() const {
+    return rows_.empty() ? exact_jacobian() : WideJacobian{jacobian_of_differences()};
+}
+
+template <class N>
+std::vector<TreeForces::Change<N>> TreeForces::changes(const std::vector<N>& q) const {
+    std::vector<Change<N>> result;
+    for (const mechanics::Node& n : tree().nodes()) {
+        const int first = n.joint.attitude(), moves = first < 0 ? n.joint.velocities() : first;
+        for (int k = 0; k < moves; ++k) result.push_back({n.v + k, n.q + k, N(1.0)});
+        if (first < 0) continue;
+        for (int k = 0; k < 3; ++k) {
+            Vector3Of<N> axis(N(0.0), N(0.0), N(0.0));
+            axis[k] = N(1.0);
+            N rate[4];
+            mechanics::quaternion_rate<N>(&q[at(n.q + first)], axis, rate);
+            for (int j = 0; j < 4; ++j) result.push_back({n.v + first + k, n.q + first + j, rate[j]});
+        }
+    }
+    return result;
+}
+
+RBDYN_INLINE TreeForces::WideJacobian TreeForces::exact_jacobian() const {
+    WideJacobian result{WideMatrix(freedoms()), true};
+    const std::span<const DoubleDouble> place(place_.data(), at(tree().positions()));
+    std::map<int, std::vector<DoubleDouble>> slopes;
+    for (const Change<DoubleDouble>& c : changes<DoubleDouble>(place_)) {
+        if (c.rate.hi == 0.0 || !function_->depends_on(c.position)) continue;
+        auto found = slopes.find(c.position);
+        if (found == slopes.end()) {
+            Interruption::point();
+            const Function derivative = function_->derivative(c.position);
+            result.is_constant = result.is_constant && derivative.constants().has_value();
+            found = slopes.emplace(c.position, derivative(place)).first;
+        }
+        for (int i = 0; i < freedoms(); ++i) result.entries(i, c.freedom) += c.rate * found->second[at(i)];
+    }
+    return result;
+}
+
+RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
     constexpr double part = 0x1p-33;
     const int n = freedoms();
     WideMatrix result(n);
-    const Wide& x = place_;
     for (int j = 0; j < n; ++j) {
         // as far as the body that moves most moves by a part of the scene's size
         double most = 0.0;
-        for (const mechanics::Moving<DoubleDouble>& m : tree_.moving<DoubleDouble>(0.0, x.data(), basis_[at(j)].data()))
-            most = std::max({most, rounded(m.velocity).norm() / size_, rounded(m.omega).norm()});
+        for (const Carried& c : carried(j))
+            most = std::max({most, rounded(c.twist.move).norm() / at_rest_.size(), rounded(c.twist.turn).norm()});
         const double step = most > 0.0 ? std::exp2(std::floor(std::log2(part / most))) : part;
         std::vector<double> way;
         for (const DoubleDouble& v : basis_[at(j)]) way.push_back(step * static_cast<double>(v));
         const auto shifted = [&](double sign) {
-            Wide there(x.begin(), x.begin() + tree_.positions());
+            Wide there(place_.begin(), place_.begin() + tree().positions());
             std::vector<double> changes = way;
             for (double& c : changes) c *= sign;
-            mechanics::closing::move<DoubleDouble>(tree_, 0.0, changes, there);
-            mechanics::closing::normalize<DoubleDouble>(tree_, there);
+            mechanics::closing::move<DoubleDouble>(tree(), 0.0, changes, there);
+            mechanics::closing::normalize<DoubleDouble>(tree(), there);
             const Wide on = closed(std::move(there));
             return on.empty() ? Wide(at(n), std::numeric_limits<double>::quiet_NaN()) : forces(on);
         };
@@ -173,35 +201,70 @@ RBDYN_INLINE WideMatrix TreeForces::wide_jacobian() const {
     return result;
 }
 
-RBDYN_INLINE WideMatrix TreeForces::wide_mass() const {
-    using Moves = std::vector<mechanics::Moving<DoubleDouble>>;
-    const int n = freedoms();
-    std::vector<Moves> motions;
-    for (int j = 0; j < n; ++j) motions.push_back(tree_.moving<DoubleDouble>(0.0, place_.data(), basis_[at(j)].data()));
-    WideMatrix result(n);
-    for (int b = 0; b < bodies(); ++b) {
-        const mechanics::Node& node = tree_.node(b);
-        std::vector<Vector3Of<DoubleDouble>> speeds, momenta;
-        for (int j = 0; j < n; ++j) {
-            const mechanics::Moving<DoubleDouble>& m = motions[at(j)][at(b)];
-            const Vector3Of<DoubleDouble> turning = m.to_body(m.omega);
-            Vector3Of<DoubleDouble> spin{};
-            if (!node.is_point)
-                for (int r = 0; r < 3; ++r)
-                    for (int c = 0; c < 3; ++c) spin[r] += node.body.inertia(r, c) * turning[c];
-            momenta.push_back(m.to_world(spin));
-            speeds.push_back(m.velocity_at(m.to_world(node.center)));
-        }
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j)
-                result(i, j) += node.mass * dot<DoubleDouble>(speeds[at(i)], speeds[at(j)]) +
-                                dot<DoubleDouble>(motions[at(i)][at(b)].omega, momenta[at(j)]);
+RBDYN_INLINE std::vector<TreeForces::Carried> TreeForces::carried(int freedom) const {
+    std::vector<Carried> result;
+    if (!rows_.empty()) {
+        const auto all = tree().moving<DoubleDouble>(0.0, place_.data(), basis_[at(freedom)].data());
+        for (int i = 0; i < bodies(); ++i) result.push_back({i, {all[at(i)].omega, all[at(i)].velocity}});
+        return result;
+    }
+    const auto& nodes = tree().nodes();
+    const auto own =
+        std::upper_bound(nodes.begin(), nodes.end(), freedom, [](int v, const mechanics::Node& n) { return v < n.v; });
+    const int body = static_cast<int>(own - nodes.begin()) - 1;
+    result.push_back({body, bodies_[at(body)].joint[at(freedom - tree().node(body).v)]});
+    if (!carries_[at(body)]) return result;
+    std::vector<int> place(at(bodies()), -1);
+    place[at(body)] = 0;
+    for (int i = body + 1; i < bodies(); ++i) {
+        const mechanics::Node& n = tree().node(i);
+        if (n.parent < 0 || place[at(n.parent)] < 0) continue;
+        place[at(i)] = static_cast<int>(result.size());
+        const mechanics::Twist<DoubleDouble> on = result[at(place[at(n.parent)])].twist;
+        const Vector3Of<DoubleDouble> arm = bodies_[at(i)].place - bodies_[at(n.parent)].place;
+        Carried c{i, {on.turn, Vector3Of<DoubleDouble>(on.move + cross<DoubleDouble>(on.turn, arm))}};
+        // what turns freely does not turn with its parent
+        if (n.joint.attitude() >= 0) c.twist.turn = mechanics::none<DoubleDouble>();
+        result.push_back(c);
     }
     return result;
 }
 
+RBDYN_INLINE TreeForces::Momentum TreeForces::momentum(const Carried& c) const {
+    const mechanics::Node& node = tree().node(c.body);
+    const mechanics::Moving<DoubleDouble>& m = bodies_[at(c.body)];
+    Vector3Of<DoubleDouble> spin{};
+    if (!node.is_point) {
+        const Vector3Of<DoubleDouble> turning = m.to_body(c.twist.turn);
+        for (int r = 0; r < 3; ++r)
+            for (int k = 0; k < 3; ++k) spin[r] += node.body.inertia(r, k) * turning[k];
+    }
+    const Vector3Of<DoubleDouble> arm = m.to_world(node.center);
+    return {Vector3Of<DoubleDouble>(c.twist.move + cross<DoubleDouble>(c.twist.turn, arm)), m.to_world(spin)};
+}
+
+RBDYN_INLINE WideMatrix TreeForces::wide_mass() const {
+    struct Share {
+        int freedom;
+        Carried moved;
+        Momentum momentum;
+    };
+    std::vector<std::vector<Share>> shares(at(bodies()));
+    for (int j = 0; j < freedoms(); ++j)
+        for (const Carried& c : carried(j)) shares[at(c.body)].push_back({j, c, momentum(c)});
+    WideMatrix result(freedoms());
+    for (int b = 0; b < bodies(); ++b)
+        for (const Share& i : shares[at(b)])
+            for (const Share& j : shares[at(b)])
+                result(i.freedom, j.freedom) +=
+                    tree().node(b).mass * dot<DoubleDouble>(i.momentum.speed, j.momentum.speed) +
+                    dot<DoubleDouble>(i.moved.twist.turn, j.momentum.spin);
+    return result;
+}
+
 RBDYN_INLINE std::vector<double> TreeForces::in_all(const std::vector<double>& motion) const {
-    std::vector<double> v(at(tree_.velocities()), 0.0);
+    if (rows_.empty()) return motion;
+    std::vector<double> v(at(tree().velocities()), 0.0);
     for (std::size_t i = 0; i < basis_.size(); ++i)
         for (std::size_t k = 0; k < v.size(); ++k) v[k] += static_cast<double>(basis_[i][k]) * motion[i];
     return v;
@@ -211,9 +274,9 @@ RBDYN_INLINE std::vector<double> TreeForces::in_bodies(const std::vector<double>
                                                        const std::vector<double>& motion) const {
     std::vector<double> v = in_all(motion);
     for (int i = 0; i < bodies(); ++i) {
-        const int turns = tree_.node(i).joint.attitude();
+        const int turns = tree().node(i).joint.attitude();
         if (turns < 0) continue;
-        double* own = &v[at(tree_.node(i).v + turns)];
+        double* own = &v[at(tree().node(i).v + turns)];
         const Vector3 turn = to_body<double>(attitude(q, i), Vector3(own[0], own[1], own[2]));
         std::copy_n(turn.data(), 3, own);
     }
@@ -221,28 +284,27 @@ RBDYN_INLINE std::vector<double> TreeForces::in_bodies(const std::vector<double>
 }
 
 RBDYN_INLINE TreeForces::Wide TreeForces::closed(Wide positions) const {
-    positions.resize(at(tree_.variables()), 0.0);
-    mechanics::closing::normalize<DoubleDouble>(tree_, positions);
+    positions.resize(at(tree().variables()), 0.0);
+    mechanics::closing::normalize<DoubleDouble>(tree(), positions);
     if (rows_.empty()) return positions;
-    const double left = mechanics::close(tree_, conditions_, rows_, 0.0, positions, 60);
-    return left <= 1e-12 * size_ ? positions : Wide{};
+    const double left = mechanics::close(tree(), conditions_, rows_, 0.0, positions, 60);
+    return left <= 1e-12 * at_rest_.size() ? positions : Wide{};
 }
 
-RBDYN_INLINE std::vector<mechanics::Moving<DoubleDouble>> TreeForces::moving(const Wide& x) const {
-    return mechanics::closing::moving<DoubleDouble>(tree_, 0.0, x);
+RBDYN_INLINE TreeForces::Bodies TreeForces::moving(const Wide& x) const {
+    return mechanics::closing::moving<DoubleDouble>(tree(), 0.0, x);
 }
 
-RBDYN_INLINE std::vector<TreeForces::Wide> TreeForces::rows(
-    const std::vector<mechanics::Moving<DoubleDouble>>& all) const {
+RBDYN_INLINE std::vector<TreeForces::Wide> TreeForces::rows(const Bodies& all) const {
     if (rows_.empty()) return {};
-    const auto every = conditions_.rows<DoubleDouble>(tree_, all);
+    const auto every = conditions_.rows<DoubleDouble>(tree(), all);
     std::vector<mechanics::Row<DoubleDouble>> used;
     for (const int r : rows_) used.push_back(every[at(r)]);
-    return mechanics::jacobian<DoubleDouble>(tree_, used, all);
+    return mechanics::jacobian<DoubleDouble>(tree(), used, all);
 }
 
-RBDYN_INLINE void TreeForces::choose(const std::vector<mechanics::Moving<DoubleDouble>>& all) {
-    const int count = tree_.velocities(), used = static_cast<int>(rows_.size());
+RBDYN_INLINE void TreeForces::choose(const Bodies& all) {
+    const int count = tree().velocities(), used = static_cast<int>(rows_.size());
     // those that followed stay so until others are far better
     constexpr double habit = 4.0;
     std::vector<double> weight(at(count), 1.0);
@@ -282,7 +344,7 @@ RBDYN_INLINE void TreeForces::choose(const std::vector<mechanics::Moving<DoubleD
 
 RBDYN_INLINE TreeForces::Wide TreeForces::velocities(const std::vector<Wide>& rows, const Wide& motion) const {
     Interruption::point();
-    Wide v(at(tree_.velocities()), 0.0);
+    Wide v(at(tree().velocities()), 0.0);
     for (std::size_t i = 0; i < leading_.size(); ++i) v[at(leading_[i])] = motion[i];
     if (rows.empty()) return v;
     std::vector<Wide> a;
@@ -318,49 +380,26 @@ RBDYN_INLINE TreeForces::Wide TreeForces::reduced(const std::vector<Wide>& rows,
 
 RBDYN_INLINE TreeForces::Wide TreeForces::forces(const Wide& x) const {
     Interruption::point();
-    const Wide q = (*function_)(std::span<const DoubleDouble>(x.data(), at(tree_.positions())));
+    const Wide q = (*function_)(std::span<const DoubleDouble>(x.data(), at(tree().positions())));
     return reduced(rows_.empty() ? std::vector<Wide>{} : rows(moving(x)), q);
 }
 
-RBDYN_INLINE std::vector<Expression> TreeForces::recorded(const std::vector<Expression>& q) const {
-    using S = Expression;
-    const std::vector<S> still(at(tree_.velocities()), S(0.0));
-    const auto all = tree_.moving<S>(S(0.0), q.data(), still.data());
-    mechanics::Acts acts = exerted_.all(tree_, S(0.0), all, q.data(), still.data());
-    std::vector<S> outputs = acts.joints, parts = acts.joints;
-    for (const Wrench<S>& w : acts.wrenches)
-        for (const Vector3Of<S>* v : {&w.force, &w.moment})
-            for (int k = 0; k < 3; ++k) parts.push_back((*v)[k]);
-    for (int i = bodies() - 1; i >= 0; --i) {
-        const mechanics::Node& n = tree_.node(i);
-        const mechanics::Moving<S>& m = all[at(i)];
-        Wrench<S> w = acts.wrenches[at(i)];
-        for (int k = 0; k < n.joint.velocities(); ++k) outputs[at(n.v + k)] += mechanics::power(m.joint[at(k)], w);
-        if (n.parent < 0) continue;
-        // what turns freely does not turn with its parent
-        if (n.joint.attitude() >= 0) w.moment = mechanics::none<S>();
-        mechanics::add<S>(acts.wrenches[at(n.parent)],
-                          mechanics::about<S>(w, Vector3Of<S>(m.place - all[at(n.parent)].place)), S(1.0));
-    }
-    outputs.insert(outputs.end(), parts.begin(), parts.end());
-    return outputs;
-}
-
 RBDYN_INLINE void TreeForces::record(const std::vector<double>& q) {
+    const int positions = tree().positions();
+    const auto follow = [&](Recorder& into) {
+        into.follow(0.0, q, {});
+        std::vector<Expression> places;
+        for (int i = 0; i < positions; ++i) places.push_back(into.input(i));
+        return at_rest_.recorded(places);
+    };
     Recorder r;
-    r.follow(0.0, q, {});
-    std::vector<Expression> inputs;
-    for (int i = 0; i < tree_.positions(); ++i) inputs.push_back(r.input(i));
-    program_ = Program(r, recorded(inputs), tree_.positions());
+    program_ = Program(r, follow(r).along, positions);
     distinguishes_ = !r.branches().empty();
     parameters_.clear();
-    sizes_ = std::make_unique<RoundingSizes>(program_);
+    if (rows_.empty()) values_ = std::make_unique<JacobianEvaluator>(program_);
     const recording::WideFolding all_digits;
     function_ = Function::record_growing([&](Recorder& growing) {
-        growing.follow(0.0, q, {});
-        std::vector<Expression> places;
-        for (int i = 0; i < tree_.positions(); ++i) places.push_back(growing.input(i));
-        return std::pair{recorded(places), tree_.positions()};
+        return std::pair{follow(growing).along, positions};
     });
 }
 

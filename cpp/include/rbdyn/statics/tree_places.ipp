@@ -51,30 +51,30 @@ RBDYN_INLINE std::vector<double> TreeForces::place(const std::vector<double>& co
             for (int k = 0; k < count; ++k) b.coordinates[at(k)] = *c++;
         }
     }
-    Wide x = tree_.start(0.0, bodies);
-    x.resize(at(tree_.positions()));
+    Wide x = tree().start(0.0, bodies);
+    x.resize(at(tree().positions()));
     const Wide on = closed(x);
     if (on.empty())
         throw InvalidInput(
             "near: the constraints of this scene cannot be closed from the coordinates given; give some "
             "that are closer to satisfying them");
     std::vector<double> q = mechanics::closing::nearest(on);
-    q.resize(at(tree_.positions()));
+    q.resize(at(tree().positions()));
     return q;
 }
 
 RBDYN_INLINE std::vector<double> TreeForces::coordinates(const std::vector<double>& q) const {
     Wide x(q.begin(), q.end());
-    x.resize(at(tree_.variables()), 0.0);
+    x.resize(at(tree().variables()), 0.0);
     const auto all = moving(x);
     std::vector<double> c;
     const auto add = [&](double value) { c.push_back(value + 0.0); };  // not -0
     for (int i = 0; i < bodies(); ++i) {
         Scene::Body b = scene_bodies_[at(i)];
-        mechanics::assembling::put(tree_, i, all, x, b);
+        mechanics::assembling::put(tree(), i, all, x, b);
         if (std::holds_alternative<Free>(b.joint))
             for (const double place : b.position) add(place);
-        if (tree_.node(i).joint.attitude() >= 0) {
+        if (tree().node(i).joint.attitude() >= 0) {
             tell(b.attitude.quaternion(), c);
         } else if (const int count = coordinates_of(b); count == 1) {
             add(b.parameter);
@@ -86,19 +86,19 @@ RBDYN_INLINE std::vector<double> TreeForces::coordinates(const std::vector<doubl
 }
 
 RBDYN_INLINE Quaternion TreeForces::attitude(const std::vector<double>& q, int body) const {
-    const double* p = &q[at(tree_.node(body).q + tree_.node(body).joint.attitude())];
+    const double* p = &q[at(tree().node(body).q + tree().node(body).joint.attitude())];
     return {p[0], p[1], p[2], p[3]};
 }
 
 RBDYN_INLINE Vector3 TreeForces::center(const std::vector<double>& q, int body) const {
-    const double* p = &q[at(tree_.node(body).q)];
+    const double* p = &q[at(tree().node(body).q)];
     return {p[0], p[1], p[2]};
 }
 
 RBDYN_INLINE std::vector<double> TreeForces::turned(std::vector<double> q, int body, const Vector3& axis,
                                                     const Vector3& point, double angle) const {
     const Quaternion by = turn(axis, angle), p = normalized(by * attitude(q, body));
-    double* own = &q[at(tree_.node(body).q)];
+    double* own = &q[at(tree().node(body).q)];
     if (const int moves = displacements(body); moves > 0) {
         const Vector3 g = point + to_world<double>(by, Vector3(center(q, body) - point));
         std::copy_n(g.data(), 3, own);
@@ -114,7 +114,7 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
     if (from.empty()) return nowhere;
     const Wide v = velocities(rows(moving(from)), Wide(step.begin(), step.end()));
     for (int i = 0; i < bodies(); ++i) {
-        const mechanics::Node& n = tree_.node(i);
+        const mechanics::Node& n = tree().node(i);
         double* own = &q[at(n.q)];
         const int turns = n.joint.attitude(), moves = turns >= 0 ? turns : n.joint.velocities();
         for (int k = 0; k < moves; ++k) own[k] += static_cast<double>(v[at(n.v + k)]);
@@ -133,14 +133,14 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
     const Wide on = wide(q);
     if (on.empty()) return nowhere;
     q = mechanics::closing::nearest(on);
-    q.resize(at(tree_.positions()));
+    q.resize(at(tree().positions()));
     return q;
 }
 
 RBDYN_INLINE double TreeForces::largest_turn(const std::vector<double>& step) const {
     double most = 0.0;
     const std::vector<double> v = in_all(step);
-    for (const mechanics::Node& n : tree_.nodes()) {
+    for (const mechanics::Node& n : tree().nodes()) {
         const double* own = v.data() + n.v;
         if (const int turns = n.joint.attitude(); turns >= 0) {
             most = std::max(most, std::hypot(own[turns], own[turns + 1], own[turns + 2]));
@@ -155,9 +155,9 @@ RBDYN_INLINE double TreeForces::largest_turn(const std::vector<double>& step) co
 
 RBDYN_INLINE std::vector<double> TreeForces::difference(const std::vector<double>& to,
                                                         const std::vector<double>& from) const {
-    std::vector<double> v(at(tree_.velocities()), 0.0);
+    std::vector<double> v(at(tree().velocities()), 0.0);
     for (int i = 0; i < bodies(); ++i) {
-        const mechanics::Node& n = tree_.node(i);
+        const mechanics::Node& n = tree().node(i);
         const int turns = n.joint.attitude(), moves = turns >= 0 ? turns : n.joint.velocities();
         for (int k = 0; k < moves; ++k) v[at(n.v + k)] = to[at(n.q + k)] - from[at(n.q + k)];
         if (turns < 0) continue;

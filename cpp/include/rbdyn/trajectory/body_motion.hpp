@@ -22,8 +22,8 @@ namespace rbdyn::inline RBDYN_FORM {
 
 struct ContactReport;  // model/scene_model.hpp
 struct JointReport;    // model/scene_model.hpp
-struct PointReport;    // model/point_laws.hpp
-struct RigidReport;    // model/rigid_loads.hpp
+struct PointReport;    // model/body_report.hpp
+struct RigidReport;    // model/body_report.hpp
 struct RunData;        // trajectory/run_data.hpp
 
 /// Motion of one body of a run.

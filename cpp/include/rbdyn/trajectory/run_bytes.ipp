@@ -28,7 +28,6 @@
 #include "rbdyn/integrate.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/model/points.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
 #include "rbdyn/plan/plan.hpp"

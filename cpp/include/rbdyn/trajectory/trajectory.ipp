@@ -25,9 +25,7 @@
 #include "rbdyn/event/event.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/expression/given.hpp"
-#include "rbdyn/model/point_laws.hpp"
-#include "rbdyn/model/points.hpp"
-#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/model/body_report.hpp"
 #include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/plan/integrals.hpp"
 #include "rbdyn/plan/plan.hpp"
@@ -38,6 +36,7 @@
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/torque.hpp"
 #include "rbdyn/scene/watch.hpp"
+#include "rbdyn/special/lone_body.hpp"
 #include "rbdyn/statics/rail_work.hpp"
 #include "rbdyn/trajectory/body_motion.hpp"
 #include "rbdyn/trajectory/pole.hpp"
@@ -484,12 +483,9 @@ RBDYN_INLINE std::pair<double, double> Trajectory::integral_of(const std::string
     }
     const auto alone = [](double value) { return std::pair{value, std::abs(value)}; };
     if ((name == "spin" || name == "Kovalevskaya") && data_->parts.empty()) {
-        const PointLaws& laws = *data_->model->special();
-        const RigidLaw& law = *laws.body(0).rigid;
-        const PointLaws::Variables own = laws.variables_of(laws.body(0), Moment(*data_, t, side).x);
-        const RigidState<double> s = law.state(own.q, own.v);
-        if (name == "spin") return alone(s.omega[2]);
-        return alone(planning::kovalevskaya(law, data_->scene.gravity().norm(), s.omega, s.to_frame(p.up)));
+        const std::vector<double> x = Moment(*data_, t, side).x;
+        return alone(name == "spin" ? planning::spin(*data_->model, x)
+                                    : planning::kovalevskaya(*data_->model, x, data_->scene.gravity().norm(), p.up));
     }
     for (const auto& i : data_->scene.integrals())
         if (i.name == name)
