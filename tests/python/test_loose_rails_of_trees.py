@@ -262,6 +262,52 @@ def test_what_is_not_there_is_refused_by_name():
     scene, _, _ = cart_with(rb.Rail(hills, side="+", up=[0, 0, 1]), parameter=0.1)
     with pytest.raises(rb.InvalidInput, match="lines, circles and parabolas"):
         rb.simulate(scene, until=1.0)
-    scene, _, _ = cart_with(rail, parameter=0.1)
-    with pytest.raises(rb.InvalidInput, match="states of rest are not"):
+    scene, cart, _ = cart_with(rail, parameter=0.1)
+    scene.constrain(rb.PointOnPlane(rb.Plane([0, 0, 1])), cart)
+    with pytest.raises(rb.InvalidInput, match="beside constraints, of which states of rest are not"):
         rb.equilibria(scene)
+
+
+@pytest.mark.parametrize("side", ["+", "-"])
+def test_a_bead_rests_where_its_rail_on_a_body_pushes_it(side):
+    """A cart held by a spring carries a bowl z = a x^2; a steady force pulls the bead aside: 2 a x = F/(m g), and the
+    spring gives way by F/k. A rail that could only push downwards would have to pull."""
+    a, m, k, pull = 0.7, 0.4, 30.0, 1.5
+    scene = rb.Scene(gravity=[0, 0, -g])
+    cart = scene.add(rb.shapes.sphere(2.0, 0.1), rb.Prismatic([1, 0, 0]), displacement=0.2)
+    rail = rb.Rail(rb.Parabola(a, [1, 0, 0], [0, 0, 1]), side=side, up=[0, 0, 1])
+    bead = scene.add(rb.Particle(m), rail, parent=cart, parameter=0.1)
+    scene.connect(rb.Spring(k), cart, [0, 0, 0])
+    scene.apply(rb.Force([pull, 0, 0]), bead)
+    found = rb.equilibria(scene)
+    if side == "-":
+        assert found == []
+        return
+    (rest,) = found
+    assert rest.stable
+    assert np.allclose(rest.coordinates, [pull / k, pull / (2 * a * m * g)], rtol=0, atol=1e-15)
+    modes = rb.normal_modes(scene, rest)
+    # small motion in (d, u): the bead goes along (1, 0, s), s = 2 a u; curvature 2 a of the bowl under its weight
+    s = pull / (m * g)
+    mass = np.array([[2.0 + m, m], [m, m * (1 + s * s)]])
+    stiffness = np.array([[k, 0.0], [0.0, 2 * a * m * g]])
+    assert np.allclose(modes.squares, np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real), rtol=1e-12)
+
+
+def test_a_bead_beside_joined_bodies_rests_as_it_does_alone():
+    """On a dome, an unstable top; thrown by a field, a place aside: the same with and without a tree beside it."""
+    for side, field in (("+", 0.0), ("-", 0.0), ("+", 3.0)):
+        rests = []
+        for joined in (False, True):
+            scene = rb.Scene(gravity=[0, 0, -g])
+            bead = scene.add(rb.Particle(0.5), rb.Rail(dome, side=side, up=[0, 0, 1]), parameter=0.2)
+            scene.apply(rb.Force([field, 0, 0]), bead)
+            if joined:
+                rod = scene.add(rb.shapes.rod(1.0, 1.0, [0, 0, 1]), rb.Revolute([0, 1, 0], at=[5, 0, 0]), angle=0.1)
+                scene.add(rb.shapes.rod(1.0, 1.0, [0, 0, 1]), rb.Revolute([0, 1, 0]), parent=rod, angle=0.2)
+            rests.append(rb.equilibria(scene, near=[0.2, 0.1, 0.2] if joined else None))
+        alone, beside = rests
+        angles = [math.remainder(e.coordinates[0], 2 * math.pi) for e in alone]
+        near = [u for u in angles if abs(u) < 1.5]
+        assert len(near) == len(beside) == (0 if side == "-" else 1)
+        assert np.allclose(near, [e.coordinates[0] for e in beside], rtol=0, atol=1e-14)

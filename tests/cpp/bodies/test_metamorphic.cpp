@@ -1,10 +1,9 @@
 // Checks that need no answer: the same motion of a rigid body told differently is the same motion.
 #include <gtest/gtest.h>
 
-#include <variant>
-
 #include <functional>
 #include <iostream>
+#include <variant>
 
 #include "bodies/random_bodies.hpp"
 #include "rbdyn/trajectory/run_data.hpp"

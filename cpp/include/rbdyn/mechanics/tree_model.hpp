@@ -44,9 +44,6 @@ struct JointLaw;  // mechanics/touched.hpp
 /// Whether a scene is one for a tree: bodies on bodies, constraints, joints and loads that the special laws have not.
 bool needs_tree(const Scene& scene);
 
-/// Throws InvalidInput for rails that let go: those that hold on one side, and those that release at their ends.
-void require_simple_rails(const Scene& scene);
-
 class TreeModel : public SceneModel {
 public:
     [[gnu::cold]] explicit TreeModel(const Scene& scene, const GivenNumbers& numbers = {});

@@ -47,18 +47,6 @@ RBDYN_INLINE bool needs_tree(const Scene& scene) {
     return !std::all_of(scene.bodies().begin(), scene.bodies().end(), is_special);
 }
 
-RBDYN_INLINE void require_simple_rails(const Scene& scene) {
-    for (const Scene::Body& b : scene.bodies()) {
-        const Rail* rail = b.rail();
-        if (rail == nullptr) continue;
-        if (rail->may_release())
-            throw InvalidInput(
-                b.name +
-                ": where a bead may leave its rail, beside bodies that are joined, states of rest are not "
-                "found in this version; use side \"both\" and ends \"stop\"");
-    }
-}
-
 RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& numbers)
     : SceneModel(numbers),
       scene_(scene),

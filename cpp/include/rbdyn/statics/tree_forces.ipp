@@ -29,7 +29,11 @@
 namespace rbdyn::inline RBDYN_FORM::statics {
 
 RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : scene_bodies_(scene.bodies()), at_rest_(scene) {
-    if (!scene.constraints().empty()) require_simple_rails(scene);
+    for (const Scene::Body& b : scene.bodies())
+        if (!scene.constraints().empty() && b.rail() != nullptr && b.rail()->may_release())
+            throw InvalidInput(b.name +
+                               ": a rail that it may leave, beside constraints, of which states of rest are not found "
+                               "in this version; use side \"both\" and ends \"stop\"");
     const Wide given = tree().start(0.0);
     conditions_ = mechanics::Conditions(scene, tree(), moving(given));
     carries_.assign(at(bodies()), false);
