@@ -106,6 +106,7 @@ def outcome(kind, seed, rough, options):
     except Exception as fault:
         return f"{type(fault).__name__}: {ending(str(fault))}", ["unnamed"]
     wrong = faults_of(run, bodies, contacts)
+    why = why or (run.status if run.status != "reached end" else "")
     if not why and at_rest(run, bodies):
         later = rb.simulate(scene, 1e5, **options)
         if any((later[b].position(1e5) != later[b].position(UNTIL)).any() for b in bodies):

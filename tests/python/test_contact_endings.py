@@ -16,7 +16,7 @@ SEEDS = {
 NAMED = (
     "reached its end",
     # more impacts than were asked for
-    "it has more events than max_steps",
+    "step limit",
     # Painleve's configurations, and what jams
     "no forces of contacts satisfy the laws of friction",
     "no force keeps contacts sliding",

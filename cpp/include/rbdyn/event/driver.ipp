@@ -169,7 +169,10 @@ RBDYN_INLINE bool Driver::comes_to_step(Record& record, double until) {
     if (until - t > least_before(record, until)) {
         let_go(record, false);
         if (!now_.mode.still) {
-            if (engine_.work().steps + engine_.work().parts + passed_ >= max_steps_) return over(Status::step_limit);
+            // bounces without loss get on, and may come a million times a second
+            const std::int64_t events = record.handed_on + static_cast<std::int64_t>(record.events.size());
+            if (engine_.work().steps + engine_.work().parts + passed_ >= max_steps_ || events > max_steps_)
+                return over(Status::step_limit);
             if (monitor_ && (engine_.work().steps & 63) == 63 && !monitor_(t.hi)) return over(Status::stopped_by_user);
             memory_.after(engine_.work().steps, record, t.hi, until, max_steps_);
             return true;
@@ -361,10 +364,13 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         finish(record, t, Status::inconsistent);
         return false;
     }
-    if (now_.crowded > max_crowded || record.handed_on + static_cast<std::int64_t>(record.events.size()) > max_steps_) {
-        record.not_finite = now_.crowded > max_crowded
-                                ? "it goes on switching without getting on, a hundred times at one instant"
-                                : "it has more events than max_steps";
+    if (std::string why; now_.crowded > max_crowded && !(why = model_.impossible(now_.mode, t.hi, x)).empty()) {
+        now_.mode.impossible = std::move(why);
+        give_up(record, now_.mode);
+        return false;
+    }
+    if (now_.crowded > max_crowded) {
+        record.not_finite = "it goes on switching without getting on, a hundred times at one instant";
         finish(record, t, Status::inconsistent);
         return false;
     }

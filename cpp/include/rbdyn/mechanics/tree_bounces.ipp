@@ -82,11 +82,11 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     for (const int k : closed)
         if (after.slip[at(k)] == flies) bouncing.push_back(k);
     if (bouncing.empty()) return group;
-    // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed; with
-    // friction only what bounces alone is
+    // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed; where
+    // something resists turning only what bounces alone is
     // (joints that turn back in a flight begin it anew)
     const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && joints_.empty(),
-               is_coarse = ((conditions_->is_rough() || !joints_.empty()) && !is_alone) ||
+               is_coarse = ((resistances() > 0 || !joints_.empty()) && !is_alone) ||
                            std::any_of(bouncing.begin(), bouncing.end(),
                                        [&](int k) { return conditions_->contacts()[at(k)].restitution >= 1.0; });
     const auto all = moving(t, x);

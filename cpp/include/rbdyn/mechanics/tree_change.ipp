@@ -227,6 +227,12 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     const auto all = moving(t, x);
     const auto gaps = conditions_->gaps<double>(*tree_, all);
     const auto rows = conditions_->rows<double>(*tree_, all);
+    // plans ask what equations there are also where no motion begins
+    const auto ends_at_once = [&](const std::string& why) {
+        choose(mode, t, x, {});
+        mode.impossible = why;
+        return mode;
+    };
     std::vector<int> closed;
     for (int k = 0; k < contacts(); ++k) {
         if (conditions_->contacts()[at(k)].is_gone) continue;
@@ -238,6 +244,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
             "what touches is not inside what it touches as the scene starts; move it out, or turn the normal of the "
             "surface");
         if (gap > near + late) continue;
+        if (const std::string why = lies_flat({k}, all, no_tilt); !why.empty()) return ends_at_once(why);
         const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
         if (speed <= noise) closed.push_back(k);
     }
@@ -250,10 +257,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     // what comes towards its surface strikes it before the motion begins
     if (!closed.empty()) {
         impulses = strike(as_it_was, t, x, closed, strokes);
-        if (!strokes.impossible.empty()) {
-            mode.impossible = strokes.impossible;
-            return mode;
-        }
+        if (!strokes.impossible.empty()) return ends_at_once(strokes.impossible);
         std::vector<int> at_rest;
         const auto then = moving(t, x);
         const auto later = conditions_->rows<double>(*tree_, then);
@@ -283,7 +287,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     if (!mode.impossible.empty()) return mode;
     std::vector<double> rest(x.size(), 0.0);
     hold(mode, t, x, rest);
-    mode.still = mode.still || rests_for_ever(mode, t, x);
+    come_to_stand(mode, t, x);
     if (!begins) {
         tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);
         tell_rest(before, was, mode, t, x, happenings);

@@ -451,7 +451,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     const double flight = t - mode.memory[0];
     std::vector<double> fine;
     const auto is_low = [&](int k) {
-        return contacts() > 1 && !conditions_->is_rough() && joints_.empty() && flight > 4.0 * epsilon * std::abs(t) &&
+        return contacts() > 1 && resistances() == 0 && joints_.empty() && flight > 4.0 * epsilon * std::abs(t) &&
                std::abs(rate(all, k)) * flight <= low_bounce * size_of(k, all);
     };
     const auto comes_now = [&](int k) {
@@ -494,6 +494,8 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     }
     if (!fired.empty() && !joints_change && events.none()) return choose(after, t, x, {});
     const std::vector<int>& landing = events.landing;
+    after.impossible = lies_flat(closed, all, no_tilt);
+    if (!after.impossible.empty()) return;
     std::vector<int> at_rest = closed, group;
     std::vector<double> impulses(at(contacts()), 0.0);
     Strokes strokes;
@@ -616,17 +618,17 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     tell_joints(mode, after, happenings);
     tell_rest(mode, was, after, t, x, happenings);
     put_in_order(happenings);
-    after.still = after.still || rests_for_ever(after, t, x);
+    come_to_stand(after, t, x);
 }
 
 RBDYN_INLINE std::string TreeModel::lies_flat(const std::vector<int>& closed,
-                                              const std::vector<mechanics::Moving<double>>& all) const {
+                                              const std::vector<mechanics::Moving<double>>& all, double most) const {
     for (const int k : closed) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         if (c.part != mechanics::ContactLaw::Part::disc) continue;
         const Vector3 axis = all[at(c.a.body)].to_world(exactly<double>(c.axis));
         const double tilt = axis.cross(c.touching<double>(*tree_, all).normal).norm();
-        if (tilt < 1e-6)
+        if (tilt < most)
             return "the disc of " + c.name + " has come to lie flat, but for " + text(tilt) +
                    " rad: all of its rim touches, and no one point of it goes on";
     }

@@ -46,12 +46,9 @@ RBDYN_INLINE bool TreeModel::Fired::none() const {
 }
 
 RBDYN_INLINE bool TreeModel::holds_all(const std::vector<int>& rows) const {
-    if (!conditions_->is_rough() || static_cast<int>(rows.size()) != tree_->velocities() || tree_->velocities() == 0)
+    if (contacts() == 0 || static_cast<int>(rows.size()) != tree_->velocities() || tree_->velocities() == 0)
         return false;
-    const auto is_driven = [](const mechanics::Node& n) { return n.joint.as<mechanics::DrivenLaw>() != nullptr; };
-    const auto carries = [](const mechanics::RoughJoint& joint) { return !joint.drive.is_zero(); };
-    return std::none_of(joints_.begin(), joints_.end(), carries) &&
-           std::none_of(tree_->nodes().begin(), tree_->nodes().end(), is_driven);
+    return !is_driven();
 }
 
 RBDYN_INLINE void TreeModel::own_parameters(Mode& mode, std::span<const double> /*x*/) const {
@@ -304,7 +301,13 @@ RBDYN_INLINE std::string TreeModel::impossible(const Mode& mode, double t, std::
         if (guard.kind == EventKind::singular && guard.contact >= 0 &&
             std::abs(values.output(guard.output)) <= 1e-3 * values.magnitude(guard.output))
             return no_sliding(guard.contact);
-    return {};
+    std::vector<int> near;
+    const auto all = moving(t, x);
+    for (int k = 0; k < contacts(); ++k) {
+        const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+        if (!c.is_gone && std::abs(c.touching<double>(*tree_, all).gap) <= 1e-9 * size_of(k, all)) near.push_back(k);
+    }
+    return lies_flat(near, all);
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, double t, std::span<double> x,

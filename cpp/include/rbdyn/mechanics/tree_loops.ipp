@@ -438,10 +438,6 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
             return "the " + std::string(rbdyn::kind_of(c.coupling)) + " of " + name(c.a.body) + " and " +
                    name(c.b.body) + ", " + why;
     }
-    std::vector<int> closed;
-    for (int k = 0; k < contacts(); ++k)
-        if (mode.slip[at(k)] != flies) closed.push_back(k);
-    if (const std::string why = lies_flat(closed, all); !why.empty()) return "what happens as " + why + ",";
     if (const std::string names = locked(t, x); !names.empty())
         return "constraints lose rank there and lock what moves: " + names;
     return {};

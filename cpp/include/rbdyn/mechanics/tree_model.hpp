@@ -241,15 +241,30 @@ private:
 
     /// Whether a body that touches surfaces is at rest on all of them, and stays so, but for rounding.
     bool is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const;
-    /// Whether all bodies touch something and none of them moves from here on: forces that hold each other leave
-    /// accelerations of rounding, which what is at rest has not.
-    bool rests_for_ever(const Mode& mode, double t, std::span<const double> x) const;
+    /// Where in a mode it is said that all bodies stand still (1) or not (0); of scenes with contacts.
+    std::size_t place_of_standing() const { return at(first_loose()); }
+    bool is_standing(const Mode& mode) const { return contacts() > 0 && mode.slip[place_of_standing()] != 0; }
+    void leave_standing(Mode& mode) const;
+    /// Whether contacts of two modes do the same, whether or not all bodies stand still.
+    bool same_states(const Mode& a, const Mode& b) const;
+    /// Makes of a mode one that has no rates, if nothing moves from here on, until a guard says otherwise.
+    void come_to_stand(Mode& mode, double t, std::span<const double> x) const;
+    /// Whether all bodies touch something and all are at rest, their forces in balance: those that hold each other
+    /// leave accelerations of rounding, which what is at rest has not.
+    bool is_balanced(const Mode& mode, double t, std::span<const double> x) const;
+    /// Whether what loads change in time moves nothing, as long as all that is held is.
+    bool is_held_in_time(const Mode& mode, double t, std::span<const double> x) const;
+    /// Whether joints, rails or their surfaces move as functions of time say.
+    bool is_driven() const;
     /// Which bodies come to rest, from a mode and the state `was` in it.
     void tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,
                    std::span<const double> x, std::vector<Happening>& happenings) const;
 
-    /// Why a motion ends whose disc lies flat; nothing if none does.
-    std::string lies_flat(const std::vector<int>& closed, const std::vector<mechanics::Moving<double>>& all) const;
+    /// Why a motion ends whose disc lies flat, but for a `tilt` [rad]; nothing if none does.
+    std::string lies_flat(const std::vector<int>& closed, const std::vector<mechanics::Moving<double>>& all,
+                          double tilt = 1e-6) const;
+    /// Below that no point of a rim is the lowest, for rounding.
+    static constexpr double no_tilt = 1e-12;
 
     /// What contacts tell at one instant: by kind, then by name.
     void put_in_order(std::vector<Happening>& happenings) const;

@@ -377,6 +377,7 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
     mode.slip.resize(at(first_joint()), flies);
     mode.slip.resize(at(first_joint()) + joints_.size(), mechanics::joint_state::open);
     mode.slip.resize(at(first_loose()) + loose_.size(), 1);
+    if (contacts() > 0) mode.slip.push_back(0);
     mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
@@ -446,6 +447,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
     }
     Mode after = mode;
     after.jumps = jumps;
+    leave_standing(after);
     if (touches || (rubs && contacts() > 0)) {
         forget();
         touch(mode, after, fired, t, x, rest, happenings);
@@ -482,6 +484,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
         touch(mode, after, {}, t, x, rest, happenings);
         return after;
     }
+    come_to_stand(after, t, x);
     if (same_motion(mode, after, flipped))
         std::erase_if(happenings, [](const Happening& h) { return h.kind == EventKind::switching; });
     return after;
@@ -580,12 +583,20 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     mechanics::TreeWriter tree(r, in_mode, *conditions_, *exerted_, joints_, rows,
                                {mode.slip.begin(), mode.slip.begin() + first_loose()});
     const int n = variables();
-    const bool stands_still = holds_all(rows);
+    const bool stands_still = holds_all(rows) || is_standing(mode);
     auto result = written(
         r, n, state.decided.sliding, [&] { return tree.laws(); },
         [&](EquationsWriter& write, std::span<const Expression> values) {
+            // what stands still has no accelerations, not of rounding either
+            std::vector<Expression> still(values.begin(), values.end());
+            for (int i = 0; i < bodies() && stands_still; ++i)
+                std::fill_n(still.begin() + n + 12 * i + 6, 6, Expression(0.0));
+            if (stands_still) {
+                std::fill_n(still.begin(), n, Expression(0.0));
+                values = still;
+            }
             tree.take(values);
-            for (int i = 0; i < n; ++i) write.rate(i) = stands_still ? Expression(0.0) : values[at(i)];
+            for (int i = 0; i < n; ++i) write.rate(i) = values[at(i)];
             tree.touch(write);
             tree.rub(write);
             tree.guard_drives(write);

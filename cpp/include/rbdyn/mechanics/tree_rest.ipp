@@ -6,10 +6,17 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "rbdyn/expression/numbers.hpp"
+#include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/resting.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 
@@ -53,8 +60,39 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
     return touches;
 }
 
-RBDYN_INLINE bool TreeModel::rests_for_ever(const Mode& mode, double t, std::span<const double> x) const {
-    if (mode.equations == nullptr || !mode.impossible.empty()) return false;
+RBDYN_INLINE bool TreeModel::is_driven() const {
+    const auto moves = [](const mechanics::Node& n) {
+        const mechanics::RailLaw* rail = n.joint.rail();
+        return n.joint.as<mechanics::DrivenLaw>() != nullptr || (rail != nullptr && rail->motion.present());
+    };
+    const auto carries = [](const mechanics::RoughJoint& joint) { return !joint.drive.is_zero(); };
+    return std::any_of(joints_.begin(), joints_.end(), carries) ||
+           std::any_of(tree_->nodes().begin(), tree_->nodes().end(), moves);
+}
+
+RBDYN_INLINE void TreeModel::leave_standing(Mode& mode) const {
+    if (contacts() > 0) mode.slip[place_of_standing()] = 0;
+}
+
+RBDYN_INLINE bool TreeModel::same_states(const Mode& a, const Mode& b) const {
+    return std::equal(a.slip.begin(), a.slip.begin() + first_loose(), b.slip.begin(), b.slip.begin() + first_loose());
+}
+
+RBDYN_INLINE void TreeModel::come_to_stand(Mode& mode, double t, std::span<const double> x) const {
+    if (mode.still || !is_balanced(mode, t, x)) return;
+    const bool is_still = is_timeless(mode, t, x), has_none = holds_all(rows_in(mode));
+    if (has_none) mode.still = is_still;
+    if (has_none || !(is_still || is_held_in_time(mode, t, x))) return;
+    Mode standing = mode;
+    standing.slip[place_of_standing()] = 1;
+    choose(standing, t, x, {}, true);
+    if (standing.equations == nullptr) return;
+    mode = std::move(standing);
+    mode.still = mode.still || is_still;
+}
+
+RBDYN_INLINE bool TreeModel::is_balanced(const Mode& mode, double t, std::span<const double> x) const {
+    if (contacts() == 0 || is_standing(mode) || mode.equations == nullptr || !mode.impossible.empty()) return false;
     if (std::any_of(x.begin() + tree_->positions(), x.end(), [](double rate) { return rate != 0.0; })) return false;
     std::vector<bool> touches(at(bodies()), false);
     for (int k = 0; k < contacts(); ++k)
@@ -63,7 +101,40 @@ RBDYN_INLINE bool TreeModel::rests_for_ever(const Mode& mode, double t, std::spa
                 if (i >= 0) touches[at(i)] = true;
     // what nothing touches is none of this: how near it is to standing still is for its equations to say
     if (!std::all_of(touches.begin(), touches.end(), [](bool one) { return one; })) return false;
-    return stays_there(mode, t, x);
+    return has_no_rates(mode, t, x);
+}
+
+RBDYN_INLINE bool TreeModel::is_held_in_time(const Mode& mode, double t, std::span<const double> x) const {
+    using mechanics::contact_state::slides;
+    if (is_driven() || mode.equations->program.has_calls()) return false;
+    // what friction pushes goes with what presses, and is told by its rates alone
+    if (std::any_of(mode.slip.begin(), mode.slip.begin() + first_joint(), slides)) return false;
+    for (std::size_t i = 0; i < joints_.size(); ++i)
+        if (mechanics::joint_state::is_sliding(mode.slip[at(first_joint()) + i])) return false;
+    // what acts where everything is: sums of what changes in time, each along a constant direction
+    const auto numbers = given().cells.empty() ? nullptr : std::make_shared<Numbers>(given());
+    const Numbers::Active active(numbers.get());
+    Recorder r;
+    std::map<std::uint64_t, long> forced;
+    for (const Branch& b : mode.equations->branches) forced[b.id] = b.choice;
+    r.follow(t, x, {}, std::move(forced));
+    const std::vector<Expression> here(x.begin(), x.end());
+    const Expression* const rates = here.data() + tree_->positions();
+    const mechanics::Acts acts = exerted_->all(
+        *tree_, r.time(), tree_->moving<Expression>(r.time(), here.data(), rates), here.data(), rates);
+    std::vector<Expression> all;
+    for (const auto& w : acts.wrenches)
+        for (const auto* v : {&w.force, &w.moment}) all.insert(all.end(), {(*v)[0], (*v)[1], (*v)[2]});
+    all.insert(all.end(), acts.joints.begin(), acts.joints.end());
+    std::map<std::int32_t, std::vector<double>> parts;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        for (const auto& [node, factor] : mechanics::resting::linear_parts(r, all[i])) {
+            auto& part = parts[node];
+            part.resize(all.size(), 0.0);
+            part[i] = factor;
+        }
+    const mechanics::resting::Reactions reactions(*tree_, *conditions_, rows_in(mode), moving(t, x));
+    return std::all_of(parts.begin(), parts.end(), [&](const auto& one) { return reactions.hold(one.second); });
 }
 
 RBDYN_INLINE void TreeModel::tell_rest(const Mode& mode, std::span<const double> was, const Mode& after, double t,

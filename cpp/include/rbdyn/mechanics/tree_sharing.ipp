@@ -265,7 +265,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         mechanics::ContactMemory memory = mechanics::ContactMemory::of(mode.memory, names[i].first);
         const mechanics::ContactMemory last = mechanics::ContactMemory::of(before.memory, names[i].first);
         const bool is_one = mode.slip[at(names[i].first)] == rests,
-                   goes_on = before.slip == mode.slip && (is_one || last.shares) && t > last.since;
+                   goes_on = same_states(before, mode) && (is_one || last.shares) && t > last.since;
         memory.since = t;
         memory.rate[names[i].second] = 0.0;
         if (found == alive.end())

@@ -40,9 +40,12 @@ inline constexpr double deepest_dip = 32.0;
 /// of its terms elsewhere on its way. Not told of equations that call back.
 bool only_dips(const Mode& mode, double t, std::span<const double> x, int output, double size = 0.0);
 
-/// Whether a mode stays at (t, x): all rates are zero but for rounding, and neither they nor guards depend on time. Not
-/// told of equations that call back.
-bool stays_there(const Mode& mode, double t, std::span<const double> x);
+/// Whether all rates of a mode at (t, x) are zero but for rounding. Not told of equations that call back.
+bool has_no_rates(const Mode& mode, double t, std::span<const double> x);
+
+/// Whether neither rates nor guards of a mode depend on time where the state is x. Not told of equations that call
+/// back.
+bool is_timeless(const Mode& mode, double t, std::span<const double> x);
 
 /// Sets what tells of each norm that is zero at t how many of its first coefficients are rounding (Switch::parameter):
 /// |v| is t^m |d(t)| for v = t^m d(t), and what is left of coefficients before m, where forces balance, is no

@@ -126,7 +126,7 @@ RBDYN_INLINE bool only_dips(const Mode& mode, double t, std::span<const double> 
     return g[2] > 0.0 && g[1] * g[1] <= 4.0 * g[2] * deepest_dip * rounding;
 }
 
-RBDYN_INLINE bool stays_there(const Mode& mode, double t, std::span<const double> x) {
+RBDYN_INLINE bool has_no_rates(const Mode& mode, double t, std::span<const double> x) {
     const Program& program = mode.equations->program;
     if (program.has_calls()) return false;
     RoundingSizes f(program);
@@ -136,6 +136,12 @@ RBDYN_INLINE bool stays_there(const Mode& mode, double t, std::span<const double
         const int rate = static_cast<int>(i);
         if (!(std::abs(f.output(rate)) <= 64.0 * std::numeric_limits<double>::epsilon() * f.size(rate))) return false;
     }
+    return true;
+}
+
+RBDYN_INLINE bool is_timeless(const Mode& mode, double t, std::span<const double> x) {
+    const Program& program = mode.equations->program;
+    if (program.has_calls()) return false;
     // as functions of time alone, the state being what it is
     constexpr int order = 24;
     const BorrowedSeries borrowed(program, order);

@@ -55,6 +55,9 @@ protected:
     /// With what another one has recorded, for other numbers of the user's; `elsewhere`: and for another start.
     RecordedModel(const RecordedModel& other, GivenNumbers given, bool elsewhere = false);
 
+    /// The numbers of the user's that it is for.
+    const GivenNumbers& given() const { return given_; }
+
     /// What the equations depend on beside the choices: modes of one kind share them.
     virtual std::vector<signed char> kind_of(const Mode& mode) const = 0;
     /// The equations for a mode of a kind, at a state; none if it cannot slide as decided.

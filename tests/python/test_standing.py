@@ -1,0 +1,155 @@
+"""What stands still stays to the bit, as long as what holds it does, whatever acts on it in time; and what only seems
+to, moves. Against closed forms.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import rbdyn as rb
+from planar_scenes import random_scene
+
+G = 9.8125
+
+
+def upward(tilt):
+    return np.array([0.0, 0.0, 1.0]) if tilt is None else np.array(tilt) / np.linalg.norm(tilt)
+
+
+def stack(up, masses, friction=None, radius=0.1):
+    """Balls above each other on a floor, under weight."""
+    scene = rb.Scene(gravity=-G * up)
+    balls, touch = [], []
+    for i, m in enumerate(masses):
+        balls.append(scene.add(rb.shapes.sphere(m, radius), position=(2 * i + 1) * radius * up))
+        below = rb.Plane(up) if i == 0 else balls[i - 1].sphere(radius)
+        touch.append(scene.contact(balls[i].sphere(radius), below, friction=friction))
+    return scene, balls, touch
+
+
+def box_on_a_floor(m=2.0, half=(0.2, 0.1), **at):
+    scene = rb.Scene(gravity=[0, -G, 0])
+    b, h = half
+    box = scene.add(rb.RigidBody(m, [0.1] * 3), rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, h], **at)
+    corners = [scene.contact(box.point([x, -h, 0]), rb.Plane([0, 1, 0])) for x in (-b, b)]
+    return scene, box, corners
+
+
+@pytest.mark.parametrize("seed", [4669, 6961])
+def test_a_rod_that_has_come_to_rest_in_a_corner_has_no_acceleration_and_stays(seed):
+    """Floor and wall hold all that it could do; what is left after its bounces was a rounding, and grew."""
+    scene, bodies, _ = random_scene(seed, rough=False).scene()
+    run, later = rb.simulate(scene, 1.5, rtol=1e-12), rb.simulate(scene, 1e5, rtol=1e-12)
+    for body in bodies:
+        assert not run[body].acceleration(1.5).any() and not run[body].angular_acceleration(1.5).any()
+        assert (later[body].position(1e5) == later[body].position(1.5)).all()
+        assert later[body].angle(1e5) == later[body].angle(1.5)
+        assert np.abs(later[body].position(1e5) - run[body].position(1.5)).max() < 1e-14
+
+
+@pytest.mark.parametrize("friction", [None, rb.Coulomb(0.5)])
+@pytest.mark.parametrize("tilt", [None, [1, 2, 3], [-2, 1, 5]])
+def test_a_stack_that_is_pressed_in_time_stays_to_the_bit(tilt, friction):
+    up = upward(tilt)
+    scene, balls, touch = stack(up, [1.0, 2.0, 3.0, 4.0], friction)
+    scene.apply(rb.Force(lambda t, *_: [-(5 + 4 * np.sin(3 * t)) * u for u in up]), balls[-1])
+    start = [(2 * i + 1) * 0.1 * up for i in range(4)]
+    for until, options in ((20.0, {}), (20.0, {"rtol": 1e-9}), (2000.0, {"rtol": 1e-9})):
+        run = rb.simulate(scene, until, **options)
+        assert not len(run.events)
+        for ball, place in zip(balls, start, strict=True):
+            # a start is put on its surfaces, to rounding
+            assert (run[ball].position(until) == run[ball].position(0.0)).all()
+            assert np.abs(run[ball].position(0.0) - place).max() < 2e-16
+            assert not run[ball].velocity(until).any() and not run[ball].acceleration(until).any()
+    t, above = 1.3, 0.0
+    for contact, m in zip(touch[::-1], [4.0, 3.0, 2.0, 1.0], strict=True):
+        above += m * G
+        assert np.abs(run[contact].force(t) - (above + 5 + 4 * math.sin(3 * t)) * up).max() < 1e-12 * above
+
+
+@pytest.mark.parametrize("tilt", [None, [1, 2, 3]])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_stack_is_left_where_nothing_presses_its_top_any_more(tilt, seed):
+    """Lifted by k t + a sin(w t): the top goes where the weight is reached, as its equation says."""
+    draw = np.random.default_rng(seed)
+    up, m, k, a, w = upward(tilt), draw.uniform(0.5, 3), draw.uniform(1, 5), draw.uniform(0.1, 0.5), draw.uniform(1, 2)
+    scene, balls, touch = stack(up, [1.0, 2.0, m])
+    scene.apply(rb.Force(lambda t, *_: [(k * t + a * np.sin(w * t)) * u for u in up]), balls[-1])
+
+    def force(t):
+        return k * t + a * math.sin(w * t) - m * G
+
+    low, high = 0.0, m * G / k + 1.0
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        low, high = (middle, high) if force(middle) < 0 else (low, middle)
+    t0 = low
+    # askew, what is left of the stack stands on the rounding of its places, and falls a million times that far in 1 s
+    run = rb.simulate(scene, t0 + 1.0, **({} if tilt is None else {"rtol": 1e-12}))
+    (leaves,) = run.events
+    assert leaves.kind == "detach" and leaves.subject == touch[2]
+    assert abs(leaves.time - t0) < 1e-13 * t0
+    # twice the integral of (k t + a sin(w t)) / m - g from t0 on
+    s, t1 = 1.0, t0 + 1.0
+    way = (
+        k * (t0 * s**2 / 2 + s**3 / 6)
+        + a * (math.cos(w * t0) * s / w - (math.sin(w * t1) - math.sin(w * t0)) / w**2)
+        - m * G * s**2 / 2
+    ) / m
+    assert abs(run[touch[2]].gap(t1) - way) < 1e-9 * way
+    for ball in balls[:2]:
+        assert (run[ball].position(0.9 * t0) == run[ball].position(0.0)).all()
+        assert np.abs(run[ball].position(t1) - run[ball].position(0.0)).max() < (1e-16 if tilt is None else 1e-11)
+
+
+@pytest.mark.parametrize("name", ["power", "bell", "step", "resonance", "small"])
+def test_a_force_that_moves_it_later_moves_it(name):
+    """Along the floor, beside one that presses: hidden at the start behind all powers that a series has."""
+    force, way = {
+        "power": (lambda t: t**30, 4.0**32 / (31 * 32)),
+        # of area 1/100 about t = 2
+        "bell": (lambda t: np.exp(-((100 * (t - 2)) ** 2)) / math.sqrt(math.pi), 0.02),
+        "step": (lambda t: np.where(t > 3, 2.0, 0.0), 1.0),
+        # 4 - t = 2 - (t - 2), of which the second part is odd about it
+        "resonance": (lambda t: 1e-6 / (1e-8 + (t - 2) ** 2), 0.04 * math.atan(2e4)),
+        "small": (lambda t: 1e-5 * t, 1e-5 * 4.0**3 / 6),
+    }[name]
+    scene, box, _ = box_on_a_floor(m=1.0)
+    scene.apply(rb.Force(lambda t, *_: [force(t), -3 - np.sin(t), 0]), box)
+    run = rb.simulate(scene, 4.0)
+    assert abs(run[box].position(4.0)[0] - way) < 1e-9 * way
+    assert abs(run[box].position(4.0)[1] - 0.1) < 1e-15
+
+
+def test_a_box_that_is_pressed_beside_its_middle_tips_where_its_corner_is_free():
+    """At x from the middle, inside of the corner at b: never; outside, where F (x - b) is the weight's moment."""
+    m, b, x, k = 2.0, 0.2, 0.3, 8.0
+    scene, box, (left, right) = box_on_a_floor(m)
+    scene.apply(rb.Force(lambda t, *_: [0, -k * t, 0]), box, at=[x, 0, 0])
+    t0 = m * G * b / (k * (x - b))
+    run = rb.simulate(scene, t0 + 0.1)
+    (tips,) = run.events
+    assert tips.kind == "detach" and tips.subject == left and abs(tips.time - t0) < 1e-14 * t0
+    assert run[box].angle(t0 / 2) == 0.0 and (run[box].position(0.9 * t0) == [0, 0.1, 0]).all()
+    assert run[right].gap(run.end) == pytest.approx(0, abs=1e-15) and run[box].angle(run.end) < 0
+
+
+def test_a_table_on_four_legs_that_is_pressed_in_time_stays():
+    scene = rb.Scene(gravity=[0, 0, -G])
+    table = scene.add(rb.RigidBody(3.0, [0.2, 0.2, 0.3]), position=[0, 0, 0.5])
+    legs = [scene.contact(table.point([x, y, -0.5]), rb.Plane([0, 0, 1])) for x in (-0.4, 0.4) for y in (-0.3, 0.3)]
+    scene.apply(rb.Force(lambda t, *_: [0, 0, -9 - 8 * np.cos(2 * t)]), table, at=[0.1, 0.05, 0])
+    run = rb.simulate(scene, 50.0)
+    assert not len(run.events) and (run[table].position(50.0) == [0, 0, 0.5]).all()
+    assert (run[table].rotation_matrix(50.0) == np.eye(3)).all()
+    total = sum(run[leg].force(7.0) for leg in legs)
+    assert np.abs(total - [0, 0, 3 * G + 9 + 8 * math.cos(14)]).max() < 1e-12 * 3 * G
+
+
+def test_what_is_carried_by_a_driven_plate_does_not_stand():
+    scene = rb.Scene(gravity=[0, 0, -G])
+    plate = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Prismatic([0, 0, 1], motion=lambda t: 0.1 * t**3))
+    ball = scene.add(rb.shapes.sphere(1.0, 0.1), position=[0, 0, 0.1])
+    scene.contact(ball.sphere(0.1), plate.plane([0, 0, 1]))
+    run = rb.simulate(scene, 2.0)
+    assert abs(run[ball].position(2.0)[2] - 0.9) < 1e-12
