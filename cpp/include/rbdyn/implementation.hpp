@@ -155,6 +155,7 @@
 #include "rbdyn/mechanics/tree_rest.ipp"
 #include "rbdyn/mechanics/tree_rolling.ipp"
 #include "rbdyn/mechanics/tree_sharing.ipp"
+#include "rbdyn/mechanics/tree_slip_directions.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"
 #include "rbdyn/member_abreast.ipp"

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -292,6 +293,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
     Timed run = run_with(engine, first);
     std::vector<Event> grazes;
     bool amplifies = false, has_retried = false;
+    double least_reached = std::numeric_limits<double>::infinity();
     // a closed form is not wrong itself
     AccuracyCheck check(model, options.error, options.monitor, form ? 1.25 : 2.0);
     const auto broken_by = [&](std::exception_ptr thrown) {
@@ -365,6 +367,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             }
         }
         if (is_right(comparison)) break;
+        least_reached = std::min(least_reached, comparison.error);
         // what is left is the rounding of doubles, and what the motion makes of it
         if (engine == "taylor" && !first.manner.is_refined && first.tolerance <= 10.0 * least_tolerance(engine)) {
             const Pass refined{least_tolerance(engine), {.is_refined = true}, first.keep};
@@ -390,8 +393,11 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             result.outcome = Outcome::inaccurate;
             result.message =
                 "simulate: error " + text(options.error) + " was asked for and engine " + engine +
-                (comparison.same_events ? " reached " + text(comparison.error) + " in this motion"
+                (comparison.same_events ? " reached " + text(least_reached) + " in this motion"
                                         : std::string(" cannot tell which events this motion has")) +
+                (comparison.same_events && least_reached < comparison.error
+                     ? " (" + text(comparison.error) + " in the run that is returned)"
+                     : "") +
                 (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
                 "; it is certain up to t = " + text(comparison.certain_until) + " s. " +
                 std::string(advice(Status::accuracy_not_reached));

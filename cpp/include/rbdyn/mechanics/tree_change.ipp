@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -248,6 +249,16 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         const double speed = mechanics::Conditions::rate(rows[row], all), noise = 1e-12 * speed_of(k, all);
         if (speed <= noise) closed.push_back(k);
     }
+    // what is at rest on its surface, or rolls on it, but for rounding does not strike it: it is set to be so exactly
+    const auto touching = [&](int k) { return conditions_->contacts()[at(k)].touching<double>(*tree_, all); };
+    const auto is_along = [&](int k) {
+        return std::abs(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all)) <=
+               1e-12 * speed_of(k, all);
+    };
+    const auto is_stuck = [&](int k) { return is_rough(k) && touching(k).slip().norm() <= 1e-12 * speed_of(k, all); };
+    const bool strikes = !std::all_of(closed.begin(), closed.end(), is_along);
+    if (begins && !strikes)
+        for (const int k : closed) require_no_slip(k, touching(k).slip().norm(), is_stuck(k));
     std::vector<double> impulses;
     Strokes strokes;
     const Kept kept = begins ? Kept{} : kept_closed(before, t, was, x);
@@ -256,7 +267,10 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     };
     // what comes towards its surface strikes it before the motion begins
     if (!closed.empty()) {
-        impulses = strike(as_it_was, t, x, closed, strokes);
+        if (strikes || !conditions_->is_rough() || !joints_.empty())
+            impulses = strike(as_it_was, t, x, closed, strokes);
+        else
+            std::copy_if(closed.begin(), closed.end(), std::back_inserter(strokes.stuck), is_stuck);
         if (!strokes.impossible.empty()) return ends_at_once(strokes.impossible);
         std::vector<int> at_rest;
         const auto then = moving(t, x);
@@ -272,7 +286,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         // what never slips does not as the motion begins, whatever turns then
         std::vector<int> never;
         for (const int k : at_rest)
-            if (std::isinf(conditions_->contacts()[at(k)].mu_static)) never.push_back(k);
+            if (std::isinf(conditions_->contacts()[at(k)].mu_dynamic) && !is_in(strokes.stuck, k)) never.push_back(k);
         if (!never.empty()) stop(t, x, never, never);
         Fired fired;
         fired.stuck = strokes.stuck;
@@ -294,6 +308,14 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         put_in_order(happenings);
     }
     return mode;
+}
+
+RBDYN_INLINE void TreeModel::require_no_slip(int contact, double slip, bool is_stuck) const {
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    if (is_stuck || !is_rough(contact) || std::isfinite(static_cast<double>(c.mu_dynamic))) return;
+    require(false, c.name, "slip as the scene starts [m/s]", slip,
+            "where no friction lets it slide it rolls or stands as the scene starts (v + omega x r is that of what it "
+            "touches): give velocities that do, or a coefficient that it slides with, as in Coulomb(math.inf, 0.2)");
 }
 
 RBDYN_INLINE double TreeModel::nearest_touch(const Mode& mode, int contact) const {

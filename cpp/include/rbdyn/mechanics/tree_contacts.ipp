@@ -427,6 +427,13 @@ RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const d
 RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,
                                    std::span<double> x, std::span<double> rest,
                                    std::vector<Happening>& happenings) const {
+    // what is held is so to rounding where it lets go, not to the tolerance of the step to there: what a slip begins
+    // with
+    const auto lands = [&](int g) { return mode.equations->guards[at(g)].kind == EventKind::land; };
+    const auto is_held = [](signed char state) { return mechanics::contact_state::is_held(state); };
+    if (joints_.empty() && !fired.empty() && std::none_of(fired.begin(), fired.end(), lands) &&
+        std::any_of(mode.slip.begin(), mode.slip.begin() + contacts(), is_held))
+        hold(mode, t, x, rest);
     const std::vector<double> was(x.begin(), x.end());
     std::vector<double> known = was;  // what `rest` belongs to
     const auto all = moving(t, x);

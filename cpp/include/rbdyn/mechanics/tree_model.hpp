@@ -203,7 +203,7 @@ private:
     /// The states of contacts from forces found. Returns whether they can be held so.
     bool take(const Mode& before, Mode& mode, double t, Touched& touched, const mechanics::ConeForces& found,
               const std::vector<double>& b, const std::vector<double>& noise, const std::vector<int>& breaking) const;
-    /// Directions of slips that begin at the edges of their cones, as they turn (tree_break_away.ipp).
+    /// Directions of slips that begin at the edges of their cones, as they turn (tree_slip_directions.ipp).
     void curve(const Mode& before, Mode& mode, double t, std::span<const double> x) const;
     /// Closes smooth contacts whose forces depend on each other, all of them pushing. Returns whether they can.
     bool share_load(const Mode& before, Mode& mode, double t, const std::vector<mechanics::Moving<double>>& all,
@@ -456,6 +456,8 @@ private:
     bool change(const Mode& mode, const Scene::Watch& watch, double t, std::span<double> x) const;
     /// How near, of its size, a contact of a mode is taken to touch.
     double nearest_touch(const Mode& mode, int contact) const;
+    /// That what no friction lets slide does not as a scene starts.
+    void require_no_slip(int contact, double slip, bool is_stuck) const;
     void tell_anew(const Mode& mode, const Mode& after, const std::vector<double>& impulses, const Strokes& strokes,
                    const std::vector<mechanics::Moving<double>>& before,
                    const std::vector<mechanics::Moving<double>>& now, std::vector<Happening>& happenings) const;
