@@ -199,3 +199,26 @@ def test_friction_in_joints_is_kept_in_files(tmp_path):
     again = rb.load(path)
     one, other = (rb.simulate(s, until=3.0, error=1e-9) for s in (scene, again))
     assert one[body].angle(3.0) == other[again.bodies[0]].angle(3.0)
+
+
+@pytest.mark.parametrize("mu", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_the_friction_of_a_pin_is_known_however_small_it_is(mu):
+    """Beside moments of 5 N m, of which it would be what is left."""
+    scene, bob = pendulum(mu, mu, 0.05, 1.0)
+    run = rb.simulate(scene, 1.5, error=1e-9)
+    t = np.linspace(0.01, 1.49, 97)
+    presses = np.linalg.norm(run[bob].reaction(t), axis=1)
+    resists = run[bob].reaction_torque(t)[:, 2]
+    assert run.error <= 1e-9
+    assert abs(resists + np.sign(run[bob].rate(t)) * mu * 0.05 * presses).max() <= 1e-13 * mu * presses.max()
+
+
+def test_friction_of_a_millionth_takes_the_energy_that_its_torque_does():
+    mu = 1e-6
+    scene, bob = pendulum(mu, mu, 0.05, 1.0)
+    run = rb.simulate(scene, 0.8, error=1e-11)
+    assert not len(run.events)
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    t = 0.4 + 0.4 * nodes
+    lost = 0.4 * weights @ (mu * 0.05 * np.linalg.norm(run[bob].reaction(t), axis=1) * abs(run[bob].rate(t)))
+    assert abs((run.energy(0.0) - run.energy(0.8)) / lost - 1) < 1e-7

@@ -259,3 +259,42 @@ def test_a_block_on_a_rough_slide_is_lifted_off_its_floor(mu):
     assert abs(run.events.times("slip")[-1] - slips) < 1e-11
     # a = 4 (t - slips)
     assert abs(run[block].displacement(4.0) - 4 * (4 - slips) ** 3 / 6) < 1e-9
+
+
+@pytest.mark.parametrize("pin", [(0.6, 0.1), (0.5, 0.1), (0.5, 0.2), (0.6, 0.2)])
+@pytest.mark.parametrize(
+    ("angle", "normal"), [(0.3, [0, 1, 0]), (0.7, [0, 1, 0]), (1.0, [-1, 0, 0]), (-0.5, [0, 1, 0])]
+)
+@pytest.mark.parametrize("mu", [0.5, 0.6])
+def test_a_rod_on_a_rough_pin_is_lifted_off_a_rough_wall(pin, angle, normal, mu):
+    """The push of the wall ends at the very instant at which the pin breaks away, its friction mu r m g."""
+    rough, radius = pin
+    m, c, moment, most, pace = 1.0, 0.5, 1 / 3, 12.0, 3.0
+    scene = rb.Scene(gravity=[0, -g, 0])
+    hinge = rb.Revolute([0, 0, 1], friction=rb.Coulomb(rough), pin_radius=radius)
+    body = rb.RigidBody(m, [0.01, moment, moment], com=[c, 0, 0], inertia_about="origin")
+    rod = scene.add(body, hinge, angle=angle)
+    scene.apply(rb.JointTorque(lambda t, q, w: most * np.sin(pace * t)), rod)
+    wall = rb.Plane(normal, point=[math.cos(angle), math.sin(angle), 0])
+    touch = scene.contact(rod.point([1, 0, 0]), wall, friction=rb.Coulomb(mu))
+    begins = math.asin(m * g * (c * math.cos(angle) + rough * radius) / most) / pace
+
+    def acceleration(t, q, w):
+        a = 0.0
+        for _ in range(60):
+            across = m * (c * a + g * math.cos(q))
+            along = m * (g * math.sin(q) - c * w * w)
+            rubs = rough * radius * math.hypot(across, along)
+            a = (most * math.sin(pace * t) - m * g * c * math.cos(q) - rubs) / moment
+        return a
+
+    by_hand = solve_ivp(
+        lambda t, y: [y[1], acceleration(t, *y)], (begins, 0.5), [angle, 0], method="DOP853", rtol=1e-13, atol=1e-15
+    )
+    run = rb.simulate(scene, 0.5, error=1e-9)
+    for kind in ("detach", "slip"):
+        (at,) = run.events.times(kind)
+        assert abs(at - begins) < 1e-11
+    assert run.events.times("detach", touch).size == 1
+    assert abs(run[rod].angle(0.5) - by_hand.y[0, -1]) < 1e-9
+    assert abs(run[rod].rate(0.5) - by_hand.y[1, -1]) < 1e-9

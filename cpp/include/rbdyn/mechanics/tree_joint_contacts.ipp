@@ -51,12 +51,13 @@ inline bool next_way(const std::vector<std::size_t>& of, std::span<const int> ch
     return false;
 }
 
-/// Whether contacts that are open and touch, at rest, part as the motion goes on.
-inline bool part(const Mode& mode, double t, std::span<const double> x, const std::vector<int>& contacts) {
+/// Whether contacts that are open and touch, at rest, part as the motion goes on; `may_stay`: or stay as they are.
+inline bool part(const Mode& mode, double t, std::span<const double> x, const std::vector<int>& contacts,
+                 bool may_stay = false) {
     return std::all_of(mode.equations->guards.begin(), mode.equations->guards.end(), [&](const Guard& guard) {
         const bool is_gap = guard.kind == EventKind::land && guard.output >= 0 &&
                             std::find(contacts.begin(), contacts.end(), guard.contact) != contacts.end();
-        return !is_gap || leading_sign(mode, t, x, guard.output, 2) > 0;
+        return !is_gap || leading_sign(mode, t, x, guard.output, 2) > (may_stay ? -1 : 0);
     });
 }
 
@@ -95,6 +96,20 @@ RBDYN_INLINE void TreeModel::settle_contacts(const Mode& before, Mode& mode, dou
                                              const std::vector<int>& candidates, const Fired& fired) const {
     resistances() > 0 ? settle_resisted(before, mode, t, x, candidates, fired)
                       : settle_rough(before, mode, t, x, candidates, fired);
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::still_pressed(const Mode& before, double t, std::span<const double> x,
+                                                       const std::vector<int>& candidates, const Fired& fired) const {
+    constexpr double rounding = 1e-9;
+    const mechanics::TreeState state = look(before, t, x);
+    std::vector<int> pressed;
+    for (const int k : candidates) {
+        const ContactReport& report = state.contacts[at(k)];
+        const bool is_pressed =
+            before.slip[at(k)] == flies ? fired.has(k) : report.force.norm() > rounding * forces_at(k, state);
+        if (is_pressed) pressed.push_back(k);
+    }
+    return pressed;
 }
 
 /// What came of one way that joints may go on.
@@ -289,6 +304,21 @@ RBDYN_INLINE void TreeModel::settle_all(const Mode& before, Mode& mode, double t
             std::vector<int> way = sign;
             for (const std::size_t i : resting) way[i] = 0;
             while (!look_at(way) && joint_contacts::next_way(resting, choices, way)) {
+            }
+        }
+        // forces that end at the very instant at which a joint breaks away leave neither a force that would hold them
+        // closed, nor an acceleration that would open them: without them, and what comes next decides
+        if (!is_found && before.equations != nullptr) {
+            const std::vector<int> closed = still_pressed(before, t, x, candidates, fired);
+            if (closed.size() < candidates.size()) {
+                Mode parted = undecided;
+                for (const int k : candidates) parted.slip[at(k)] = flies;
+                for (const int k : closed) parted.slip[at(k)] = undecided.slip[at(k)];
+                settle_all(before, parted, t, x, closed, fired);
+                if (parted.impossible.empty() && joint_contacts::part(parted, t, x, candidates, true)) {
+                    mode = std::move(parted);
+                    return;
+                }
             }
         }
         if (!is_found) {

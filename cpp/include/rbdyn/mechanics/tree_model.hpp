@@ -388,6 +388,9 @@ private:
     /// settle_rough() or settle_resisted(): what contacts do while joints do what they do in a mode.
     void settle_contacts(const Mode& before, Mode& mode, double t, std::span<double> x,
                          const std::vector<int>& candidates, const Fired& fired) const;
+    /// Those of some contacts that were pressed, or have fired: without those whose forces have come to zero.
+    std::vector<int> still_pressed(const Mode& before, double t, std::span<const double> x,
+                                   const std::vector<int>& candidates, const Fired& fired) const;
     /// The same, and what joints do.
     void settle_all(const Mode& before, Mode& mode, double t, std::span<double> x, const std::vector<int>& candidates,
                     const Fired& fired) const;

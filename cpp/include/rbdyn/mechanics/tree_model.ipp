@@ -145,12 +145,21 @@ RBDYN_INLINE mechanics::TreeState TreeModel::look(const Mode& mode, double t, st
     if (!acting) acting = acting_in(mode, 0, 0, state.t, state.x);
     if (!acting) return {*tree_in(mode), moving(mode, t, x)};
     const std::span<const double> values(acting->values);
-    return {*tree_in(mode),
-            *conditions_,
-            *exerted_,
-            rows_in(mode),
-            moving(mode, state.t, state.x),
-            values.subspan(at(variables()))};
+    mechanics::TreeState result{*tree_in(mode),
+                                *conditions_,
+                                *exerted_,
+                                rows_in(mode),
+                                moving(mode, state.t, state.x),
+                                values.subspan(at(variables()))};
+    // what a hinge resists is known itself; of larger moments it would be what is left
+    const auto said = values.last(mechanics::JointMemory::said * joints_.size());
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        if (!joints_[i].turns) continue;
+        const Vector3& axis = result.moving[at(joints_[i].body)].joint.front().turn;
+        Vector3& moment = result.bodies[at(joints_[i].body)].reaction.moment;
+        moment += axis * (said[mechanics::JointMemory::said * i] - axis.dot(moment));
+    }
+    return result;
 }
 
 RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
@@ -516,8 +525,22 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         // what shares its load with contacts is one of many
         const double counts = !joints_.empty() && shares_load(mode) ? 0.0 : 1.0;
         out.push_back({b.reaction.force * counts, false, 0.0, b.effort.force.norm(), Alike::force});
-        if (!n.is_point && n.joint.as<mechanics::SphericalLaw>() == nullptr)
-            out.push_back({b.reaction.moment * counts, false, 0.0, b.effort.moment.norm(), Alike::torque});
+        if (n.is_point || n.joint.as<mechanics::SphericalLaw>() != nullptr) continue;
+        Vector3 moment = b.reaction.moment;
+        const auto rubs = std::find_if(joints_.begin(), joints_.end(), [&](const mechanics::RoughJoint& joint) {
+            return joint.turns && joint.body == i;
+        });
+        if (rubs != joints_.end()) {
+            // the friction of a pin may be far less than the moments across it, and is known by itself
+            const Vector3 resists = m.joint.front().turn * m.joint.front().turn.dot(moment);
+            moment -= resists;
+            const signed char does = mode.slip[at(first_joint()) + static_cast<std::size_t>(rubs - joints_.begin())];
+            const double most = mechanics::joint_state::is_sliding(does)
+                                    ? rubs->mu_dynamic * rubs->radius * b.effort.force.norm()
+                                    : b.effort.moment.norm();
+            out.push_back({resists * counts, false, 0.0, most, Alike::torque});
+        }
+        out.push_back({moment * counts, false, 0.0, b.effort.moment.norm(), Alike::torque});
     }
     // a force is a difference of what acts on what it joins
     const auto effort = [&](const mechanics::Anchor& a, const mechanics::Anchor& b) {

@@ -483,6 +483,12 @@ RBDYN_INLINE Wrench<Expression> TreeWriter::reaction_alone(int body) const {
     const Moving<S>& m = moving_[at(body)];
     for (std::size_t k = 0; k < m.joint.size(); ++k)
         add<S>(w, Wrench<S>{m.joint[k].move, m.joint[k].turn}, S(-values_[first + at(tree_.node(body).v) + k]));
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        if (joints_[i].body != body || !joints_[i].turns) continue;
+        // what a hinge resists is known itself
+        const Vector3Of<S>& axis = m.joint.front().turn;
+        w.moment += axis * (values_[first_of_joints() + per_joint * i] - dot<S>(axis, w.moment));
+    }
     return w;
 }
 
