@@ -1,12 +1,15 @@
 """Members of a sweep a second: a Python loop over simulate(), simulate_many() on one and on two threads, and executors.
 
-Each row is a scene with 2000 starts or numbers; microseconds a member of the whole call, least of five, and how many
-members were planned. Members of a thread go one after the other; for those side by side see lanes.py. `loop` sets
-what is varied and calls simulate(initial=) for each.
+Each row is a scene with 2000 starts or numbers; microseconds a member of the whole call, least of five in turns, and
+how many members were planned. `apart`: one after the other on one thread; all other ways but `loop` have members side
+by side. `loop` sets what is varied and calls simulate(initial=) for each. `Dask`: Client.get_executor() of a local
+cluster of two workers, left out where dask.distributed is not installed.
 """
 
+import contextlib
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import rbdyn as rb
@@ -80,38 +83,54 @@ def loop(scene, vary, until, **options):
     return runs
 
 
-def microseconds(f, *arguments, **options):
-    """Of one member, least of five; and what came of it."""
-    best, result = np.inf, None
-    for _ in range(5):
-        result = None
-        began = time.perf_counter()
-        result = f(*arguments, **options)
-        best = min(best, time.perf_counter() - began)
-    return best / COUNT * 1e6, result
+@contextlib.contextmanager
+def dask_executor():
+    """That of a local cluster of two workers; none where there is no dask.distributed."""
+    try:
+        from dask.distributed import Client, LocalCluster
+    except ImportError:
+        yield None
+        return
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+        client.get_executor() as executor,
+    ):
+        yield executor
+
+
+def least(ways, repeats=5):
+    """Microseconds of one member by each of some functions, in turns, and what came of the last."""
+    best, results = [np.inf] * len(ways), [None] * len(ways)
+    for _ in range(repeats):
+        for i, way in enumerate(ways):
+            results[i] = None
+            began = time.perf_counter()
+            results[i] = way()
+            best[i] = min(best[i], (time.perf_counter() - began) / COUNT * 1e6)
+    return best, results
 
 
 def main():
-    with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2) as processes:
+    with ThreadPoolExecutor(2) as threads, ProcessPoolExecutor(2) as processes, dask_executor() as dask:
         many = rb.simulate_many
-        ways = (
+        ways = [
             ("loop", loop, {}),
-            ("1 thread", many, {"threads": 1, "lanes": False}),
-            ("2 threads", many, {"threads": 2, "lanes": False}),
-            ("pool of 2 threads", many, {"executor": threads, "lanes": False}),
-            ("2 processes", many, {"executor": processes, "lanes": False}),
-        )
-        for options in ({"rtol": 1e-9}, {"error": 1e-9}):
+            ("apart", many, {"threads": 1, "lanes": False}),
+            ("1 thread", many, {"threads": 1}),
+            ("2 threads", many, {"threads": 2}),
+            ("pool of 2 threads", many, {"executor": threads}),
+            ("2 processes", many, {"executor": processes}),
+        ]
+        if dask is not None:
+            ways.append(("Dask", many, {"executor": dask}))
+        for options in ({"error": 1e-9}, {"rtol": 1e-9}):
             print(f"microseconds a member, {COUNT} members, {options}")
             print(f"  {'':34}" + "".join(f"{name:>19}" for name, _, _ in ways) + f"{'planned':>9}")
             for name, make in SCENES.items():
                 scene, vary, until = make()
-                row = []
-                for _, run, how in ways:
-                    time_of_one, result = microseconds(run, scene, vary, until, **options, **how)
-                    row.append(time_of_one)
-                    if how.get("threads") == 1:
-                        planned = sum(s.planned for s in result.statistics)
+                row, results = least([partial(run, scene, vary, until, **options, **how) for _, run, how in ways])
+                planned = sum(s.planned for s in results[1].statistics)
                 print(f"  {name:34}" + "".join(f"{x:19.1f}" for x in row) + f"{planned:9}", flush=True)
 
 

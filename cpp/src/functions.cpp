@@ -1,6 +1,9 @@
 // Compiled once: functions of the user's, recorded.
 #include "exported.hpp"
 
+#include "rbdyn/expression/abreast_code.ipp"
+#include "rbdyn/expression/abreast_code_steps.ipp"
+#include "rbdyn/expression/abreast_code_writer.ipp"
 #include "rbdyn/expression/abreast_tape.ipp"
 #include "rbdyn/expression/borrowed_series.ipp"
 #include "rbdyn/expression/callback.ipp"

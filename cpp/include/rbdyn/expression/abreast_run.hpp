@@ -9,6 +9,7 @@
 #include <cstddef>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/expression/abreast_code.hpp"
 #include "rbdyn/expression/abreast_tape.hpp"
 #include "rbdyn/expression/program.hpp"
 
@@ -259,8 +260,9 @@ RBDYN_ABREAST void advance(Tape& tape, Lanes* cells, const Lanes* weights, int k
     }
 }
 
+/// `code`: of all orders but the first ones, where there is any.
 template <class Lanes>
-RBDYN_ABREAST void expand(Tape& tape, int order, bool whole) {
+RBDYN_ABREAST void expand(Tape& tape, int order, bool whole, const AbreastCode* code) {
     Lanes* cells = Tape::in<Lanes>(tape.cells);
     const Lanes* weights = Tape::in<Lanes>(tape.weights);
     const Lanes unit = Tape::in<Lanes>(tape.unit);
@@ -270,12 +272,14 @@ RBDYN_ABREAST void expand(Tape& tape, int order, bool whole) {
         time[1] = unit;
         for (int k = 2; k <= order; ++k) time[k] = Lanes{};
     }
-    for (int k = 0; k <= (whole ? order : order - 1); ++k) {
+    const int by_list = code == nullptr ? (whole ? order : order - 1) : AbreastCode::first_order - 1;
+    for (int k = 0; k <= by_list; ++k) {
         advance(tape, cells, weights, k);
         if (k == order) break;
         const Lanes factor = unit / static_cast<double>(k + 1);
         for (const auto& [input, rate] : tape.motion) at(cells, input)[k + 1] = at(cells, rate)[k] * factor;
     }
+    if (code != nullptr) code->run(tape, order, whole);
     Lanes check{};
     for (const auto& [input, rate] : tape.motion) check += 0.0 * at(cells, rate)[order - 1];
     if (whole)

@@ -11,6 +11,8 @@
 
 namespace rbdyn::inline RBDYN_FORM::abreast {
 
+class AbreastCode;  // abreast_code.hpp
+
 /// What is computed at each order, in its order: stage by stage, and in a stage one kind after the other. Where things
 /// are is said in bytes from the first one on: of a series its coefficient 0.
 struct Tape {
@@ -71,7 +73,11 @@ struct Tape {
     std::vector<Block> cells, sum, next, weights, part, next_part;
     Block t{}, unit{}, check{};
     std::array<bool, most> begins_at_zero{};  // a norm
-    void (*run)(Tape&, int order, bool whole) = nullptr;
+    /// By weight: what is one or minus one in the program; 0: anything.
+    std::vector<signed char> ones;
+    void (*run)(Tape&, int order, bool whole, const AbreastCode* code) = nullptr;
+    /// Coefficient k of what one of the others gives.
+    void (*instruct)(Tape&, const Other&, int k) = nullptr;
 
     template <class Lanes>
     static Lanes* in(std::vector<Block>& blocks) {

@@ -25,6 +25,10 @@ public:
         const int outputs = program.outputs() + static_cast<int>(program.switches().size());
         for (int i = 0; i < outputs; ++i) tape_.outputs.push_back(at(program.output(i)));
         if (program.uses_time()) tape_.time = at(program.time_slot());
+        for (int i = 0; i < program.scalars(); ++i) {
+            const double weight = program.constant(i);
+            tape_.ones.push_back(weight == 1.0 ? 1 : weight == -1.0 ? -1 : 0);
+        }
     }
 
 private:

@@ -1,7 +1,8 @@
-// The few instructions of x86-64 processors with AVX2 that machine code is made of (machine_code.hpp,
-// value_code.hpp).
+// The few instructions of x86-64 processors with AVX2 that machine code is made of (machine_code.hpp, value_code.hpp),
+// and those of AVX-512 that do the same in eight lanes (abreast_code.hpp).
 //
-// Source of the encodings: Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, sections 2.1 to 2.3.
+// Source of the encodings: Intel 64 and IA-32 Architectures Software Developer's Manual, volume 2, sections 2.1 to 2.3
+// and 2.7.
 #pragma once
 
 #include <cstddef>
@@ -24,11 +25,14 @@ struct At {
     bool is_far = false;  // encoded in as many bytes whatever the distance
 };
 
-/// A register of vectors: all four lanes, or two, or the first one alone.
+/// A register of vectors: all four lanes, or two, or the first one alone. With eight lanes there are 32 of them.
 using Vector = std::uint8_t;
 
 class Assembler {
 public:
+    /// `lanes`: of vectors that are whole, 4 or 8.
+    explicit Assembler(int lanes = 4) : has_eight_(lanes == 8) {}
+
     static At far(At at) { return {at.base, at.distance, true}; }
     std::span<const std::uint8_t> bytes() const { return {bytes_.data(), size_}; }
     std::size_t size() const { return size_; }
@@ -76,6 +80,20 @@ public:
         vex(from, 0, to, Map::x3a, Prefix::x66, true, 0x19);
         put({1});
     }
+    // all lanes
+    void load_all(Vector to, At from) { all(to, 0, from, 0x10); }
+    void store_all(At to, Vector from) { all(from, 0, to, 0x11); }
+    void move_all(Vector to, Vector from) { all(to, 0, from, 0x28); }
+    void add_all(Vector to, Vector a, Vector b) { all(to, a, b, 0x58); }
+    void add_all(Vector to, Vector a, At b) { all(to, a, b, 0x58); }
+    void subtract_all(Vector to, Vector a, Vector b) { all(to, a, b, 0x5c); }
+    void subtract_all(Vector to, Vector a, At b) { all(to, a, b, 0x5c); }
+    void multiply_all(Vector to, Vector a, Vector b) { all(to, a, b, 0x59); }
+    void multiply_all(Vector to, Vector a, At b) { all(to, a, b, 0x59); }
+    void divide_all(Vector to, Vector a, Vector b) { all(to, a, b, 0x5e); }
+    void divide_all(Vector to, Vector a, At b) { all(to, a, b, 0x5e); }
+    void spread_all(Vector to, Vector from) { all(to, 0, from, 0x19, Map::x38); }
+
     /// Before other code, which may use registers of two lanes.
     void leave_four() { put({0xc5, 0xf8, 0x77}); }
 
@@ -192,14 +210,34 @@ private:
         put({code});
         place_of(reg, rm);
     }
-    /// The operand's byte, and the distance.
-    void place_of(std::uint8_t reg, At at) {
+    void all(Vector reg, Vector second, Vector rm, std::uint8_t code, Map map = Map::plain) {
+        if (!has_eight_) return vex(reg, second, rm, map, Prefix::x66, true, code);
+        evex_prefix(reg, second, static_cast<std::uint8_t>(rm & 15), rm < 16, map);
+        put({code, static_cast<std::uint8_t>(0xc0 | (reg & 7) << 3 | (rm & 7))});
+    }
+    void all(Vector reg, Vector second, At rm, std::uint8_t code) {
+        if (!has_eight_) return vex(reg, second, rm, Map::plain, Prefix::x66, true, code);
+        evex_prefix(reg, second, index(rm.base), true, Map::plain);
+        put({code});
+        place_of(reg, rm, 64);
+    }
+    /// Of 64 bytes and doubles. `is_low`: the operand is none of the registers from 16 on.
+    void evex_prefix(Vector reg, Vector second, std::uint8_t rm, bool is_low, Map map) {
+        put({0x62,
+             static_cast<std::uint8_t>(((reg & 8) == 0 ? 0x80 : 0) | (is_low ? 0x40 : 0) | (rm < 8 ? 0x20 : 0) |
+                                       (reg < 16 ? 0x10 : 0) | static_cast<int>(map)),
+             static_cast<std::uint8_t>(0x85 | (~second & 15) << 3),
+             static_cast<std::uint8_t>(0x40 | (second < 16 ? 8 : 0))});
+    }
+    /// The operand's byte, and the distance; a short one is counted in units.
+    void place_of(std::uint8_t reg, At at, std::ptrdiff_t unit = 1) {
         const auto low = static_cast<std::uint8_t>(index(at.base) & 7);
-        const bool is_short = !at.is_far && at.distance >= -128 && at.distance < 128;
+        const bool is_short =
+            !at.is_far && at.distance % unit == 0 && at.distance >= -128 * unit && at.distance < 128 * unit;
         put({static_cast<std::uint8_t>((is_short ? 0x40 : 0x80) | (reg & 7) << 3 | low)});
         if (low == 4) put({0x24});
         if (is_short)
-            put({static_cast<std::uint8_t>(at.distance)});
+            put({static_cast<std::uint8_t>(at.distance / unit)});
         else
             number_of(static_cast<std::int32_t>(at.distance));
     }
@@ -224,6 +262,7 @@ private:
              static_cast<std::uint8_t>(bits >> 16), static_cast<std::uint8_t>(bits >> 24)});
     }
 
+    bool has_eight_;
     // longer than what is written so far
     std::vector<std::uint8_t> bytes_ = std::vector<std::uint8_t>(1U << 14);
     std::size_t size_ = 0;

@@ -4,7 +4,8 @@
 // those with a norm that begins at zero, or with coefficients that are not finite (is_good()).
 //
 // There is code for processors with vectors of eight doubles (AVX-512), of four (AVX2), and for all others; which is
-// chosen when it is made.
+// chosen when it is made. After some expansions machine code of the program takes its place where the library makes
+// any (abreast_code.hpp).
 #pragma once
 
 #include <array>
@@ -20,8 +21,9 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 namespace abreast {
-struct Tape;  // abreast_tape.hpp
-}
+struct Tape;        // abreast_tape.hpp
+class AbreastCode;  // abreast_code.hpp
+}  // namespace abreast
 
 class SeriesAbreast {
 public:
@@ -60,11 +62,19 @@ public:
     /// Those of all slots.
     void give_all(int motion, SeriesEvaluator& series, bool whole) const;
 
+    /// From now on by machine code at once, or not at all; else from when it pays. The same bits.
+    void use_machine_code(bool is_used);
+    bool has_machine_code() const { return code_ != nullptr; }
+
     /// Bytes that an expansion goes through again and again.
     std::size_t bytes() const;
 
 private:
     void copy(int motion, int slot, std::size_t count, SeriesEvaluator& series) const;
+    /// What is one or minus one in the program is so in all motions.
+    bool has_its_ones(std::span<const double> weights) const;
+    /// The machine code, made if it is time to.
+    const abreast::AbreastCode* code();
 
     int order_, width_, stride_, inputs_, slots_;
     bool may_overflow_;
@@ -72,6 +82,8 @@ private:
     std::vector<Term> terms_;
     std::vector<ProductTerm> products_;
     std::unique_ptr<abreast::Tape> tape_;
+    std::unique_ptr<const abreast::AbreastCode> code_;
+    int expansions_ = 0;  // so far, until there is code
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "rbdyn/expression/abreast_code.hpp"
 #include "rbdyn/expression/abreast_run.hpp"
 #include "rbdyn/expression/abreast_tape.hpp"
 #include "rbdyn/expression/program.hpp"
@@ -22,13 +23,26 @@ namespace rbdyn::inline RBDYN_FORM {
 #ifdef RBDYN_HAS_LANES
 namespace abreast {
 
-inline void two_of_two(Tape& tape, int order, bool whole) { expand<kernels::Four>(tape, order, whole); }
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) inline void four(Tape& tape, int order, bool whole) {
-    expand<kernels::Four>(tape, order, whole);
+template <class Lanes>
+RBDYN_ABREAST void instruct(Tape& tape, const Tape::Other& other, int k) {
+    instruct(other, tape, Tape::in<Lanes>(tape.cells), Tape::in<Lanes>(tape.weights), k);
 }
-__attribute__((target("avx512f"))) inline void eight(Tape& tape, int order, bool whole) {
-    expand<kernels::Eight>(tape, order, whole);
+
+inline void two_of_two(Tape& tape, int order, bool whole, const AbreastCode*) {
+    expand<kernels::Four>(tape, order, whole, nullptr);
+}
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) inline void four(Tape& tape, int order, bool whole, const AbreastCode* code) {
+    expand<kernels::Four>(tape, order, whole, code);
+}
+__attribute__((target("avx2"))) inline void instruct_four(Tape& tape, const Tape::Other& other, int k) {
+    instruct<kernels::Four>(tape, other, k);
+}
+__attribute__((target("avx512f"))) inline void eight(Tape& tape, int order, bool whole, const AbreastCode* code) {
+    expand<kernels::Eight>(tape, order, whole, code);
+}
+__attribute__((target("avx512f"))) inline void instruct_eight(Tape& tape, const Tape::Other& other, int k) {
+    instruct<kernels::Eight>(tape, other, k);
 }
 #endif
 
@@ -86,8 +100,14 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
 #ifdef RBDYN_HAS_LANES
     tape.run = abreast::two_of_two;
 #if defined(__x86_64__)
-    if (processor == Processor::four) tape.run = abreast::four;
-    if (processor == Processor::eight) tape.run = abreast::eight;
+    if (processor == Processor::four) {
+        tape.run = abreast::four;
+        tape.instruct = abreast::instruct_four;
+    }
+    if (processor == Processor::eight) {
+        tape.run = abreast::eight;
+        tape.instruct = abreast::instruct_eight;
+    }
 #endif
 #endif
 }
@@ -134,7 +154,26 @@ RBDYN_INLINE void SeriesAbreast::expand(std::span<const Motion> motions, bool wh
         for (std::size_t i = 0; i < m.weights.size(); ++i) weights[i * width + l] = m.weights[i];
     }
     tape.begins_at_zero.fill(false);
-    tape.run(tape, order_, whole);
+    const bool are_its_ones = std::ranges::all_of(motions, [this](const Motion& m) { return has_its_ones(m.weights); });
+    tape.run(tape, order_, whole, are_its_ones ? code() : nullptr);
+}
+
+RBDYN_INLINE bool SeriesAbreast::has_its_ones(std::span<const double> weights) const {
+    const std::vector<signed char>& ones = tape_->ones;
+    for (std::size_t i = 0; i < ones.size(); ++i)
+        if (ones[i] != 0 && weights[i] != ones[i]) return false;
+    return true;
+}
+
+RBDYN_INLINE const abreast::AbreastCode* SeriesAbreast::code() {
+    if (code_ == nullptr && tape_->instruct != nullptr && expansions_++ == abreast::AbreastCode::expansions)
+        code_ = abreast::AbreastCode::of(*tape_, order_);
+    return code_.get();
+}
+
+RBDYN_INLINE void SeriesAbreast::use_machine_code(bool is_used) {
+    code_.reset();
+    expansions_ = is_used ? abreast::AbreastCode::expansions : abreast::AbreastCode::expansions + 1;
 }
 
 RBDYN_INLINE bool SeriesAbreast::is_good(int motion) const {
