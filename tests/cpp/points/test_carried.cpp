@@ -63,5 +63,24 @@ TEST(Carried, beads_as_fast_as_their_belt_but_for_rounding_stick_to_it) {
     EXPECT_EQ(run[bead].speed(5.0), 0.3);
 }
 
+TEST(Carried, beads_that_begin_a_few_roundings_faster_than_their_belt_tell_nothing) {
+    for (const double units : {20.0, -20.0, 6.0}) {
+        Scene scene(down);
+        RailOptions belt;
+        belt.drive = 0.3;
+        const BodyHandle bead = scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.5}, belt),
+                                          {.parameter = 1.0, .speed = 0.3 * (1.0 + units * epsilon)});
+        const Trajectory run = simulate(scene, {.until = 5.0, .error = 1e-10});
+        EXPECT_TRUE(run.events().empty()) << kinds(run);
+        EXPECT_EQ(run[bead].speed(5.0), 0.3);
+    }
+    // farther away it has a way to go
+    Scene scene(down);
+    RailOptions belt;
+    belt.drive = 0.3;
+    scene.add(Particle{1.0}, Rail(along_x, Coulomb{0.5}, belt), {.parameter = 1.0, .speed = 0.3 * (1.0 + 1e-9)});
+    EXPECT_EQ(kinds(simulate(scene, {.until = 5.0, .error = 1e-10})), "stick");
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_carried
