@@ -7,6 +7,7 @@
 
 #include "bodies/random_bodies.hpp"
 #include "bodies/truth.hpp"
+#include "rbdyn/body/shapes.hpp"
 #include "rbdyn/model/assembly.hpp"
 
 namespace rbdyn::test::test_theorems {
@@ -298,6 +299,22 @@ TEST(RandomBodies, tops_built_turned_moved_and_welded_have_the_motion_of_the_upr
     }
     if (table) std::cout << "tops built in any way: " << worst << '\n';
     EXPECT_LE(worst, 4e-15);
+}
+
+TEST(InstantaneousAxis, is_where_a_body_moves_along_its_angular_velocity) {
+    Scene scene(Vector3(0, 0, -9.8125));
+    const BodyHandle body =
+        scene.add(shapes::box(1.0, {0.1, 0.2, 0.3}),
+                  BodyStart{.position = {1, 2, 3}, .velocity = {2, -1, 0.5}, .angular_velocity = Vector3(1, -2, 0.75)});
+    const Trajectory run = simulate(scene, {.until = 1.0});
+    for (const double t : {0.0, 0.3, 1.0}) {
+        const auto [point, direction] = run[body].instantaneous_axis(t);
+        const Vector3 omega = run[body].angular_velocity_world(t), arm = point - run[body].position(t);
+        const Vector3 velocity = run[body].velocity(t) + omega.cross(arm);
+        EXPECT_LE((direction - omega.normalized()).norm(), 1e-14);
+        EXPECT_LE(velocity.cross(omega).norm(), 1e-13 * velocity.norm() * omega.norm() + 1e-13) << t;
+        EXPECT_NEAR(arm.dot(omega), 0.0, 1e-13);
+    }
 }
 
 }  // namespace

@@ -345,5 +345,30 @@ TEST(FreeRotation, does_not_depend_on_units_that_are_powers_of_two) {
     }
 }
 
+// each attitude is rounded; what the start's own rounding would add is the same in all of them and does not average
+// out: 7e-17 or more of these unit quaternions
+TEST(FreeRotation, does_not_turn_all_of_the_motion_by_the_rounding_of_its_start) {
+    using Real = long double;
+    double most = 0.0;
+    for (const Quaternion& start :
+         {Quaternion{-5, 6, 0, 5}, Quaternion{4, -9, 6, 8}, Quaternion{-8, 4, 6, 9}, Quaternion{3, -6, 8, 1}}) {
+        const FreeRotation motion(diagonal({1, 2, 3}), start, {0, 0, 1});
+        const Real size = std::sqrt(static_cast<Real>(squared_norm(start)));
+        Eigen::Matrix<Real, 3, 1> sum = Eigen::Matrix<Real, 3, 1>::Zero();
+        constexpr int times = 4000;
+        for (int k = 1; k <= times; ++k) {
+            const double t = 0.0021 * k;
+            const Real half = 0.5L * static_cast<Real>(t);
+            const Eigen::Quaternion<Real> exact =
+                Eigen::Quaternion<Real>(start.w / size, start.x / size, start.y / size, start.z / size) *
+                Eigen::Quaternion<Real>(std::cos(half), 0.0L, 0.0L, std::sin(half));
+            const Quaternion q = motion.at(t).attitude;
+            sum += (Eigen::Quaternion<Real>(q.w, q.x, q.y, q.z) * exact.conjugate()).vec();
+        }
+        most = std::max(most, static_cast<double>(sum.norm()) / times);
+    }
+    EXPECT_LT(most, 3e-17);
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_free_rotation

@@ -122,6 +122,73 @@ TEST(LagrangeTop, asleep_along_any_vertical_stays_asleep) {
     }
 }
 
+/// 1 - u = y1 / cosh^2 on the way to sleep: K_3 is K about the vertical, and the energy that of the sleeping top, so
+/// that u'^2 = (1 - u)^2 (b (1 + u) - a^2) with b = 2 m g l/A and a = C omega_3/A, u1 = a^2/b - 1 the lowest place.
+struct FallingAsleep {
+    double sine, spin;        // of half the tilt at the start
+    DoubleDouble more = 1.0;  // factor of the angular velocity with which it rises
+    static constexpr double across = 1.0, along = 0.75, weight_moment = 0.875;
+    static constexpr double b = 2.0 * weight_moment / across;
+
+    DoubleDouble axial() const { return DoubleDouble(along) * spin / across; }
+    LagrangeTop top() const {
+        const DoubleDouble x = sine, w = sqrt(1.0 - x * x), a = axial();
+        const DoubleDouble second = a * x / w, first = sqrt(x * x * (2.0 * b) - second * second);
+        return {across, along, weight_moment, up, {w, x, 0.0, 0.0}, {-first * more, second, spin}};
+    }
+    double below(double t) const {
+        const double y1 = 2.0 - (axial() * axial()).hi / b, y = 2.0 * sine * sine;
+        const double c = std::cosh(0.5 * std::sqrt(b * y1) * t + std::acosh(std::sqrt(y1 / y)));
+        return y1 / (c * c);
+    }
+};
+
+TEST(LagrangeTop, that_spins_falls_asleep_however_its_numbers_are_rounded) {
+    for (const double sine : {0.3, 0.4, 0.45, 0.55, 0.65})
+        for (const double spin : {0.9, 1.1, -1.3}) {
+            const FallingAsleep s{sine, spin};
+            const LagrangeTop top = s.top();
+            EXPECT_EQ(top.nutation_period(), INFINITY) << sine << ' ' << spin;
+            for (const double t : {0.0, 0.5, 3.0, 10.0, 30.0, 300.0}) {
+                const Quaternion q = top.at({t, 0.0}).attitude;
+                EXPECT_NEAR(2.0 * (q.x * q.x + q.y * q.y), s.below(t), 2.0 * limit) << sine << ' ' << spin << ' ' << t;
+            }
+        }
+}
+
+// whether it stays asleep is for the next digits of its start to say: the estimate knows
+TEST(LagrangeTop, that_falls_asleep_is_known_until_the_last_of_its_digits_has_grown) {
+    for (const double sine : {0.3, 0.55}) {
+        FallingAsleep s{sine, 1.1};
+        const LagrangeTop top = s.top();
+        s.more = DoubleDouble(1.0) - 1e-29;
+        const LagrangeTop beside = s.top();
+        EXPECT_LT(top.error(5.0), 2e-15);
+        double most = 0.0;
+        for (double t = 0.0; t < 150.0; t += 0.5) {
+            const double apart = angle_apart(top.at({t, 0.0}).attitude, beside.at({t, 0.0}).attitude);
+            EXPECT_LE(apart, 1e3 * top.error(t)) << sine << ' ' << t;
+            most = std::max(most, apart);
+        }
+        EXPECT_GT(most, 0.1);
+    }
+}
+
+TEST(LagrangeTop, asleep_along_a_vertical_of_any_direction_stays_asleep) {
+    for (const Vector3& vertical : {Vector3(0.6, -0.3, 0.7), Vector3(0.1, 0.2, -0.9), Vector3(1e-3, 0.3, 0.1)}) {
+        // the turn from z to it, then one about it
+        const DoubleDouble x = vertical[0], y = vertical[1], z = vertical[2];
+        const DoubleDouble length = sqrt(x * x + y * y + z * z);
+        const QuaternionOf<DoubleDouble> upright{length + z, -y, x, 0.0}, spun{0.8, 0.0, 0.0, 0.35};
+        const LagrangeTop top(0.5, 0.25, 4.0, vertical, upright * spun, {0.0, 0.0, 5.0});
+        for (const double t : {10.0, 30.0, 100.0, 1e4}) {
+            const LagrangeTop::State s = top.at({t, 0.0});
+            EXPECT_LT((to_world(s.attitude, up) - vertical.normalized()).norm(), limit) << vertical.transpose() << t;
+            EXPECT_EQ(s.angular_velocity, Vector3(0.0, 0.0, 5.0));
+        }
+    }
+}
+
 TEST(LagrangeTop, falls_asleep_on_the_separatrix) {
     // planar: the start at the bottom with just the speed that reaches the top
     const LagrangeTop top(1.0, 1.0, 1.0, up, Quaternion{0.0, 1.0, 0.0, 0.0}, {2.0, 0.0, 0.0});

@@ -8,6 +8,7 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/closed_form/closed_form.hpp"
 #include "rbdyn/closed_form/linear_flow.hpp"
+#include "rbdyn/closed_form/linear_modes.hpp"
 #include "rbdyn/closed_form/linear_system.hpp"
 #include "rbdyn/closed_form/symmetric_modes.hpp"
 #include "rbdyn/engine/closed_form.hpp"
@@ -66,6 +67,68 @@ TEST(SymmetricModes, have_32_digits_whatever_their_values) {
                     EXPECT_LE(std::abs(rest.hi), 1e-28 * a.largest()) << n << " " << apart;
                 }
         }
+}
+
+// --- what the blocks of a motion know beyond doubles ---
+
+/// y'' = -k y from a start, k known to `error`.
+LinearModes one_mode(DoubleDouble stiffness, double error, DoubleDouble start, double rate) {
+    WideMatrix matrix(1), shape(1);
+    matrix(0, 0) = stiffness;
+    shape(0, 0) = 1.0;
+    return {{0},
+            {1},
+            {{1.0}, matrix},
+            std::make_shared<const SymmetricModes>(SymmetricModes{{stiffness}, shape, error}),
+            {0.0, 0.0},
+            {-stiffness * start},
+            {start},
+            {rate}};
+}
+
+TEST(LinearModes, add_what_moves_to_all_digits_of_the_start) {
+    // a free particle that starts 0.4 units in the last place beyond 1, and has moved by 0.3 of them
+    constexpr double unit = 0x1p-52;
+    const LinearModes modes = one_mode(0.0, 0.0, DoubleDouble(1.0) + 0.4 * unit, 1.0);
+    std::vector<double> x(2);
+    modes.state({0.3 * unit, 0.0}, x);
+    EXPECT_EQ(x[0], 1.0 + unit);
+    modes.state({0.05 * unit, 0.0}, x);
+    EXPECT_EQ(x[0], 1.0);
+}
+
+TEST(LinearModes, estimate_what_the_error_of_their_values_makes_of_the_motion) {
+    constexpr double off = 1e-20;
+    const LinearModes modes = one_mode(4.0, off, 1.0, 0.5), other = one_mode(DoubleDouble(4.0) + off, off, 1.0, 0.5);
+    double most = 0.0;
+    for (int k = 0; k < 40; ++k) {
+        const double t = 1e10 + 0.1 * k;
+        std::vector<double> x(2), y(2), errors(2, 0.0);
+        modes.state({t, 0.0}, x);
+        other.state({t, 0.0}, y);
+        modes.add_errors(t, errors);
+        for (std::size_t i = 0; i < 2; ++i) {
+            EXPECT_LE(std::abs(x[i] - y[i]), 1.1 * errors[i]) << t << ' ' << i;
+            most = std::max(most, std::abs(x[i] - y[i]) / errors[i]);
+        }
+    }
+    EXPECT_GT(most, 0.1);
+}
+
+TEST(LinearFlow, knows_the_time_beyond_doubles) {
+    // x' = y, y' = -x: a turn by late more
+    WideMatrix a(2);
+    a(0, 1) = 1.0;
+    a(1, 0) = -1.0;
+    const LinearFlow flow({0, 1}, a, {DoubleDouble(0.25), DoubleDouble(-1.0)}, {DoubleDouble(1.0), DoubleDouble(0.25)});
+    for (const double t : {1.0, 1e3, 1e6, 1e9}) {
+        const double late = 0.3 * epsilon * t;
+        std::vector<double> x(2), later(2);
+        flow.state({t, 0.0}, x);
+        flow.state({t, late}, later);
+        EXPECT_NEAR(later[0], std::cos(late) * x[0] + std::sin(late) * x[1], 2 * epsilon) << t;
+        EXPECT_NEAR(later[1], std::cos(late) * x[1] - std::sin(late) * x[0], 2 * epsilon) << t;
+    }
 }
 
 // --- which scenes are linear ---

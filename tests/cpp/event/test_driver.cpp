@@ -462,5 +462,35 @@ TEST(Endings, what_is_kept_is_what_was_asked_for) {
     EXPECT_EQ(state(end, 15.0), state(all, 15.0));
 }
 
+// at a bounce both sides are wanted, and at the start the first piece
+TEST(Endings, what_is_kept_holds_a_wanted_time_where_a_piece_begins) {
+    const BouncingBall ball(0.9);
+    const Record all = run(ball, {10.0, 0.0}, 15.0);
+    const auto state = [](const Record& r, double t, Side side) {
+        const Piece piece = r.piece(r.find(t, side));
+        std::vector<double> x(2);
+        piece.state(Record::tau(piece, t), x);
+        return x;
+    };
+    std::vector<double> starts;
+    for (const Record::Entry& e : all.entries())
+        if (e.after_event) starts.push_back(e.start.hi);
+    ASSERT_GE(starts.size(), 4u);
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+        const double t = starts[k];
+        const Record some = run(ball, {10.0, 0.0}, 15.0, 0.0, 1000, {Keep::What::times, {t}});
+        Record later = all;
+        later.keep_only({t});
+        EXPECT_LE(some.entries().size(), 3u);
+        EXPECT_LE(later.entries().size(), 3u);
+        for (const Record* r : {&some, static_cast<const Record*>(&later)})
+            for (const Side side : {Side::before, Side::after}) EXPECT_EQ(state(*r, t, side), state(all, t, side)) << t;
+        if (k > 0) {
+            EXPECT_GT(state(some, t, Side::after)[1], 0.0);
+            EXPECT_LT(state(some, t, Side::before)[1], 0.0);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test_driver

@@ -143,5 +143,36 @@ TEST(Watches, of_powers_pass_in_one_direction_only_where_they_are_searched_by_va
             }
 }
 
+TEST(Watches, begin_thousands_of_roundings_beside_a_corner_and_pass_it) {
+    for (const std::string engine : {"taylor", "dop853"})
+        for (const int units : {500, 4000, 20000})
+            for (const double side : {1.0, -1.0}) {
+                Scene scene;
+                const BodyHandle p =
+                    scene.add(Particle{1.0}, FreeStart{{1.0 + side * units * epsilon, 0, 0}, {-side, 0, 0}});
+                scene.watch("watched", [=](const Now& now) {
+                    const Expression u = now[p].position()[0] - 1.0;
+                    return where(u > 0.0, u, 2.0 * u);
+                });
+                const Trajectory run = simulate(scene, {.until = 1.0, .error = 1e-9, .engine = engine});
+                ASSERT_EQ(run.events().size(), 2u) << engine << units << side << kinds(run);
+                for (const Event& e : run.events()) EXPECT_NEAR(e.time, units * epsilon, 4 * epsilon);
+            }
+}
+
+TEST(Watches, of_polynomials_do_not_shorten_steps) {
+    const auto steps = [](int power) {
+        Scene scene(down);
+        const BodyHandle ball = scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {1, 0, 4}});
+        if (power > 0)
+            scene.watch("level", [=](const Now& now) {
+                return pow(now[ball].position()[2] + 0.3 * now[ball].position()[0] + 1.7, power) - 9.0;
+            });
+        return simulate(scene, {.until = 0.75, .rtol = 1e-12, .engine = "taylor"}).statistics().steps;
+    };
+    EXPECT_EQ(steps(0), 1);
+    for (const int power : {2, 3, 4, 5, 6, 7, 8}) EXPECT_EQ(steps(power), 1) << power;
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_watches

@@ -218,6 +218,47 @@ TEST(SeriesAbreast, fit_programs_of_the_same_instructions_with_other_numbers_in_
     EXPECT_FALSE(abreast.fits(everything(), 16));
 }
 
+TEST(SeriesAbreast, leave_a_norm_that_begins_at_zero_to_its_motion_alone) {
+    Recorder r;
+    const Expression x = r.input(0), y = r.input(1);
+    const Expression outputs[] = {1.0 + 0.0 * y, length({x, y, 0.5 * x})};
+    const Program program(r, outputs, 2);
+    ASSERT_EQ(program.parameters(), 1);
+    constexpr int order = 12;
+    SeriesEvaluator alone(program, order), zero(program, order);
+    const double none[] = {0.0}, first[] = {1.0}, at_zero[] = {0.0, 0.0}, rounded[] = {1e-17, 0.0},
+                 beside[] = {0.5, 0.25};
+    alone.set_parameters(none);
+    zero.set_parameters(first);
+    for (const SeriesAbreast::Processor processor : SeriesAbreast::processors()) {
+        SeriesAbreast abreast(program, order, processor);
+        const std::vector<SeriesAbreast::Motion> both{
+            {0.0, 1.0, beside, alone.weights()},
+            {0.0, 1.0, at_zero, zero.weights()},
+            // that its state is zero but for rounding is for its parameter to say
+            {0.0, 1.0, rounded, zero.weights()}};
+        abreast.expand(both, true);
+        EXPECT_FALSE(abreast.is_good(2));
+        EXPECT_TRUE(abreast.is_good(0));
+        EXPECT_FALSE(abreast.is_good(1));
+    }
+}
+
+TEST(SeriesAbreast, tell_programs_apart_that_differ_in_a_term) {
+    const auto program = [](double a, bool is_last) {
+        Recorder r;
+        const Expression x = r.input(0), y = r.input(1), z = r.input(2);
+        const Expression outputs[] = {a * x + 3.0 * (is_last ? z : y) + 1.0, sin(x) * y, z * y};
+        return Program(r, outputs, 3);
+    };
+    const SeriesAbreast abreast(program(2.0, false), 12);
+    EXPECT_TRUE(abreast.fits(program(2.0, false), 12));
+    EXPECT_FALSE(abreast.fits(program(2.0, false), 13));
+    EXPECT_FALSE(abreast.fits(program(2.0, true), 12));
+    // numbers are each motion's own
+    EXPECT_TRUE(abreast.fits(program(4.0, false), 12));
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_series_abreast
 #endif

@@ -187,5 +187,30 @@ TEST(HiddenTerms, no_force_is_left_out_behind_them) {
             }
 }
 
+TEST(HiddenTerms, products_of_many_different_functions_that_all_begin_at_zero_are_met_on_the_way) {
+    constexpr int factors = 32;
+    const auto product = []<class S>(const S& t) {
+        using std::sin;
+        S all = sin(t);
+        for (int k = 1; k < factors; ++k) all = all * sin((1.0 + 0x1p-10 * k) * t);
+        return all;
+    };
+    Scene scene;
+    const BodyHandle p = scene.add(Particle{1.0}, FreeStart{{0, 0, 0}, {0, 0, 0}});
+    scene.apply(Force([=](const auto& t, const auto&, const auto&) {
+                    using S = std::decay_t<decltype(t)>;
+                    return Vector3Of<S>{product(t), S(0.0), S(0.0)};
+                }),
+                p);
+    // Simpson's rule, whose error is 1e-12 here
+    constexpr int parts = 4000;
+    double speed = 0.0;
+    for (int k = 0; k <= parts; ++k)
+        speed += (k == 0 || k == parts ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) * product(2.0 * k / parts) * 2.0 / (3.0 * parts);
+    ASSERT_GT(speed, 0.1);
+    EXPECT_NEAR(simulate(scene, {.until = 2.0, .rtol = 1e-10, .engine = "taylor"})[p].velocity(2.0)[0], speed, 1e-8);
+    EXPECT_NEAR(simulate(scene, {.until = 2.0, .error = 1e-8, .engine = "taylor"})[p].velocity(2.0)[0], speed, 1e-8);
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_hidden_terms

@@ -477,5 +477,25 @@ TEST(HeldBack, nothing_fires_where_a_motion_begins) {
                     EXPECT_GT(e.time, 1e-9) << e << ' ' << radius << ' ' << angle;
 }
 
+TEST(Endings, switching_to_and_fro_without_getting_on_is_told_as_that) {
+    // free for a second, then drawn to a place from both sides, 1e-26 m away: a quarter swing takes 1.4e-13 s
+    Scene scene;
+    const BodyHandle p = scene.add(Particle{1.0}, FreeStart{{1e-26, 0, 0}, {0, 0, 0}});
+    scene.apply(Force([](const auto& t, const auto& r, const auto&) {
+                    using S = std::decay_t<decltype(r[0])>;
+                    return Vector3Of<S>{where(t > 1.0, where(r[0] > 0.0, S(-1.0), S(1.0)), S(0.0)), S(0.0), S(0.0)};
+                }),
+                p);
+    try {
+        (void)simulate(scene, {.until = 2.0, .rtol = 1e-10, .engine = "taylor", .max_steps = 20'000});
+        FAIL();
+    } catch (const IntegrationError& e) {
+        EXPECT_EQ(e.run.status(), Status::inconsistent);
+        EXPECT_NE(std::string(e.what()).find("goes on switching without getting on"), std::string::npos) << e.what();
+        EXPECT_NEAR(e.run.end(), 1.0, 1e-9);
+        EXPECT_LT(e.run.events().size(), 5000u);
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_sliding

@@ -13,9 +13,13 @@
 #include "many/same_run.hpp"
 #include "many/varied.hpp"
 #include "random.hpp"
+#include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/event/abreast.hpp"
+#include "rbdyn/expression/elementary.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/integrate.hpp"
 #include "rbdyn/model/scene_model.hpp"
+#include "rbdyn/passes.hpp"
 #include "rbdyn/plan/plan.hpp"
 #include "rbdyn/rbdyn.hpp"
 #include "rbdyn/trajectory/run_data.hpp"
@@ -239,6 +243,52 @@ TEST(Abreast, expansions_are_made_together) {
     EXPECT_GT(expansions, 500);
     // four or eight at once
     EXPECT_LE(4 * turns, expansions + 4);
+}
+
+TEST(Abreast, guards_of_members_have_the_sizes_that_they_have_alone) {
+    Recorder r;
+    const Expression x = r.input(0), v = r.input(1);
+    const Expression outputs[] = {v, -sin(x), (x * x + exp(v) * 3.0) * cos(x) - 1e3 * v * v * x};
+    Equations e;
+    e.program = Program(r, outputs, 2);
+    e.groups = {{0, 1, true}, {1, 1, false}};
+    Guard guard;
+    guard.output = 2;
+    e.guards.push_back(guard);
+    const double start[] = {0.75, 0.5};
+    TaylorEngine alone(1e-10), member(1e-10);
+    alone.start(e, {}, {0.0, 0.0}, start);
+    member.start(e, {}, {0.0, 0.0}, start);
+    ASSERT_EQ(alone.step(1.0), StepStatus::ok);
+    ASSERT_FALSE(member.begin_step(1.0));
+    SeriesAbreast abreast(e.program, member.order());
+    const std::vector<SeriesAbreast::Motion> motions{member.motion()};
+    abreast.expand(motions, member.has_guards());
+    member.take(abreast, 0);
+    ASSERT_EQ(member.end_step(), StepStatus::ok);
+    std::vector<double> own(static_cast<std::size_t>(alone.guard_order()) + 1), sizes(own.size());
+    alone.guard_sizes(0, own.data());
+    member.guard_sizes(0, sizes.data());
+    EXPECT_EQ(sizes, own);
+    for (int k = 0; k <= alone.guard_order(); ++k) EXPECT_EQ(member.guard(0)[k], alone.guard(0)[k]) << k;
+}
+
+TEST(Abreast, runs_made_ahead_are_those_of_their_tolerance_and_manner) {
+    simulating::Ahead ahead;
+    const simulating::Pass coarse{.tolerance = 1e-8}, fine{.tolerance = 1e-10};
+    simulating::Pass otherwise = coarse;
+    otherwise.manner.stride = 0.5 * coarse.manner.stride;
+    simulating::Timed first, second;
+    first.record.end = {1.0, 0.0};
+    second.record.end = {2.0, 0.0};
+    ahead.add(coarse, first);
+    ahead.add(fine, second);
+    EXPECT_FALSE(ahead.take(otherwise));
+    const auto found = ahead.take(fine);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->record.end.hi, 2.0);
+    EXPECT_FALSE(ahead.take(fine));
+    EXPECT_EQ(ahead.take(coarse)->record.end.hi, 1.0);
 }
 
 }  // namespace

@@ -312,5 +312,33 @@ TEST(Contacts, refuse_what_they_cannot_do) {
     EXPECT_NE(refused(BodyHandle{}.sphere(1.0)).find("body is -1"), std::string::npos);
 }
 
+TEST(Contacts, that_strike_together_are_told_in_the_order_of_their_names) {
+    Scene scene(down);
+    const BodyHandle box = scene.add(shapes::box(3.0, {2, 1, 0.5}), BodyStart{.position = {0, 0, 1.25}});
+    for (const auto& [name, x] : {std::pair("zeta", -1.0), {"alpha", 1.0}, {"mu", 0.5}})
+        scene.contact(box.point({x, 0.0, -0.25}), Plane{{0, 0, 1}}, {.restitution = 0.5}, name);
+    const Trajectory run = simulate(scene, {.until = 0.5});
+    std::vector<std::string> names;
+    for (const Event& e : run.events()) {
+        names.push_back(e.name);
+        EXPECT_EQ(e.time, run.events()[0].time);
+    }
+    EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
+    EXPECT_GE(names.size(), 2u);
+}
+
+TEST(Contacts, strike_to_the_velocity_of_their_law_to_the_last_digit) {
+    for (const double mass : {0.3, 0.7, 1.3})
+        for (const double speed : {0.3, 0.7, 3.1})
+            for (const double e : {1.0, 0.0}) {
+                Scene scene;
+                const BodyHandle a = scene.add(Particle{mass}, FreeStart{{0, 0, 1}, {0.1, 0.2, -speed}});
+                scene.contact(a, Plane{{0, 0, 1}}, {.restitution = e});
+                const Trajectory run = simulate(scene, {.until = 2.0 / speed});
+                EXPECT_EQ(run[a].velocity(1.5 / speed)[2], e * speed) << mass << ' ' << speed << ' ' << e;
+            }
+}
+
 }  // namespace contacts
+
 }  // namespace rbdyn::test

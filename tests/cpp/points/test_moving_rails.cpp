@@ -434,5 +434,26 @@ TEST(MovingRails, are_refused_where_nobody_knows_the_landing_or_no_rigid_motion_
     EXPECT_THROW(RigidMotion::rotation([](const auto& t) { return t; }, Vector3::Zero()), InvalidInput);
 }
 
+TEST(MovingRails, have_a_frame_of_frenet_that_turns_with_them) {
+    constexpr double rate = 2.0, radius = 0.5;
+    Scene scene(down);
+    const RailOptions hoop{.motion = RigidMotion::rotation([=](const auto& t) { return rate * t; }, {0, 0, 1})};
+    const BodyHandle bead =
+        scene.add(Particle{0.25}, Rail(vertical_circle(radius), std::nullopt, hoop), {.parameter = 0.75, .speed = 1.0});
+    const Trajectory run = simulate(scene, {.until = 2.0, .error = 1e-11});
+    for (const double t : {0.0, 0.25, 0.9, 2.0}) {
+        const double u = run[bead].parameter(t), turn = rate * t;
+        const Vector3 out(std::cos(turn), std::sin(turn), 0), up(0, 0, 1);
+        const Vector3 tangent = std::cos(u) * out + std::sin(u) * up, normal = std::cos(u) * up - std::sin(u) * out;
+        const Vector3 reaction = run[bead].reaction(t), frenet = run[bead].reaction_frenet(t);
+        EXPECT_NEAR(frenet[0], 0.0, 1e-12) << t;
+        EXPECT_NEAR(reaction.dot(tangent), 0.0, 1e-12) << t;
+        EXPECT_NEAR(frenet[1], reaction.dot(normal), 1e-12) << t;
+        EXPECT_NEAR(frenet[2], reaction.dot(tangent.cross(normal)), 1e-12) << t;
+        // Coriolis: across the hoop 2 m Omega v cos u
+        EXPECT_NEAR(std::abs(frenet[2]), std::abs(2.0 * 0.25 * rate * run[bead].speed(t) * std::cos(u)), 1e-9) << t;
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_moving_rails

@@ -786,5 +786,26 @@ TEST(Landing, a_bead_that_has_left_the_plane_of_its_rail_flies_past_it) {
     }
 }
 
+TEST(Landing, along_the_normal_of_a_smooth_curve_a_bead_stays_where_it_lands) {
+    for (const double angle : {0.3, 0.1, 0.7, -0.4, 1.1}) {
+        Scene scene;
+        const Vector3 normal(std::sin(angle), 0.0, std::cos(angle));
+        const BodyHandle bead = scene.add(Particle{1.0},
+                                          Rail(Circle{.radius = 1.0, .start = {0, 0, 1}, .toward = {1, 0, 0}},
+                                               std::nullopt, {.side = RailSide::minus}),
+                                          {.parameter = 0.0, .speed = 6.0});
+        scene.watch("put", [](const Now& now) { return now.time() - 0.125; },
+                    {.action = {WatchAction::Kind::change, [=](const Observe&) {
+                                    return std::vector<StateChange>{
+                                        {.body = bead, .position = 1.5 * normal, .velocity = -0.7 * normal}};
+                                }}});
+        const Trajectory run = simulate(scene, {.until = 1e4, .error = 1e-10});
+        ASSERT_EQ(kinds(run), "watch land");
+        EXPECT_NEAR(run.events()[1].time, 0.125 + 0.5 / 0.7, 1e-12);
+        EXPECT_EQ(run[bead].speed(1e4), 0.0) << angle;
+        EXPECT_EQ(run[bead].parameter(1e4), run[bead].parameter(run.events()[1].time, Side::after)) << angle;
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_one_sided

@@ -3,7 +3,9 @@
 
 #include "random.hpp"
 #include "rbdyn/closed_form/free_rotation.hpp"
+#include "rbdyn/rotation/euler_path.hpp"
 #include "rbdyn/rotation/euler_turns.hpp"
+#include "rbdyn/rotation/quaternion.hpp"
 
 namespace rbdyn::test::test_euler_turns {
 
@@ -87,6 +89,23 @@ TEST(EulerPath, of_a_turn_about_an_axis_goes_on_through_the_poles) {
     // half a turn of psi and phi each with every turn about the axis, upwards
     EXPECT_NEAR(before.psi + before.phi - 2.0 * std::atan2(0.8 * std::sin(20.15), std::cos(20.15)),
                 12.0 * std::numbers::pi, 1e-12);
+}
+
+TEST(EulerPath, begins_at_a_pole_with_the_angles_that_it_leaves_it_by) {
+    for (const bool is_fallen : {false, true})
+        for (const Vector3& omega :
+             {Vector3(1, 0, 0), Vector3(0.5, -2, 0.25), Vector3(-1, 1, 3), Vector3(0, -1, -0.5)}) {
+            const Quaternion spun{std::cos(0.4), 0.0, 0.0, std::sin(0.4)};
+            const Quaternion start = is_fallen ? Quaternion{0.0, 1.0, 0.0, 0.0} * spun : spun;
+            const EulerAngles first = euler_path::begin({start, omega}, std::nullopt);
+            constexpr double soon = 1e-6;
+            const EulerAngles next = euler_angles(start * turn(omega.normalized(), soon * omega.norm()));
+            EXPECT_NEAR(first.theta, next.theta, 2.0 * soon * omega.norm()) << omega.transpose();
+            EXPECT_NEAR(std::remainder(first.psi - next.psi, 2.0 * std::numbers::pi), 0.0, 10.0 * soon)
+                << omega.transpose();
+            EXPECT_NEAR(std::remainder(first.phi - next.phi, 2.0 * std::numbers::pi), 0.0, 10.0 * soon)
+                << omega.transpose();
+        }
 }
 
 }  // namespace rbdyn::test::test_euler_turns

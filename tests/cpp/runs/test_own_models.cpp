@@ -106,4 +106,32 @@ TEST(Run, keeps_times_given_in_any_order) {
     }
 }
 
+// x = (1 - t/3)^3, a polynomial that a series would follow to any time, but x^(2/3) is none below zero
+struct Falling {
+    int variables() const { return 1; }
+    template <class S>
+    void operator()(const S&, std::span<const S> x, std::span<S> rate) const {
+        rate[0] = -pow(x[0], 2.0 / 3.0);
+    }
+};
+
+TEST(OwnModel, that_comes_to_a_root_at_its_zero_does_not_go_on_beyond_it) {
+    for (const bool is_local : {true, false}) {
+        SimulateOptions options{.until = 6.0, .engine = "taylor"};
+        if (is_local)
+            options.rtol = 1e-6;
+        else
+            options.error = 1e-6;
+        double end = 6.0, last = 0.0;
+        try {
+            last = simulate(Falling{}, {1.0}, options).state(end)[0];
+        } catch (const ModelError& e) {
+            end = e.run.end();
+            last = e.run.state(end)[0];
+        }
+        EXPECT_LE(std::abs(last), 1e-2) << end;
+        EXPECT_GE(end, 2.4);
+    }
+}
+
 }  // namespace test_own_models

@@ -5,6 +5,7 @@
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
 
+#include "rbdyn/engine/dop853.hpp"
 #include "rbdyn/engine/taylor.hpp"
 #include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/series/step_length.hpp"
@@ -184,6 +185,32 @@ TEST(LongRuns, a_motion_that_is_a_polynomial_is_one_step_of_any_length) {
         engine.state(engine.piece().length, x);
         const double exact = 1.0 + 2.0 * length - 0.5 * 9.8125 * length * length;
         EXPECT_NEAR(x[0], exact, 4.0 * epsilon * (1.0 + std::abs(exact)));
+    }
+}
+
+// where the origin is says nothing of how well a place is to be known
+TEST(Steps, are_as_long_far_from_the_origin_as_near_it) {
+    const auto steps = [](Engine& engine, double far) {
+        // places alone, round a circle that is passed ever faster
+        Recorder r;
+        const Expression x = r.input(0) - far, y = r.input(1) - far, rate = 1.0 + 0.5 * sin(r.time());
+        const Expression outputs[] = {-y * rate, x * rate};
+        Equations e;
+        e.program = Program(r, outputs, 2);
+        e.groups = {{0, 2, true}};
+        const double start[] = {far + 1.0, far};
+        engine.start(e, {}, {0.0, 0.0}, start);
+        int count = 0;
+        for (Instant t; 20.0 - t > 0.0; ++count, t = engine.piece().at(engine.piece().length))
+            if (engine.step(20.0) != StepStatus::ok) return -1;
+        return count;
+    };
+    for (const double tolerance : {1e-7, 1e-9}) {
+        TaylorEngine near(tolerance), away(tolerance);
+        EXPECT_EQ(steps(near, 0.0), steps(away, 0x1p16));
+        Dop853Engine one(tolerance), other(tolerance);
+        const int n = steps(one, 0.0);
+        EXPECT_NEAR(steps(other, 0x1p16), n, 0.05 * n);
     }
 }
 

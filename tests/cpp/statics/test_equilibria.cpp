@@ -630,5 +630,34 @@ TEST(Equilibria, powers_of_two_in_the_units_change_no_digit) {
         EXPECT_EQ(all(a, b, c), one);
 }
 
+TEST(Equilibria, a_rail_that_only_pushes_pulls_no_bead_that_is_joined_to_another) {
+    Scene scene(down);
+    const BodyHandle bead =
+                         scene.add(Particle{0.7}, Rail(vertical_circle(0.5), std::nullopt, {.side = RailSide::minus}),
+                                   {.parameter = 3.0}),
+                     other = scene.add(Particle{0.3}, Rail(along_x), {.parameter = 0.1});
+    scene.connect(Spring{.stiffness = 2.0}, bead, other);
+    scene.connect(Spring{.stiffness = 3.0}, other, Vector3(0, 0, 0));
+    for (const Equilibrium& e : equilibria(scene, {0.1, 0.1})) EXPECT_GT(std::abs(e.coordinates[0]), 1.0);
+    for (const Equilibrium& e : equilibria(scene, {3.0, 0.1})) EXPECT_NEAR(e.coordinates[0], std::numbers::pi, 1e-9);
+    EXPECT_EQ(equilibria(scene, {3.0, 0.1}).size(), 1u);
+    EXPECT_EQ(equilibria(scene, {0.1, 0.1}).size(), 0u);
+}
+
+TEST(Equilibria, at_a_corner_are_stable_where_the_force_leads_back_on_both_sides) {
+    for (const double sign : {1.0, -1.0}) {
+        const auto found = equilibria(bead_under([=](const auto& x) { return -sign * (x + 0.5 * abs(x)); }, 0.3));
+        ASSERT_EQ(found.size(), 1u);
+        EXPECT_NEAR(found[0].coordinates[0], 0.0, 1e-15);
+        EXPECT_EQ(found[0].stable, sign > 0.0);
+    }
+    // it leads away on one of them
+    for (const double sign : {1.0, -1.0}) {
+        const auto found = equilibria(bead_under([=](const auto& x) { return sign * (abs(x) + 0.5 * x); }, 0.3));
+        ASSERT_EQ(found.size(), 1u);
+        EXPECT_FALSE(found[0].stable);
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_equilibria

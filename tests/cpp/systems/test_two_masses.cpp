@@ -231,5 +231,19 @@ TEST(NormalModes, that_do_not_exist_are_refused) {
     EXPECT_EQ(rest.coordinates.size(), 3U);
 }
 
+TEST(NormalModes, of_two_free_particles_on_a_spring_are_one_and_five_of_no_frequency) {
+    for (const Vector3& way : {Vector3(0.3, 0.7, -0.4), Vector3(-1.1, 0.1, 0.35), Vector3(0.9, 1.3, 0.77)}) {
+        Scene scene;
+        const BodyHandle a = scene.add(Particle{0.3}, FreeStart{{0.1, 0.2, 0.3}, {0, 0, 0}}),
+                         b = scene.add(Particle{0.7}, FreeStart{Vector3(0.1, 0.2, 0.3) + way, {0, 0, 0}});
+        scene.connect(Spring{.stiffness = 1.9, .rest_length = way.norm()}, a, b);
+        const Vector3 end = Vector3(0.1, 0.2, 0.3) + way;
+        const NormalModes modes = normal_modes(scene, {{0.1, 0.2, 0.3, end[0], end[1], end[2]}});
+        ASSERT_EQ(modes.squares.size(), 6u);
+        for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(modes.squares[k], 0.0) << k;
+        EXPECT_NEAR(modes.squares[5], 1.9 / 0.3 + 1.9 / 0.7, 1e-13);
+    }
+}
+
 }  // namespace
 }  // namespace rbdyn::test::test_two_masses

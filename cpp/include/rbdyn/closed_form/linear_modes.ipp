@@ -128,10 +128,13 @@ RBDYN_INLINE void LinearModes::state(Instant since, std::span<double> x) const {
 
 RBDYN_INLINE void LinearModes::add_errors(double since, std::span<double> errors) const {
     const double* shape = shapes_.data();
-    for (const LinearOscillator& mode : modes_) {
+    for (std::size_t k = 0; k < modes_.size(); ++k) {
+        const LinearOscillator& mode = modes_[k];
         const LinearOscillator::State y = mode.at({since, 0.0}), e = mode.errors(since);
         const double rate = mode.fastest(), late = value_error_ * late_by(rate, since);
-        const double far = std::abs(y.position) + (rate > 0.0 ? std::abs(y.velocity) / rate : 0.0);
+        // from where it swings about, which is not where it starts
+        const double rest = std::isfinite(ranges_[k].radius) ? ranges_[k].middle : 0.0;
+        const double far = std::abs(y.position - rest) + (rate > 0.0 ? std::abs(y.velocity) / rate : 0.0);
         for (std::size_t i = 0; i < positions_.size(); ++i, ++shape) {
             // a product and a sum of as many as there are
             const double size = std::abs(*shape);

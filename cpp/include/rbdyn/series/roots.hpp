@@ -78,9 +78,6 @@ private:
 
     double slope(double x) const;
 
-    /// The sign of g just beyond x: that of its first derivative there that is not zero.
-    double sign_after(double x) const;
-
     // two roots 2^-40 of their place apart are told apart; closer ones, where g is rounding, are a graze
     static constexpr double narrowest = 0x1p-40;
     // 40 roots, each 40 halvings deep and as far from zero as doubles go, need no more; only rounding around zero does

@@ -135,9 +135,10 @@ RBDYN_INLINE void RootFinder::search(const double* d, double lo, double width, s
         const double hi = lo + width;
         const double at_lo = value(g_, degree_, lo), at_hi = value(g_, degree_, hi);
         if (is_noise(std::max(std::abs(at_lo), std::abs(at_hi)), lo)) return add_flat(lo, hi);
-        if (at_hi == 0.0 && at_lo != 0.0) {
-            if (sign_after(hi) * at_lo < 0.0) roots.push_back(hi);
-        } else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
+        // whether it is passed at the end is seen by its surroundings
+        if (at_hi == 0.0 && at_lo != 0.0)
+            roots.push_back(hi);
+        else if ((at_lo < 0.0 && at_hi > 0.0) || (at_lo > 0.0 && at_hi < 0.0))
             roots.push_back(bracketed_root(g_, degree_, lo, hi));
         return;
     }
@@ -202,16 +203,6 @@ RBDYN_INLINE double RootFinder::slope(double x) const {
     double sum = 0.0;
     for (int k = degree_; k >= 1; --k) sum = sum * x + k * g_[k];
     return sum;
-}
-
-RBDYN_INLINE double RootFinder::sign_after(double x) const {
-    Coefficients c;
-    for (int k = 0; k <= degree_; ++k) c[static_cast<std::size_t>(k)] = g_[k];
-    for (int i = 0; i < degree_; ++i) {
-        for (int k = degree_ - 1; k >= i; --k) c[static_cast<std::size_t>(k)] += x * c[static_cast<std::size_t>(k) + 1];
-        if (i > 0 && c[static_cast<std::size_t>(i)] != 0.0) return c[static_cast<std::size_t>(i)] > 0.0 ? 1.0 : -1.0;
-    }
-    return c[static_cast<std::size_t>(degree_)] > 0.0 ? 1.0 : -1.0;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::series
