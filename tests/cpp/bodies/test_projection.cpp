@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "rbdyn/model/projection.hpp"
-#include "rbdyn/model/rigid_law.hpp"
+#include "rbdyn/special/projection.hpp"
+#include "rbdyn/special/rigid_law.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_projection {
