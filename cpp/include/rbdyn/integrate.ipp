@@ -35,6 +35,7 @@
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
+#include "rbdyn/trajectory/narrow_hold.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::simulating {
 
@@ -388,11 +389,14 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         if (first.tolerance <= least_tolerance(engine) || has_retried) {
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
+            std::optional<NarrowHold> narrow = narrowest_hold(run.record);
+            if (!narrow) narrow = narrowest_hold(better.record);
             result.message =
                 "simulate: error " + text(options.error) + " was asked for and engine " + engine +
                 (comparison.same_events ? " reached " + text(comparison.error) + " in this motion"
                                         : std::string(" cannot tell which events this motion has")) +
                 (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
+                (narrow ? ", in which " + narrow->words() : "") +
                 "; it is certain up to t = " + text(comparison.certain_until) + " s. " +
                 std::string(advice(Status::accuracy_not_reached));
             result.judge.reset();

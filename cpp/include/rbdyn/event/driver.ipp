@@ -28,6 +28,30 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+namespace driving {
+
+/// In words, what strikes again and again without loss, if that is what the last events of a record are. `gap`: of what
+/// has struck last.
+RBDYN_INLINE std::string repeated(const Record& record, const std::string& gap) {
+    constexpr std::size_t many = 16;
+    const std::vector<Event>& events = record.events;
+    if (events.size() < many) return {};
+    const Event& last = events.back();
+    const double every = last.instant - events[events.size() - 2].instant;
+    for (std::size_t i = events.size() - many + 1; i < events.size(); ++i) {
+        const Event& e = events[i];
+        const double since = e.instant - events[i - 1].instant;
+        if (e.kind != EventKind::impact || e.contact < 0 || e.contact != events[i - 1].contact ||
+            std::abs(since - every) > 1e-7 * every)
+            return {};
+    }
+    return ": the " + gap + " closes every " + text(every) +
+           " s and loses nothing of it, as its restitution says; one " +
+           "below 1 comes to rest, a larger max_steps follows more of them";
+}
+
+}  // namespace driving
+
 RBDYN_INLINE Driver::Driver(const HybridModel& model, Engine& engine, std::int64_t max_steps, Keep keep,
                             Monitor monitor, double slack, bool is_alone, double tolerance)
     : model_(model),
@@ -362,9 +386,11 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
         return false;
     }
     if (now_.crowded > max_crowded || record.handed_on + static_cast<std::int64_t>(record.events.size()) > max_steps_) {
-        record.not_finite = now_.crowded > max_crowded
-                                ? "it goes on switching without getting on, a hundred times at one instant"
-                                : "it has more events than max_steps";
+        record.not_finite =
+            now_.crowded > max_crowded
+                ? "it goes on switching without getting on, a hundred times at one instant"
+                : "it has more events than max_steps" +
+                      driving::repeated(record, before->guards[static_cast<std::size_t>(fired.front())].name);
         finish(record, t, Status::inconsistent);
         return false;
     }
