@@ -83,10 +83,10 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         if (after.slip[at(k)] == flies) bouncing.push_back(k);
     if (bouncing.empty()) return group;
     // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed; with
-    // friction only what bounces alone is
+    // friction, but for one that never lets anything slip, only what bounces alone is
     // (joints that turn back in a flight begin it anew)
     const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && joints_.empty(),
-               is_coarse = ((conditions_->is_rough() || !joints_.empty()) && !is_alone) ||
+               is_coarse = ((leaves_out() || !joints_.empty()) && !is_alone) ||
                            std::any_of(bouncing.begin(), bouncing.end(),
                                        [&](int k) { return conditions_->contacts()[at(k)].restitution >= 1.0; });
     const auto all = moving(t, x);

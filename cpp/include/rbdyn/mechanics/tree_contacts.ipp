@@ -451,7 +451,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     const double flight = t - mode.memory[0];
     std::vector<double> fine;
     const auto is_low = [&](int k) {
-        return contacts() > 1 && !conditions_->is_rough() && joints_.empty() && flight > 4.0 * epsilon * std::abs(t) &&
+        return contacts() > 1 && !leaves_out() && joints_.empty() && flight > 4.0 * epsilon * std::abs(t) &&
                std::abs(rate(all, k)) * flight <= low_bounce * size_of(k, all);
     };
     const auto comes_now = [&](int k) {
