@@ -261,6 +261,7 @@
 #include "rbdyn/trajectory/body_motion.ipp"
 #include "rbdyn/trajectory/error_scales.ipp"
 #include "rbdyn/trajectory/events.ipp"
+#include "rbdyn/trajectory/narrow_hold.ipp"
 #include "rbdyn/trajectory/pole.ipp"
 #include "rbdyn/trajectory/run_bytes.ipp"
 #include "rbdyn/trajectory/run_data.ipp"

@@ -36,6 +36,7 @@
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/trajectory/accuracy.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
+#include "rbdyn/trajectory/narrow_hold.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::simulating {
 
@@ -391,6 +392,8 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
         if (first.tolerance <= least_tolerance(engine) || has_retried) {
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
+            std::optional<NarrowHold> narrow = narrowest_hold(run.record);
+            if (!narrow) narrow = narrowest_hold(better.record);
             result.message =
                 "simulate: error " + text(options.error) + " was asked for and engine " + engine +
                 (comparison.same_events ? " reached " + text(least_reached) + " in this motion"
@@ -399,6 +402,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
                      ? " (" + text(comparison.error) + " in the run that is returned)"
                      : "") +
                 (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
+                (narrow ? ", in which " + narrow->words() : "") +
                 "; it is certain up to t = " + text(comparison.certain_until) + " s. " +
                 std::string(advice(Status::accuracy_not_reached));
             result.judge.reset();

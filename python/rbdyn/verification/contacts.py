@@ -193,7 +193,6 @@ def rocking(solve: Solve) -> Answers:
     row="rocking, landing, ladders, cradles",
     hard="infinitely many impacts about fixed corners",
     source="reference n_rocking_housner, 25 digits",
-    error=1e-9,
 )
 def housner(solve: Solve) -> Answers:
     """Housner's block: each impact leaves 0.85 of the rate."""

@@ -33,6 +33,20 @@ RBDYN_INLINE bool EventSearch::is_up(std::int64_t n) {
 
 RBDYN_INLINE double EventSearch::otherwise(const Mode& mode, std::size_t g, double place) {
     const Guard& guard = mode.equations->guards[g];
+    // what is held and passes its limit by little begins to slip as much sooner or later as forces are rounded
+    const auto slope_at = [&] {
+        const double* c = engine_.guard(static_cast<int>(g));
+        double slope = 0.0;
+        for (int k = degree_; k >= 1; --k) slope = slope * place + k * c[k];
+        return slope;
+    };
+    if (rounds_otherwise_ && guard.kind == EventKind::slip && guard.output >= 0 && fired_.size() == 1 &&
+        is_passed_barely(mode, guard, place, slope_at())) {
+        const double size = value_rounding(mode, guard, place / engine_.piece().length) / (4.0 * epsilon),
+                     late = epsilon * size / std::abs(slope_at());
+        const double moved = is_up(roundings_++) ? place + late : place - late;
+        return moved > 0.0 && moved < engine_.piece().length ? moved : place;
+    }
     // what is only noted changes no motion
     const bool is_gap = guard.contact >= 0 && guard.kind == EventKind::land,
                changes = guard.watch >= 0 && guard.role == GuardRole::mode;
@@ -40,9 +54,7 @@ RBDYN_INLINE double EventSearch::otherwise(const Mode& mode, std::size_t g, doub
     // what comes together stays together
     if (fired_.size() > 1) return place;
     const Piece& piece = engine_.piece();
-    const double* c = engine_.guard(static_cast<int>(g));
-    double slope = 0.0;
-    for (int k = degree_; k >= 1; --k) slope = slope * place + k * c[k];
+    const double slope = slope_at();
     // one rounding of its terms: of those that change, where it begins at a zero that is known
     series::Coefficients sizes;
     engine_.guard_sizes(static_cast<int>(g), sizes.data());

@@ -172,6 +172,8 @@ private:
     std::optional<double> low_gap(const Mode& mode, const Guard& guard, const series::Coefficients& q);
     /// Where a low gap is zero near a place of the piece.
     double polished_low(const Mode& mode, const Guard& guard, double cut, double slope);
+    /// Whether rounding of its terms moves the zero of a guard by more than the times of it are rounded.
+    bool is_passed_barely(const Mode& mode, const Guard& guard, double cut, double slope);
     // of the sizes of its terms: from there to the rounding of doubles it is as far as the square root of that
     static constexpr double low_gaps = 0x1p-14;
 

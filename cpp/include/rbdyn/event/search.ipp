@@ -17,6 +17,7 @@
 #include "rbdyn/basics/instant.hpp"
 #include "rbdyn/basics/sort_few.hpp"
 #include "rbdyn/engine/engine.hpp"
+#include "rbdyn/engine/refined_taylor.hpp"
 #include "rbdyn/event/passages.hpp"
 #include "rbdyn/event/record.hpp"
 #include "rbdyn/event/rough_passages.hpp"
@@ -324,13 +325,19 @@ RBDYN_INLINE double EventSearch::polished(const Mode& mode, double cut) {
     if (cut <= 0.0 || fired_.empty()) return cut;
     const Guard& guard = mode.equations->guards[static_cast<std::size_t>(fired_.front())];
     if (guard.output < 0) return cut;
-    if (mode.equations->is_variable(guard) && !engine_.refines()) return cut;
-    const Piece& piece = engine_.piece();
     const double* c = engine_.guard(fired_.front());
     double slope = 0.0;
     for (int k = degree_; k >= 1; --k) slope = slope * cut + k * c[k];
+    // what the polynomial leaves out of a slip of rounding may be all of it where it ends
+    if (guard.kind == EventKind::stick && guard.contact >= 0 && !mode.equations->program.has_calls() &&
+        dynamic_cast<const RefinedTaylorEngine*>(&engine_) != nullptr)
+        return polished_low(mode, guard, cut, slope);
+    if (mode.equations->is_variable(guard) && !engine_.refines()) return cut;
+    const Piece& piece = engine_.piece();
     if (is_gap(guard, at(fired_.front())) && cut < 0.5 * piece.length &&
         std::abs(slope) * cut <= low_gaps * size_of_terms(mode, piece.start.hi, state_of_piece(0.0), guard.output))
+        return polished_low(mode, guard, cut, slope);
+    if (guard.kind == EventKind::slip && is_passed_barely(mode, guard, cut, slope))
         return polished_low(mode, guard, cut, slope);
     double best = std::numeric_limits<double>::infinity(), place = cut;
     for (int iteration = 0; iteration < 4; ++iteration) {

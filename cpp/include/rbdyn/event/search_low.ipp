@@ -69,6 +69,13 @@ RBDYN_INLINE std::optional<double> EventSearch::low_gap(const Mode& mode, const 
     return value <= 0x1p-96 * size ? 0.0 : value;
 }
 
+RBDYN_INLINE bool EventSearch::is_passed_barely(const Mode& mode, const Guard& guard, double cut, double slope) {
+    if (mode.equations->program.has_calls()) return false;
+    const Piece& piece = engine_.piece();
+    const double late = value_rounding(mode, guard, cut / piece.length) * piece.unit;
+    return late > 16.0 * epsilon * std::abs(piece.at(cut).hi) * std::abs(slope);
+}
+
 RBDYN_INLINE double EventSearch::polished_low(const Mode& mode, const Guard& guard, double cut, double slope) {
     double best = std::numeric_limits<double>::infinity(), place = cut;
     for (int iteration = 0; iteration < 4; ++iteration) {
@@ -77,7 +84,8 @@ RBDYN_INLINE double EventSearch::polished_low(const Mode& mode, const Guard& gua
         best = std::abs(g);
         cut = place;
         place = cut - g / slope;
-        if (!(std::abs(place - cut) < 1e-3 * cut) || place == cut || place <= 0.0) break;
+        if (!(std::abs(place - cut) < 1e-3 * cut) || place == cut || place <= 0.0 || place > engine_.piece().length)
+            break;
     }
     return cut;
 }

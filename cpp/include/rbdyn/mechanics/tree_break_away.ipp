@@ -27,11 +27,23 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     const mechanics::TreeState open = look(mode, t, x);
     const auto& all = open.moving;
     std::vector<int> at_rest = fired.stuck;
-    // what has left its last direction by more than rounding has not stopped
-    for (const int k : fired.stopping)
-        if (conditions_->contacts()[at(k)].touching<double>(*tree_, all).slip().norm() <=
-            16.0 * mechanics::ContactMemory::of(before.memory, k).least)
+    // what has left its last direction by more than rounding, or than it loses within the rounding of the time at which
+    // its end is located, has not stopped
+    const auto lost_in_time = [&](const mechanics::Touching<double>& touching) {
+        if (before.equations == nullptr) return 0.0;
+        const mechanics::TreeState slows = look(before, t, x);
+        const auto along = [&](const Vector3& axis) {
+            return acceleration_along(touching.row(axis, Vector3(Vector3::Zero())), slows).first;
+        };
+        const auto [first, second] = friction::across(touching.normal);
+        return 8.0 * epsilon * std::abs(t) * std::hypot(along(first), along(second));
+    };
+    for (const int k : fired.stopping) {
+        const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
+        const double left = touching.slip().norm();
+        if (left <= 16.0 * mechanics::ContactMemory::of(before.memory, k).least || left <= lost_in_time(touching))
             at_rest.push_back(k);
+    }
     // what was held is at rest, unless an impact has moved it
     for (int k = 0; k < contacts(); ++k)
         if (is_held(before.slip[at(k)]) && before.jumps == mode.jumps) at_rest.push_back(k);

@@ -1,7 +1,9 @@
 // The hybrid model of bodies joined to bodies: a tree on its joints, its loops closed by constraints.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -103,10 +105,10 @@ public:
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
     /// Of bounces with friction those that are left out are summed to first order in their speed.
     double unsure(const Event& event) const override {
-        const bool has_friction =
-            event.kind == EventKind::accumulation && event.contact >= 0 && conditions_->is_rough();
+        const bool is_left_out = event.kind == EventKind::accumulation && event.contact >= 0 &&
+                                 conditions_->is_rough() && (leaves_out() || !joints_.empty());
         // torques against rolling act while what is left of the bounces goes on, and impacts know none
-        return !has_friction ? 0.0 : resistances() > 0 ? 1e-6 : 2e-11;
+        return !is_left_out ? 0.0 : resistances() > 0 ? 1e-6 : 2e-11;
     }
 
 private:
@@ -119,6 +121,15 @@ private:
     static constexpr signed char pushes = mechanics::contact_state::pushes, rests = mechanics::contact_state::rests;
     int contacts() const { return static_cast<int>(conditions_->contacts().size()); }
     bool is_rough(int contact) const { return conditions_->contacts()[at(contact)].is_rough(); }
+    /// Whether of several that bounce the last bounces are left out: where something may slip, or resists rolling. What
+    /// never slips turns about points that are held, as by constraints, and is followed as what is smooth.
+    bool leaves_out() const {
+        return resistances() > 0 ||
+               std::any_of(conditions_->contacts().begin(), conditions_->contacts().end(),
+                           [](const mechanics::ContactLaw& c) {
+                               return c.is_rough() && std::isfinite(static_cast<double>(c.mu_static));
+                           });
+    }
     /// The rows that are used in a mode: of constraints, of contacts that push, and of what friction holds.
     std::vector<int> rows_in(const Mode& mode) const;
     /// Of these those that the state is moved onto: joints have no gaps, and what a surface carries has a rate.
