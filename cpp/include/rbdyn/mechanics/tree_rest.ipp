@@ -54,8 +54,9 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         if (tree_->node(body).is_point) turns = turn_rate = Vector3::Zero();
         const double size = size_of(k, state.moving);
         if (mass * acceleration.norm() * size + inertia(turn_rate).norm() > rounding * force * size) return false;
-        const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns));
-        if (kinetic > rounding * rounding * force * size) return false;
+        const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns)),
+                     carried = 16.0 * epsilon * speed_of(k, state.moving);  // a difference of speeds
+        if (kinetic > rounding * rounding * force * size + mass * carried * carried) return false;
     }
     return touches;
 }
