@@ -123,3 +123,23 @@ def test_nothing_fires_at_the_start():
     block = scene.add(rb.Particle(1.0))
     scene.contact(block, rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3))
     assert len(rb.simulate(scene, until=1.0).events) == 0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_lands_on_a_plate_that_shakes_comes_to_rest_on_it(seed):
+    """A particle straight above the plate's own point: nothing there has a size but their speeds."""
+    draw = np.random.default_rng(seed)
+    w, ratio = 10 ** draw.uniform(-1, 2), draw.uniform(1.05, 1.6)
+    a = ratio * GRAVITY / w**2
+    scene = rb.Scene(gravity=[0, 0, -GRAVITY])
+    plate = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Prismatic([0, 0, 1], motion=lambda t: a * np.sin(w * t)))
+    stone = scene.add(rb.Particle(draw.uniform(0.1, 3)), position=[0, 0, 0], velocity=[0, 0, a * w], name="stone")
+    scene.contact(stone, plate.plane([0, 0, 1]), friction=rb.Coulomb(0.2), name="touch")
+    # it leaves where the plate falls faster than it, and lands once in the next turn
+    for options in ({}, {"rtol": 1e-7}, {"rtol": 1e-9}):
+        run = rb.simulate(scene, 6.5 / w, **options)
+        kinds = told(run)
+        assert kinds[0] == ("detach", "touch")
+        assert abs(run.events[0].time - np.arcsin(1 / ratio) / w) < 1e-7 * run.events[0].time
+        lands = [i for i, one in enumerate(kinds) if one == ("land", "touch")]
+        assert lands and all(kinds[i + 1] == ("rest", "stone") for i in lands)

@@ -1,8 +1,8 @@
 // What loads that change in time do to bodies that are held where they are.
 //
-// Held at rest, bodies are moved by what acts along a fixed map: v' = A Q(t). Where Q is a sum of functions of time, each
-// along a direction of its own, Q = sum f_k(t) d_k, nothing moves at any time if A d_k = 0 for all of them, whatever
-// these functions are: no series, and no sample of times, has to be long enough for it.
+// Held at rest, bodies are moved by what acts along a fixed map: v' = A Q(t). Where Q is a sum of functions of time,
+// each along a direction of its own, Q = sum f_k(t) d_k, nothing moves at any time if A d_k = 0 for all of them,
+// whatever these functions are: no series, and no sample of times, has to be long enough for it.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@
 
 namespace rbdyn::inline RBDYN_FORM::mechanics::resting {
 
-/// A recorded number as a sum of nodes with constant factors, no sums or multiples themselves; its constant part is left
-/// out.
+/// A recorded number as a sum of nodes with constant factors, no sums or multiples themselves; its constant part is
+/// left out.
 inline std::vector<std::pair<std::int32_t, double>> linear_parts(const Recorder& r, const Expression& whole) {
     std::vector<std::pair<std::int32_t, double>> parts;
     if (whole.is_constant()) return parts;
@@ -75,20 +75,9 @@ public:
             }
         std::vector<double> u = accelerate_.driven(
             std::move(left), std::vector<double>(acts.begin() + static_cast<std::ptrdiff_t>(6 * count), acts.end()));
-        std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
-        std::vector<double> b;
-        for (std::size_t i = 0; i < responses_.size(); ++i) {
-            for (std::size_t j = 0; j <= i; ++j) a[i][j] = accelerate_.between(responses_[i], responses_[j]);
-            b.push_back(-accelerate_.along(responses_[i], u));
-        }
-        const std::vector<double> forces = solve_definite<double>(std::move(a), std::move(b));
         std::vector<double> sizes(u.size());
         std::transform(u.begin(), u.end(), sizes.begin(), [](double one) { return std::abs(one); });
-        for (std::size_t i = 0; i < responses_.size(); ++i)
-            for (const auto& [n, one] : responses_[i]) {
-                u[static_cast<std::size_t>(n)] += one * forces[i];
-                sizes[static_cast<std::size_t>(n)] += std::abs(one * forces[i]);
-            }
+        react(u, sizes);
         // what turns a body is a difference of moments: their rounding is known by all that moves it
         const auto is_rounding = [&](int first, int end) {
             double left_over = 0.0, size = 0.0;
@@ -105,7 +94,41 @@ public:
         return true;
     }
 
+    /// Whether the rows leave one velocity of a body's joint nothing that it could be.
+    bool determine(int body, int k) const {
+        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0), sizes(u.size(), 0.0);
+        for (const auto& [n, one] : accelerate_.driving(body, k)) u[static_cast<std::size_t>(n)] = one;
+        const double whole = energy(u);
+        react(u, sizes);
+        return energy(u) <= 1e-26 * whole;
+    }
+
 private:
+    double energy(const std::vector<double>& u) const {
+        double sum = 0.0;
+        for (std::size_t n = 0; n < u.size(); ++n)
+            if (const double mass = accelerate_.mass(static_cast<int>(n)); mass > 0.0) sum += u[n] * u[n] / mass;
+        return sum;
+    }
+
+    /// Adds to what drives each velocity what the rows make of it, and to its size.
+    void react(std::vector<double>& u, std::vector<double>& sizes) const {
+        std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
+        for (std::size_t i = 0; i < responses_.size(); ++i)
+            for (std::size_t j = 0; j <= i; ++j) a[i][j] = accelerate_.between(responses_[i], responses_[j]);
+        // what a first solution leaves is rounding of the whole, what a second one leaves is rounding of that
+        for (int pass = 0; pass < 2; ++pass) {
+            std::vector<double> b;
+            for (const auto& response : responses_) b.push_back(-accelerate_.along(response, u));
+            const std::vector<double> forces = solve_definite<double>(a, std::move(b));
+            for (std::size_t i = 0; i < responses_.size(); ++i)
+                for (const auto& [n, one] : responses_[i]) {
+                    u[static_cast<std::size_t>(n)] += one * forces[i];
+                    sizes[static_cast<std::size_t>(n)] += std::abs(one * forces[i]);
+                }
+        }
+    }
+
     Accelerate<double> accelerate_;
     std::vector<Accelerate<double>::Sparse> responses_;
     std::vector<int> first_{0};  // velocity of each body, and the end

@@ -39,6 +39,15 @@ RBDYN_INLINE bool TreeModel::goes_on_bouncing(int contact, double t, double flig
            e * speed > 1e3 * slowest_bounce * (speed_of(contact, all) + 2.0 * speed);
 }
 
+RBDYN_INLINE bool TreeModel::follows_together(const Mode& mode) const {
+    // joints that turn back in a flight begin it anew, and so does what slides meanwhile
+    const bool all_fly = std::all_of(mode.slip.begin(), mode.slip.begin() + contacts(),
+                                     [](signed char state) { return state == flies; });
+    const bool all_lose = std::ranges::all_of(conditions_->contacts(),
+                                              [](const mechanics::ContactLaw& c) { return c.restitution < 1.0; });
+    return joints_.empty() && resistances() == 0 && (!conditions_->is_rough() || (all_fly && all_lose));
+}
+
 RBDYN_INLINE std::vector<double> TreeModel::fine_gaps(double t, std::span<const double> x,
                                                       std::span<const double> rest) const {
     const auto all = mechanics::closing::moving<DoubleDouble>(*tree_, t, bouncing::wide(x, rest));
@@ -82,11 +91,9 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
     for (const int k : closed)
         if (after.slip[at(k)] == flies) bouncing.push_back(k);
     if (bouncing.empty()) return group;
-    // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed; where
-    // something resists turning only what bounces alone is
-    // (joints that turn back in a flight begin it anew)
+    // without loss there is no end to come to: what then loses speed elsewhere does so too slowly to be followed
     const bool is_alone = bouncing.size() == 1 && closed.size() == 1 && joints_.empty(),
-               is_coarse = ((resistances() > 0 || !joints_.empty()) && !is_alone) ||
+               is_coarse = (!follows_together(after) && !is_alone) ||
                            std::any_of(bouncing.begin(), bouncing.end(),
                                        [&](int k) { return conditions_->contacts()[at(k)].restitution >= 1.0; });
     const auto all = moving(t, x);

@@ -301,6 +301,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
     if (!mode.impossible.empty()) return mode;
     std::vector<double> rest(x.size(), 0.0);
     hold(mode, t, x, rest);
+    quiet(mode, t, x, rest);
     come_to_stand(mode, t, x);
     if (!begins) {
         tell_anew(before, mode, impulses, strokes, all, moving(t, x), happenings);

@@ -458,7 +458,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     const double flight = t - mode.memory[0];
     std::vector<double> fine;
     const auto is_low = [&](int k) {
-        return contacts() > 1 && resistances() == 0 && joints_.empty() && flight > 4.0 * epsilon * std::abs(t) &&
+        return contacts() > 1 && follows_together(mode) && flight > 4.0 * epsilon * std::abs(t) &&
                std::abs(rate(all, k)) * flight <= low_bounce * size_of(k, all);
     };
     const auto comes_now = [&](int k) {
@@ -591,6 +591,8 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         return;
     }
     hold(after, t, x, rest);
+    const auto closes = [&](int k) { return after.slip[at(k)] != flies && mode.slip[at(k)] == flies; };
+    if (!group.empty() || std::any_of(closed.begin(), closed.end(), closes)) quiet(after, t, x, rest);
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
     };

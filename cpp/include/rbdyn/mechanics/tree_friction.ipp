@@ -358,6 +358,29 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
     }
     const std::vector<double> changes = touched.coupled->changes(found.force);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    if (struck.size() > 1) {
+        // to the velocities that the law asks for, not to what rounding makes of the sum of several impulses
+        const auto then = moving(t, x);
+        const auto every = conditions_->rows<double>(*tree_, then);
+        std::vector<int> rows = rows_;
+        std::vector<double> asked(rows.size(), 0.0);
+        for (std::size_t i = 0; i < struck.size(); ++i) {
+            if (found.states[i] == mechanics::ConeState::open) continue;
+            const double came = u[static_cast<std::size_t>(touched.cones[i].first)],
+                         back = -strokes.lowered * conditions_->contacts()[at(struck[i])].restitution;
+            rows.push_back(conditions_->normal_row(struck[i]));
+            asked.push_back((came < 0.0 ? back * came : 0.0) -
+                            mechanics::Conditions::rate(every[at(rows.back())], then));
+        }
+        const std::vector<int> independent =
+            mechanics::independent_rows(*tree_, *conditions_, rows, then, rows_.size());
+        std::vector<double> wanted;
+        for (const int r : independent)
+            wanted.push_back(asked[static_cast<std::size_t>(std::find(rows.begin(), rows.end(), r) - rows.begin())]);
+        const std::vector<double> rest =
+            mechanics::closing::Responses(*tree_, *conditions_, independent, then).changes(wanted);
+        for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += rest[at(k)];
+    }
     const auto after = moving(t, x);
     strokes.pushed.assign(at(contacts()), Vector3::Zero());
     for (std::size_t i = 0; i < struck.size(); ++i) tell_stroke(touched, i, found, after, noise, strokes, normal);

@@ -265,6 +265,8 @@ private:
     bool is_balanced(const Mode& mode, double t, std::span<const double> x) const;
     /// Whether what loads change in time moves nothing, as long as all that is held is.
     bool is_held_in_time(const Mode& mode, double t, std::span<const double> x) const;
+    /// Takes what rounding has left of velocities that the rows of a mode hold at zero.
+    void quiet(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const;
     /// Whether joints, rails or their surfaces move as functions of time say.
     bool is_driven() const;
     /// Which bodies come to rest, from a mode and the state `was` in it.
@@ -299,6 +301,9 @@ private:
     /// Moves a state so that contacts touch, to 32 digits.
     void meet(double t, std::span<double> x, std::span<double> rest, const std::vector<int>& of) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    /// Whether several contacts that bounce by turns, or together, are followed as far as one is: with friction only
+    /// where nothing else touches meanwhile, and each of them loses speed.
+    bool follows_together(const Mode& mode) const;
     // heights, in sizes, below which gaps are followed to 32 digits: from there to the rounding of doubles it is as far
     // as the square root of that
     static constexpr double low_bounce = 0x1p-14;

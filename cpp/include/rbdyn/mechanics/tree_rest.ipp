@@ -54,8 +54,9 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         if (tree_->node(body).is_point) turns = turn_rate = Vector3::Zero();
         const double size = size_of(k, state.moving);
         if (mass * acceleration.norm() * size + inertia(turn_rate).norm() > rounding * force * size) return false;
-        const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns));
-        if (kinetic > rounding * rounding * force * size) return false;
+        const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns)),
+                     carried = 16.0 * epsilon * speed_of(k, state.moving);  // a difference of speeds
+        if (kinetic > rounding * rounding * force * size + mass * carried * carried) return false;
     }
     return touches;
 }
@@ -91,6 +92,18 @@ RBDYN_INLINE void TreeModel::come_to_stand(Mode& mode, double t, std::span<const
     mode.still = mode.still || is_still;
 }
 
+RBDYN_INLINE void TreeModel::quiet(const Mode& mode, double t, std::span<double> x, std::span<double> rest) const {
+    const std::vector<int> rows = rows_in(mode);
+    if (rows.size() == rows_.size() || is_driven()) return;
+    const mechanics::resting::Reactions reactions(*tree_, *conditions_, rows, moving(t, x));
+    for (int i = 0; i < bodies(); ++i)
+        for (int k = 0; k < tree_->node(i).joint.velocities(); ++k) {
+            const std::size_t place = at(tree_->positions() + tree_->node(i).v + k);
+            if ((x[place] == 0.0 && rest[place] == 0.0) || !reactions.determine(i, k)) continue;
+            x[place] = rest[place] = 0.0;
+        }
+}
+
 RBDYN_INLINE bool TreeModel::is_balanced(const Mode& mode, double t, std::span<const double> x) const {
     if (contacts() == 0 || is_standing(mode) || mode.equations == nullptr || !mode.impossible.empty()) return false;
     if (std::any_of(x.begin() + tree_->positions(), x.end(), [](double rate) { return rate != 0.0; })) return false;
@@ -120,8 +133,8 @@ RBDYN_INLINE bool TreeModel::is_held_in_time(const Mode& mode, double t, std::sp
     r.follow(t, x, {}, std::move(forced));
     const std::vector<Expression> here(x.begin(), x.end());
     const Expression* const rates = here.data() + tree_->positions();
-    const mechanics::Acts acts = exerted_->all(
-        *tree_, r.time(), tree_->moving<Expression>(r.time(), here.data(), rates), here.data(), rates);
+    const mechanics::Acts acts =
+        exerted_->all(*tree_, r.time(), tree_->moving<Expression>(r.time(), here.data(), rates), here.data(), rates);
     std::vector<Expression> all;
     for (const auto& w : acts.wrenches)
         for (const auto* v : {&w.force, &w.moment}) all.insert(all.end(), {(*v)[0], (*v)[1], (*v)[2]});

@@ -1,0 +1,111 @@
+"""What is dropped flat and bounces on several corners at once, against the laws of impact written down by themselves.
+
+A body whose corners all strike at once, straight below its centre of mass or on a level with it, moves up and down as a
+ball does: with speeds e^k sqrt(2 g h), until sqrt(2 h / g) (1 + 2 e / (1 - e)) where what it falls on does not move so.
+Along the surface each impact has an impulse of at most mu times that across it, against the slip, or what ends it.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+G = 9.81
+
+
+def dropped(seed, corners, *, mu, along=None, thick=False):
+    """A body 1 m above a floor, or above a plate that is driven by a sin(w t) along a direction."""
+    draw = np.random.default_rng(seed)
+    m, b, h = draw.uniform(0.1, 5), draw.uniform(0.1, 2), draw.uniform(0.1, 2) if thick else 0.0
+    e, a, w = float(draw.choice([0.3, 0.5, 0.7])), draw.uniform(0.02, 0.2), draw.uniform(0.5, 3)
+    moment = m * draw.uniform(0.1, 1) * (b * b + h * h) / 3
+    scene = rb.Scene(gravity=[0, 0, -G])
+    floor = rb.Plane([0, 0, 1])
+    if along is not None:
+        slide = rb.Prismatic(along, motion=lambda t: a * np.sin(w * t))
+        floor = scene.add(rb.RigidBody(1.0, [1, 1, 1]), slide).plane([0, 0, 1])
+    body = rb.RigidBody(m, [moment] * 3)
+    if len(corners) == 2:
+        falls = scene.add(body, rb.Planar([1, 0, 0], [0, 0, 1]), position=[0, h + 1])
+    else:
+        falls = scene.add(body, position=[0, 0, h + 1])
+    friction = rb.Coulomb(mu) if mu else None
+    for x, y in corners:
+        scene.contact(falls.point([x * b, y * b, -h]), floor, friction=friction, restitution=e)
+    return scene, falls, e, lambda t: a * w * math.cos(w * t)
+
+
+TWO, THREE, FOUR = ((-1, 0), (1, 0)), ((-1, 0), (0.5, -0.8), (0.5, 0.8)), ((-1, -1), (1, -1), (1, 1), (-1, 1))
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_a_box_on_a_floor_bounces_to_rest_where_the_series_ends(mu):
+    for seed in range(30):
+        scene, box, e, _ = dropped(seed, TWO, mu=mu, thick=True)
+        run = rb.simulate(scene, 5.0)
+        (last,) = (event for event in run.events if event.kind == "accumulation")
+        exact = math.sqrt(2 / G) * (1 + 2 * e / (1 - e))
+        assert abs(last.time - exact) < max(run.error, 1e-13) * exact
+        assert abs(run[box].angle(5.0)) < 1e-12 and not run[box].velocity(5.0).any()
+
+
+def slowed(speed, e, mu, surface):
+    """The velocity along the surface, and when, as the bounces end: impact by impact."""
+    fall, t = math.sqrt(2 * G), math.sqrt(2 / G)
+    while fall > 1e-17:
+        slip = speed - surface(t)
+        most = mu * (1 + e) * fall
+        speed = surface(t) if abs(slip) <= most else speed - math.copysign(most, slip)
+        fall *= e
+        t += 2 * fall / G
+    return speed, t
+
+
+# four legs share their friction, and rounding decides which of them strikes first: some of these are refused
+@pytest.mark.parametrize("corners", [TWO, THREE])
+@pytest.mark.parametrize("mu", [0.0, 0.05, 0.3])
+def test_a_plate_on_a_slide_that_is_driven_along_itself(mu, corners):
+    for seed in range(12):
+        scene, plate, e, surface = dropped(seed, corners, mu=mu, along=[1, 0, 0])
+        speed, t = slowed(0.0, e, mu, surface)
+        run = rb.simulate(scene, t + 0.5)
+        (last,) = (event for event in run.events if event.kind == "accumulation")
+        assert abs(last.time - t) < 1e-9 * t
+        assert np.abs(run[plate].velocity(t + 1e-9) - [speed, 0, 0]).max() < 1e-8, seed
+
+
+@pytest.mark.parametrize(("corners", "along"), [(TWO, [1, 0, 1]), (THREE, [1, 0, 1]), (FOUR, [0, 0, 1])])
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_a_plate_on_one_that_is_driven_up_and_down_goes_with_it_in_the_end(mu, along, corners):
+    for seed in range(6):
+        scene, plate, _, surface = dropped(seed, corners, mu=mu, along=along)
+        run = rb.simulate(scene, 4.0)
+        up = np.array([0, 0, 1.0])
+        rise = np.array(along)[2] / np.linalg.norm(along)
+        assert abs(run[plate].velocity(4.0) @ up - surface(4.0) * rise) < 1e-9
+
+
+@pytest.mark.parametrize("friction", [None, rb.Coulomb(0.5)])
+@pytest.mark.parametrize("height", [0.5, 0.0])
+def test_a_disc_that_comes_down_flat_ends_by_that_reason(height, friction):
+    scene = rb.Scene(gravity=[0, 0, -G])
+    disc = scene.add(rb.shapes.disc(1.0, 0.5, [0, 0, 1]), position=[0, 0, height])
+    scene.contact(disc.disc(0.5, [0, 0, 1]), rb.Plane([0, 0, 1]), friction=friction)
+    with pytest.raises(rb.IntegrationError, match="the disc of contact 1 has come to lie flat") as ended:
+        rb.simulate(scene, 1.0)
+    assert ended.value.run.status == "inconsistent"
+    assert abs(ended.value.run.end - math.sqrt(2 * height / G)) < 1e-12
+
+
+def test_bounces_without_loss_that_are_more_than_asked_for_are_a_step_limit():
+    scene = rb.Scene(gravity=[0, 0, -G])
+    ball = scene.add(rb.Particle(1.0), position=[0, 0, 1e-6])
+    scene.contact(ball, rb.Plane([0, 0, 1]), restitution=1.0)
+    run = rb.simulate(scene, 1.0, max_steps=500, rtol=1e-9)
+    assert run.status == "step limit" and 499 <= len(run.events) <= 501
+    between = 2 * math.sqrt(2e-6 / G)
+    assert abs(run.events[-1].time - (len(run.events) - 0.5) * between) < 1e-9 * run.end
+    # and goes on
+    later = rb.simulate(run, 0.9)
+    assert later.status == "reached end" and abs(later.energy(0.9) - run.energy(0.0)) < 1e-12
