@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "figures.hpp"
+#include "random.hpp"
 #include "rbdyn/body/shapes.hpp"
 #include "refusal.hpp"
 
@@ -337,6 +338,41 @@ TEST(Contacts, strike_to_the_velocity_of_their_law_to_the_last_digit) {
                 const Trajectory run = simulate(scene, {.until = 2.0 / speed});
                 EXPECT_EQ(run[a].velocity(1.5 / speed)[2], e * speed) << mass << ' ' << speed << ' ' << e;
             }
+}
+
+/// A box above a floor, somehow turned in space with it, on its corners; beside a wall that it touches, or not.
+struct Dropped {
+    Scene scene;
+    BodyHandle box;
+    std::vector<ContactHandle> corners;
+
+    /// `along` the floor, as the box sees it.
+    Dropped(Random& random, double height, const Vector3& along, std::optional<Coulomb> friction, bool has_wall) {
+        const Quaternion frame = turn(random.direction(), random.uniform(0.0, 3.0));
+        const Matrix3 axes = rotation_matrix(frame);
+        scene.set_gravity(axes * Vector3(0, 0, -9.81));
+        box = scene.add(
+            shapes::box(random.uniform(0.5, 3.0), {2, 1, 0.5}),
+            BodyStart{.position = axes * Vector3(0, 0, 0.25 + height), .velocity = axes * along, .attitude = frame});
+        const double x[] = {-1, 1, -1, 1}, y[] = {-0.5, 0.5, 0.5, -0.5};
+        for (int i = 0; i < 4; ++i)
+            corners.push_back(
+                scene.contact(box.point({x[i], y[i], -0.25}), Plane{axes * Vector3(0, 0, 1)}, {.friction = friction}));
+        if (has_wall)
+            scene.contact(box.point({1, 0, 0}), Plane{axes * Vector3(-1, 0, 0), axes * Vector3(1, 0, 0)},
+                          {.friction = friction}, "wall");
+    }
+};
+
+TEST(Contacts, with_a_wall_that_nothing_presses_on_stay_as_they_are) {
+    Random random(7);
+    for (int trial = 0; trial < 12; ++trial) {
+        const Dropped d(random, random.uniform(0.1, 1.0), {0, 0, 0}, std::nullopt, true);
+        const Trajectory run = simulate(d.scene, {.until = 1.0, .rtol = 1e-11});
+        EXPECT_TRUE(run.events().times("detach").empty()) << trial << ' ' << kinds(run);
+        for (const ContactHandle corner : d.corners)
+            EXPECT_EQ(run.events().times("land", corner).size(), 1u) << trial << ' ' << kinds(run);
+    }
 }
 
 }  // namespace contacts
