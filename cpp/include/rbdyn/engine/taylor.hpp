@@ -173,6 +173,7 @@ private:
     const std::vector<int>* looked_at_ = nullptr;
     const SeriesAbreast* abreast_ = nullptr;  // has the rest of its coefficients; null: there is none
     int lane_ = 0;
+    std::optional<double> length_;  // of the step by its series, where that was computed with those side by side
     std::vector<std::pair<const Equations*, std::unique_ptr<Workshop>>> workshops_;
     double unit_ = 0.0, natural_ = 0.0;
     double limit_ = 0.0;      // of the step that is begun

@@ -27,6 +27,7 @@
 #include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/lanes.hpp"
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/series/polynomial.hpp"
 #include "rbdyn/series/step_length.hpp"
@@ -87,9 +88,26 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::begin_step(double limit) {
     attempts_ = 0;
     overflows_ = std::numeric_limits<double>::infinity();
     abreast_ = nullptr;
+    length_.reset();
     if (!(unit_ > 0.0)) unit_ = power_of_two(limit - t_);
     return std::nullopt;
 }
+
+namespace series {
+
+/// x, x^2, .. x^n. They are stored as dot() loads them: a processor waits for what was stored one by one.
+inline void powers(double x, int n, double* out) {
+    double power = x;
+    int k = 0;
+    for (; k + 2 <= n; k += 2) {
+        const double next = power * x;
+        set_pair(out + k, Pair{power, next});
+        power = next * x;
+    }
+    if (k < n) out[k] = power;
+}
+
+}  // namespace series
 
 RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     const int n = equations_->variables();
@@ -97,7 +115,7 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     work_.right_hand_sides += order_;
     if (!series_->is_finite(0)) return StepStatus::not_finite;
     const bool is_finite = series_->is_finite(order_ - 1);
-    double length = is_finite ? step_length(span) * unevenness() : 0.0;
+    double length = is_finite ? (length_ ? *length_ : step_length(span)) * unevenness() : 0.0;
     is_wide_ = false;
     if (is_finite && !workshop_->singular.none()) length = near_singular_length(length, span);
     natural_ = length;
@@ -148,12 +166,11 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     ++work_.steps;
     start_low_ = low_;
     // go on from the end, the sum compensated
-    std::array<double, max_order + 1> power;
-    power[0] = 1.0;
-    for (int k = 1; k <= order_; ++k) power[at(k)] = power[at(k - 1)] * piece_.length;
+    std::array<double, max_order> power;
+    series::powers(piece_.length, order_, power.data());
     for (int i = 0; i < n; ++i) {
         const auto index = static_cast<std::size_t>(i);
-        const double increment = series::dot(piece_.variable(i) + 1, power.data() + 1, order_);
+        const double increment = series::dot(piece_.variable(i) + 1, power.data(), order_);
         const Instant sum = exact_sum(x_[index], increment + low_[index]);
         x_[index] = sum.hi;
         low_[index] = sum.lo;
@@ -278,6 +295,7 @@ RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations&
 }
 
 RBDYN_INLINE void TaylorEngine::expand() {
+    length_.reset();
     series_->begin(t_.hi, unit_);
     for (int i = 0; i < equations_->variables(); ++i) series_->set_input(i, 0, x_[at(i)]);
     series_->expand(order_, !equations_->guards.empty());
@@ -289,6 +307,8 @@ RBDYN_INLINE void TaylorEngine::take(const SeriesAbreast& abreast, int motion) {
     abreast.give(motion, *series_, *looked_at_, has_guards());
     abreast_ = &abreast;
     lane_ = motion;
+    // each operation of it waits for the last one: here a processor goes on with the next motion meanwhile
+    length_ = step_length(limit_ - t_);
 }
 
 RBDYN_INLINE void TaylorEngine::complete() {

@@ -16,17 +16,27 @@
 #include "rbdyn/event/driver.hpp"
 #include "rbdyn/expression/parameter.hpp"
 #include "rbdyn/expression/series_abreast.hpp"
+#include "rbdyn/series/abreast.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+/// Whether eight doubles are computed at once, and not four twice, as processors by AMD do up to Zen 4 at least.
+inline bool has_registers_of_eight() {
+#if defined(RBDYN_HAS_LANES) && defined(__x86_64__)
+    return __builtin_cpu_is("intel") != 0;
+#else
+    return false;
+#endif
+}
 
 RBDYN_INLINE AbreastShape::AbreastShape(const Program& program, int order) {
     using Processor = SeriesAbreast::Processor;
     few = std::make_unique<SeriesAbreast>(program, order, std::min(SeriesAbreast::widest(), Processor::four));
     if (SeriesAbreast::widest() != Processor::eight) return;
     many = std::make_unique<SeriesAbreast>(program, order, Processor::eight);
-    // four that are kept near the processor are quicker than eight that are not
+    // four that are kept near the processor are quicker than eight that are not where eight are done in two halves
     constexpr std::size_t near = 32 * 1024;
-    if (few->bytes() <= near && many->bytes() > near) many.reset();
+    if (!has_registers_of_eight() && few->bytes() <= near && many->bytes() > near) many.reset();
 }
 
 RBDYN_INLINE RunAbreast::RunAbreast(std::unique_ptr<TaylorEngine> engine, std::unique_ptr<Driver> driver, double until,

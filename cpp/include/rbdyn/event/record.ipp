@@ -29,10 +29,13 @@ RBDYN_INLINE void Record::append(const Piece& piece, double length, int mode, bo
     const auto row = static_cast<std::size_t>(piece.order + 1), count = static_cast<std::size_t>(variables) * row;
     std::vector<double>& block = block_for(count);
     const std::size_t offset = block.size();
-    if (piece.stride == 0 || piece.stride == piece.order + 1)
+    if (piece.stride == 0 || piece.stride == piece.order + 1) {
         block.insert(block.end(), piece.coefficients, piece.coefficients + count);
-    else
-        for (int i = 0; i < variables; ++i) block.insert(block.end(), piece.variable(i), piece.variable(i) + row);
+    } else {
+        block.resize(offset + count);
+        double* to = block.data() + offset;
+        for (int i = 0; i < variables; ++i, to += row) std::copy_n(piece.variable(i), row, to);
+    }
     entries_.push_back({piece.start, piece.unit, length, piece.order, mode, blocks_.size() - 1, offset, after_event});
 }
 

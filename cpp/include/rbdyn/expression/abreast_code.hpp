@@ -19,7 +19,7 @@ class AbreastCodeWriter;  // abreast_code_writer.hpp
 
 class AbreastCode {
 public:
-    /// After so many expansions of a tape code is made: about twice what making it costs in what it gains.
+    /// After so many expansions of a tape code is made: by then it would have gained what making it costs, and more.
     static constexpr int expansions = 24;
     /// The orders before are left to the lists.
     static constexpr int first_order = 2;

@@ -40,7 +40,11 @@ RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order)
 RBDYN_INLINE BorrowedSeries::~BorrowedSeries() {
     if (series_->bytes() > KeptSeries::Shelf::most_bytes) return;
     const std::lock_guard lock(shelf_->mutex);
-    if (shelf_->free.size() < KeptSeries::Shelf::most) shelf_->free.push_back({order_, std::move(series_)});
+    // those of members side by side come back together
+    constexpr std::size_t most_together = 1U << 20;
+    const std::size_t count = shelf_->free.size();
+    if (count < KeptSeries::Shelf::most || (count + 1) * series_->bytes() <= most_together)
+        shelf_->free.push_back({order_, std::move(series_)});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM
