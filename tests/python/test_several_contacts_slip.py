@@ -233,3 +233,15 @@ def test_what_no_friction_lets_slide_does_not_begin_so():
     assert [e.kind for e in run.events] == ["stick"]
     assert abs(run.events[0].time / (2 / (7 * 0.2 * g)) - 1) < 1e-13
     assert abs(run[ball].velocity(1.0)[0] - 5 / 7) < 1e-14
+
+
+@pytest.mark.parametrize("v", [1.0, 1e-6, 1e-11, 1e-12])
+def test_a_slow_ball_rolls_on_and_does_not_rest(v):
+    """Its motion is that of a fast one, scaled: it sticks at 2 v / (7 mu g) and keeps 5/7 of its speed."""
+    scene = rb.Scene(gravity=[0, 0, -g])
+    ball = scene.add(rb.RigidBody(1, [0.004] * 3), position=[0, 0, 0.1], velocity=[v, 0, 0])
+    scene.contact(ball.sphere(0.1), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.3))
+    run = rb.simulate(scene, 2.0, rtol=1e-12)
+    assert [e.kind for e in run.events] == ["stick"]
+    assert abs(run.events[0].time / (2 * v / (7 * 0.3 * g)) - 1) < 1e-14
+    assert abs(run[ball].velocity(2.0)[0] / (5 / 7 * v) - 1) < 1e-14
