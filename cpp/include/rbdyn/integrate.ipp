@@ -390,17 +390,19 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             continue;
         }
         if (first.tolerance <= least_tolerance(engine) || has_retried) {
+            // at the floor neighbouring tolerances are by chance a little better
+            const bool is_better = 2.0 * least_reached < comparison.error;
             run.record.status = Status::accuracy_not_reached;
             result.outcome = Outcome::inaccurate;
             std::optional<NarrowHold> narrow = narrowest_hold(run.record);
             if (!narrow) narrow = narrowest_hold(better.record);
             result.message =
                 "simulate: error " + text(options.error) + " was asked for and engine " + engine +
-                (comparison.same_events ? " reached " + text(least_reached) + " in this motion"
-                                        : std::string(" cannot tell which events this motion has")) +
-                (comparison.same_events && least_reached < comparison.error
-                     ? " (" + text(comparison.error) + " in the run that is returned)"
-                     : "") +
+                (comparison.same_events
+                     ? " reached " + text(is_better ? least_reached : comparison.error) + " in this motion"
+                     : std::string(" cannot tell which events this motion has")) +
+                (comparison.same_events && is_better ? " (" + text(comparison.error) + " in the run that is returned)"
+                                                     : "") +
                 (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
                 (narrow ? ", in which " + narrow->words() : "") +
                 "; it is certain up to t = " + text(comparison.certain_until) + " s. " +

@@ -45,7 +45,7 @@ RBDYN_INLINE bool TreeModel::follows_together(const Mode& mode) const {
                                      [](signed char state) { return state == flies; });
     const bool all_lose = std::ranges::all_of(conditions_->contacts(),
                                               [](const mechanics::ContactLaw& c) { return c.restitution < 1.0; });
-    return joints_.empty() && resistances() == 0 && (!conditions_->is_rough() || (all_fly && all_lose));
+    return joints_.empty() && resistances() == 0 && (!leaves_out() || (all_fly && all_lose));
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::fine_gaps(double t, std::span<const double> x,

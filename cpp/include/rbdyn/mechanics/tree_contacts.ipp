@@ -138,6 +138,33 @@ RBDYN_INLINE void TreeModel::hold(const Mode& mode, double t, std::span<double> 
     std::fill(rest.begin() + tree_->positions(), rest.end(), 0.0);
 }
 
+RBDYN_INLINE void TreeModel::set_exactly(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+                                         std::span<double> rest) const {
+    namespace states = mechanics::contact_state;
+    if (!joints_.empty() || fired.empty()) return;
+    std::vector<int> stopping, rows = rows_in(mode);
+    const auto all = moving(t, x);
+    for (const int g : fired) {
+        const Guard& guard = mode.equations->guards[at(g)];
+        if (guard.kind == EventKind::land) return;
+        if (guard.contact < 0 || guard.joint >= 0 || guard.kind != EventKind::stick) continue;
+        const signed char state = mode.slip[at(guard.contact)];
+        const auto memory = mechanics::ContactMemory::of(mode.memory, guard.contact);
+        const Vector3 slip = conditions_->contacts()[at(guard.contact)].touching<double>(*tree_, all).slip();
+        if ((state == states::straight || state == states::brief) && std::abs(slip.dot(memory.axis)) <= memory.least)
+            stopping.push_back(guard.contact);
+    }
+    const auto is_held = [](signed char state) { return states::is_held(state); };
+    if (stopping.empty() && std::none_of(mode.slip.begin(), mode.slip.begin() + contacts(), is_held)) return;
+    if (stopping.empty()) return hold(mode, t, x, rest);
+    const std::size_t first = rows.size();
+    for (const int k : stopping)
+        for (int axis = 0; axis < 3; ++axis) rows.push_back(conditions_->held_row(k, axis));
+    const mechanics::TreeProjection projection(
+        tree_, conditions_, mechanics::independent_rows(*tree_, *conditions_, rows, all, first), closed_in(mode, all));
+    projection.apply(x, rest, 0.0, t);
+}
+
 RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
                                   const std::vector<int>& stuck, const friction::JointLaw* law) const {
     const auto all = moving(t, x);
@@ -427,13 +454,7 @@ RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const d
 RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<const int> fired, double t,
                                    std::span<double> x, std::span<double> rest,
                                    std::vector<Happening>& happenings) const {
-    // what is held is so to rounding where it lets go, not to the tolerance of the step to there: what a slip begins
-    // with
-    const auto lands = [&](int g) { return mode.equations->guards[at(g)].kind == EventKind::land; };
-    const auto is_held = [](signed char state) { return mechanics::contact_state::is_held(state); };
-    if (joints_.empty() && !fired.empty() && std::none_of(fired.begin(), fired.end(), lands) &&
-        std::any_of(mode.slip.begin(), mode.slip.begin() + contacts(), is_held))
-        hold(mode, t, x, rest);
+    set_exactly(mode, fired, t, x, rest);
     const std::vector<double> was(x.begin(), x.end());
     std::vector<double> known = was;  // what `rest` belongs to
     const auto all = moving(t, x);

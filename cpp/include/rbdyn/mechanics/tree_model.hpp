@@ -282,6 +282,11 @@ private:
     /// What contacts tell at one instant: by kind, then by name.
     void put_in_order(std::vector<Happening>& happenings) const;
 
+    /// What is held, and the slip of what stops along a line, at an event: zero to rounding, not to the tolerance of the
+    /// step to there, and a slip that begins then begins with nothing.
+    void set_exactly(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
+                     std::span<double> rest) const;
+
     /// Takes from the velocities what moves contacts, by impulses along their normals, less the friction of those that
     /// slide, and of joints.
     void stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck,

@@ -23,7 +23,8 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechanics::TreeState& state) const {
-    constexpr double rounding = 1e-11;  // of accelerations and of the squares of speeds that forces make
+    // of accelerations, and of the speeds that forces make: what is held has those of velocities alone
+    constexpr double rounding = 1e-11, slow = 1e-14;
     const double force = state.bodies[at(body)].effort.force.norm(), mass = static_cast<double>(tree_->node(body).mass);
     const auto moments = tree_->inertia_of<double>(body, state.moving[at(body)]);
     const auto inertia = [&](const Vector3& v) {
@@ -56,7 +57,7 @@ RBDYN_INLINE bool TreeModel::is_at_rest(const Mode& mode, int body, const mechan
         if (mass * acceleration.norm() * size + inertia(turn_rate).norm() > rounding * force * size) return false;
         const double kinetic = mass * touching.velocity.squaredNorm() + turns.dot(inertia(turns)),
                      carried = 16.0 * epsilon * speed_of(k, state.moving);  // a difference of speeds
-        if (kinetic > rounding * rounding * force * size + mass * carried * carried) return false;
+        if (kinetic > slow * slow * force * size + mass * carried * carried) return false;
     }
     return touches;
 }

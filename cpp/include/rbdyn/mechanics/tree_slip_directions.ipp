@@ -87,8 +87,9 @@ private:
 /// motion tells of them, one order of time later.
 class Ties {
 public:
-    /// `by`: what angles a_j do to accelerations across, sum of by_ij a_j.
-    explicit Ties(const mechanics::Square& by) : by_(by), none_(kernel(by, false)), beyond_(kernel(by, true)) {}
+    /// `by`: what angles a_j do to accelerations across, sum of by_ij a_j. `nothing`: what of that is rounding.
+    Ties(const mechanics::Square& by, double nothing)
+        : by_(by), none_(kernel(by, false, nothing)), beyond_(kernel(by, true, nothing)) {}
 
     /// Angles a of an order, and what is added to those of the one before along what does nothing, c: part by a -
     /// grows c = left. Without an order before, what no angle does is left.
@@ -114,7 +115,7 @@ public:
 
 private:
     /// Unit vectors v of by v = 0, or of v by = 0, but for rounding.
-    static mechanics::Square kernel(const mechanics::Square& by, bool is_left) {
+    static mechanics::Square kernel(const mechanics::Square& by, bool is_left, double nothing) {
         const std::size_t n = by.size();
         SquareMatrix squares(static_cast<int>(n));
         for (std::size_t i = 0; i < n; ++i)
@@ -126,7 +127,7 @@ private:
         const SymmetricEigen parts = symmetric_eigen(squares);
         mechanics::Square result;
         for (std::size_t k = 0; k < n; ++k) {
-            if (parts.values[k] > 1e-12 * parts.values[n - 1]) continue;
+            if (parts.values[k] > std::max(1e-12 * parts.values[n - 1], nothing * nothing)) continue;
             result.emplace_back();
             for (std::size_t i = 0; i < n; ++i)
                 result.back().push_back(parts.vectors(static_cast<int>(i), static_cast<int>(k)));
@@ -228,8 +229,18 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
         memories[j].angle[0] = 0.0;
         for (std::size_t i = 0; i < count; ++i) by[i][j] = slips.across[i][2] - still[i][2];
     }
+    // what friction the other way round does to a slip is of the size of what it does across where that is free
+    double largest = 0.0;
+    for (std::size_t j = 0; j < count; ++j) {
+        const Vector3 axis = memories[j].axis;
+        memories[j].axis = -axis;
+        find();
+        memories[j].axis = axis;
+        largest = std::max(largest, 0.25 * std::abs(slips.along[j][1]));
+    }
     find();
-    const breaking_away::Ties ties(by);
+    const double nothing = 1e-7 * largest;
+    const breaking_away::Ties ties(by, nothing);
     for (std::size_t m = 1; m <= terms + 2; ++m)
         // what is asked for first is rounded, then what is left is taken away
         for (int pass = 0; pass < 3; ++pass) {
@@ -249,8 +260,9 @@ RBDYN_INLINE void TreeModel::curve(const Mode& before, Mode& mode, double t, std
     double until = std::numeric_limits<double>::infinity(), turned = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
         const double grows = slips.along[i][2];
-        if (!(grows > 0.0) || !(std::abs(by[i][i]) > 0.0)) return;
-        until = std::min(until, std::abs(by[i][i]) / grows / 15.0);
+        if (!(grows > 0.0)) return;
+        // a way that others hold it to is one that nothing draws it to
+        if (std::abs(by[i][i]) > nothing) until = std::min(until, std::abs(by[i][i]) / grows / 15.0);
         for (const std::size_t n : {terms, terms + 1})
             if (const double left = std::abs(slips.across[i][n + 2]); left > 0.0)
                 until = std::min(until, std::pow(1e-13 * grows / left, 1.0 / static_cast<double>(n)));
