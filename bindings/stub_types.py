@@ -142,6 +142,11 @@ def typed(text: str) -> str:
     text = text.replace(
         "a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike) -> CouplingHandle", "a: _End, b: _End) -> CouplingHandle"
     )
+    text = re.sub(
+        r"(def constrain\(.*, a: )numpy\.typing\.ArrayLike, b: numpy\.typing\.ArrayLike \| None",
+        r"\1_End, b: _End | None",
+        text,
+    )
     text = re.sub(r"(def apply\(.*?)handle: Handle", r"\1handle: BodyHandle", text)
     text = re.sub(r"(def (?:watch|integral)\(self, name: str, function: )typing\.Any", r"\1_Watched", text)
     text = re.sub(r"(def parameter\(value: )typing\.Any(.*\) -> )typing\.Any", r"\1float\2Parameter", text)

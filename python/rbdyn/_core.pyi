@@ -2263,7 +2263,7 @@ class Scene:
         Joins two ends by a Spring, a Gravitation, a Central or a PairForce: handles of bodies (of a rigid body its centre of mass), points of bodies, handle.point([x, y, z]),
         or one of them a point of the world (3,) [m]. Returns a handle.
         """
-    def constrain(self, constraint: Ball | Rod | Weld | Hinge | PointOnPlane | PointOnCurve | Universal, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike | None = None, *, name: str | None = None) -> ConstraintHandle:
+    def constrain(self, constraint: Ball | Rod | Weld | Hinge | PointOnPlane | PointOnCurve | Universal, a: _End, b: _End | None = None, *, name: str | None = None) -> ConstraintHandle:
         """
         Holds a to b beside their joints: closes a loop, holds a point. Ends as in connect(); axes, planes and curves are in
         the axes of b. Without b: the world, and of two points that coincide the place where a starts. Returns a handle.

@@ -143,6 +143,10 @@ def test_types_tell_one_time_from_several_and_words_from_others(tmp_path):
         "rb.simulate(scene, 1.0, initial=names)\n"
         'wrong = {"ball": np.ones(3)}\n'
         "rb.simulate(scene, 1.0, initial=wrong)\n"
+        "one, other = (scene.add(rb.RigidBody(1.0, [1, 1, 1])) for _ in range(2))\n"
+        "scene.constrain(rb.Ball(), one.point([1, 0, 0]), other)\n"
+        "scene.constrain(rb.Rod(2.0), ball, np.zeros(3))\n"
+        "scene.constrain(rb.Ball(), spring)\n"
     )
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", program],
@@ -152,6 +156,6 @@ def test_types_tell_one_time_from_several_and_words_from_others(tmp_path):
     )
     lines = [line for line in done.stdout.splitlines() if ": error:" in line or ": note: Revealed" in line]
     numbers = [int(line.split(":")[1]) for line in lines]
-    assert numbers == [10, 11, 12, 13, 14, 15, 21], done.stdout
+    assert numbers == [10, 11, 12, 13, 14, 15, 21, 25], done.stdout
     assert lines[0].endswith('"float"') or lines[0].endswith('"builtins.float"')
     assert all("ndarray" in line for line in lines[1:3])
