@@ -7,6 +7,7 @@ from functools import partial
 
 from rbdyn._core import Ball, BodyHandle, ConstraintHandle, JointTorque, Revolute, RigidBody, Scene, Spring
 from rbdyn.verification.case import TAYLOR, Answer, Answers, Engine, Solve, case
+from rbdyn.verification.mechanisms import point
 
 Z = [0.0, 0.0, 1.0]
 
@@ -42,7 +43,7 @@ def andrews(solve: Solve) -> Answers:
     k7 = scene.add(_bar(0.05498, -0.00449, -0.01228, 1.912e-5), _hinge(-0.06934, -0.00227), angle=1.2305474445498211159)
     k6 = scene.add(_bar(0.00706, 0.00579, 0, 5.667e-7), _hinge(0, -0.04), parent=k7, angle=-0.22266839016588570960)
     pins = [
-        scene.constrain(Ball(), k2.point([-0.028, 0, 0]), body.point(place))
+        scene.constrain(Ball(), point(k2, [-0.028, 0, 0]), point(body, place))
         for body, place in ((k3, [0, -0.035, 0]), (k4, [0, -0.02, 0]), (k6, [0.02, 0, 0]))
     ]
     scene.apply(JointTorque(0.033), k1)
@@ -103,7 +104,7 @@ def walking_leg(rate: float) -> tuple[Scene, BodyHandle, list[ConstraintHandle]]
     add("g", low, knee, "c")
     add("h", knee, foot, "g")
     add("i", low, foot, "c")
-    ends = {name: bar.point([size[name], 0, 0]) for name, bar in bars.items()}
+    ends = {name: point(bar, [size[name], 0, 0]) for name, bar in bars.items()}
     pairs = (("j", "b"), ("e", "d"), ("k", "c"), ("f", "g"), ("h", "i"))
     pins = [scene.constrain(Ball(), ends[one], ends[other]) for one, other in pairs]
     scene.assemble(keep=[bars["m"]])
@@ -170,7 +171,7 @@ def flywheel_linkage(rate: float) -> tuple[Scene, BodyHandle, ConstraintHandle]:
     along, down = meet - end, meet - ground
     joint = scene.add(rods[0], _hinge(size), parent=crank, angle=math.atan2(along.imag, along.real))
     swing = scene.add(rods[1], _hinge(ground), angle=math.atan2(down.imag, down.real))
-    pin = scene.constrain(Ball(), joint.point([coupler, 0, 0]), swing.point([rocker, 0, 0]))
+    pin = scene.constrain(Ball(), point(joint, [coupler, 0, 0]), point(swing, [rocker, 0, 0]))
     scene.assemble(keep=[crank])
     return scene, crank, pin
 

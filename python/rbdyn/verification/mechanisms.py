@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,11 @@ def _rod(along: list[float]) -> RigidBody:
     return RigidBody(1.0, (d @ d * np.eye(3) - np.outer(d, d)) / 12, com=d / 2)
 
 
+def point(body: BodyHandle, place: Any) -> Any:
+    """A point of a body, of a type that all who take one take."""
+    return body.point(place)
+
+
 @mechanism(
     "four-bar linkage",
     row="linkages over many turns; a walking linkage",
@@ -37,7 +43,7 @@ def four_bar(solve: Solve) -> Answers:
     crank = scene.add(_bar(1.0, [0.375, 0, 0], 0.046875), Revolute(Z), angle=0.5, rate=3.0)
     coupler = scene.add(_bar(2.0, [1, 0.125, 0], 2 / 3), Revolute(Z, at=[0.75, 0, 0]), parent=crank, angle=0.1)
     rocker = scene.add(_bar(1.5, [0.75, 0, 0], 0.28125), Revolute(Z, at=[2, 0, 0]), angle=1.4)
-    pin = scene.constrain(Ball(), coupler.point([2, 0, 0]), rocker.point([1.5, 0, 0]))
+    pin = scene.constrain(Ball(), point(coupler, [2, 0, 0]), point(rocker, [1.5, 0, 0]))
     scene.assemble(keep=[crank])
     run = solve(scene, 5.0)
     yield Answer("angle of the crank", run[crank].angle(5.0), -0.88688257197909755672, scale=1.0)
@@ -62,7 +68,7 @@ def four_bar_long(solve: Solve) -> Answers:
     crank = scene.add(_bar(1.0, [0.375, 0, 0], 0.046875), Revolute(Z), angle=0.5, rate=3.0)
     coupler = scene.add(_bar(2.0, [1, 0.125, 0], 2 / 3), Revolute(Z, at=[0.75, 0, 0]), parent=crank, angle=0.1)
     rocker = scene.add(_bar(1.5, [0.75, 0, 0], 0.28125), Revolute(Z, at=[2, 0, 0]), angle=1.4)
-    pin = scene.constrain(Ball(), coupler.point([2, 0, 0]), rocker.point([1.5, 0, 0]))
+    pin = scene.constrain(Ball(), point(coupler, [2, 0, 0]), point(rocker, [1.5, 0, 0]))
     scene.assemble(keep=[crank])
     run = solve(scene, 1000.0, keep="end")
     yield Answer("gap", run[pin].gap(run.end), 0.0, scale=1.0)
@@ -86,7 +92,7 @@ def bricard(solve: Solve) -> Answers:
         at = points[0] if k == 1 else points[k - 1] - points[k - 2]
         parent = rods[-1] if rods else None
         rods.append(scene.add(_rod(list(points[k] - points[k - 1])), Revolute(axes[k - 1], at=at), parent=parent))
-    scene.constrain(Hinge(axes[5]), rods[-1].point(points[5] - points[4]), points[5])
+    scene.constrain(Hinge(axes[5]), point(rods[-1], points[5] - points[4]), points[5])
     run = solve(scene, 2.0)
     known = [2.8955832920258424624, -0.19711514794155859699, 2.8955832920258424624]
     yield Answer("angles", [run[rod].angle(2.0) for rod in rods[:3]], known, scale=2.0)
@@ -106,7 +112,7 @@ def windows(solve: Solve) -> Answers:
     rods = [scene.add(_rod([0, 1, 0]), Revolute([0, 0, -1], at=[k, 0, 0]), rate=1.0) for k in range(3)]
     for k in range(2):
         coupler = scene.add(_rod([1, 0, 0]), Revolute(Z, at=[0, 1, 0]), parent=rods[k], rate=1.0)
-        scene.constrain(Ball(), coupler.point([1, 0, 0]), rods[k + 1].point([0, 1, 0]))
+        scene.constrain(Ball(), point(coupler, [1, 0, 0]), point(rods[k + 1], [0, 1, 0]))
     run = solve(scene, 0.5)
     yield Answer("angles", [run[rod].angle(0.5) for rod in rods], [0.76881862755520605760] * 3, scale=1.0)
     yield Answer("rate", run[rods[0]].rate(0.5), 2.7273084942770729473)
@@ -126,7 +132,7 @@ def flat(solve: Solve) -> Answers:
     left = scene.add(short, Revolute(Z), angle=1.0, rate=1.0)
     top = scene.add(long, Revolute(Z, at=[1, 0, 0]), parent=left, angle=-1.0, rate=-1.0)
     right = scene.add(short, Revolute(Z, at=[2, 0, 0]), angle=1.0, rate=1.0)
-    scene.constrain(Ball(), top.point([2, 0, 0]), right.point([1, 0, 0]))
+    scene.constrain(Ball(), point(top, [2, 0, 0]), point(right, [1, 0, 0]))
     run = solve(scene, 5.0)
     yield Answer("is flat at", run.events.times("singular"), [math.pi - 1])
     yield Answer("angles", [run[left].angle(5.0), run[right].angle(5.0)], [6.0, 6.0])
@@ -146,7 +152,7 @@ def cardan(solve: Solve) -> Answers:
     one = scene.add(RigidBody(1.0, [0.5, 0.5, 0.5]), Revolute(first), rate=2.0)
     two = scene.add(RigidBody(1.0, [0.25, 0.25, 0.25]), Revolute(second), rate=1.0)
     cross = Universal(Z, list(np.cross(Z, second)))
-    scene.constrain(cross, one.point([0, 0, 0]), two.point([0, 0, 0]))
+    scene.constrain(cross, point(one, [0, 0, 0]), point(two, [0, 0, 0]))
     scene.apply(Torque([0.75, 0, 0], frame="world"), one)
     scene.assemble(keep=[one])
     run = solve(scene, 0.5)
