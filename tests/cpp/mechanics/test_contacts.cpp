@@ -1,9 +1,12 @@
 // Contacts without friction: ladders, impacts, landings and accumulations, against cases of 25 digits.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "figures.hpp"
