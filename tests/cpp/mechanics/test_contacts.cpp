@@ -1,9 +1,12 @@
 // Contacts without friction: ladders, impacts, landings and accumulations, against cases of 25 digits.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "figures.hpp"
@@ -348,7 +351,8 @@ struct Dropped {
 
     /// `along` the floor, as the box sees it.
     Dropped(Random& random, double height, const Vector3& along, std::optional<Coulomb> friction, bool has_wall) {
-        const Quaternion frame = turn(random.direction(), random.uniform(0.0, 3.0));
+        const double angle = random.uniform(0.0, 3.0);
+        const Quaternion frame = turn(random.direction(), angle);
         const Matrix3 axes = rotation_matrix(frame);
         scene.set_gravity(axes * Vector3(0, 0, -9.81));
         box = scene.add(
