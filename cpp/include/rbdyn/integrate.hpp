@@ -100,6 +100,9 @@ std::string culprit(const HybridModel& model, const Record& record);
 /// How a run broke off, in a sentence.
 std::string broken_off(const HybridModel& model, const Record& record);
 
+/// How a run broke off that another one is held against, as the end of a sentence; nothing if it did not.
+std::string broken_off_beside(const Record& judge);
+
 /// The record of a closed form that grows beyond the largest number of the machine ends before that, by name.
 void end_where_finite(Record& record);
 

@@ -147,6 +147,12 @@ RBDYN_INLINE std::string broken_off(const HybridModel& model, const Record& reco
     return message + ". " + std::string(advice(record.status));
 }
 
+RBDYN_INLINE std::string broken_off_beside(const Record& judge) {
+    if (judge.status != Status::not_finite && judge.status != Status::inconsistent) return {};
+    return ", for a run that it is held against is " + std::string(name_of(judge.status)) +
+           " at t = " + text(judge.end.hi) + " s" + (judge.not_finite.empty() ? "" : " (" + judge.not_finite + ")");
+}
+
 RBDYN_INLINE void end_where_finite(Record& record) {
     if (record.status != Status::reached_end || !record.halt) return;
     std::vector<double> x(static_cast<std::size_t>(record.variables));
@@ -334,6 +340,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
             return broken_by(std::current_exception());
         }
         if (comparison.stopped) return stopped_by(run.record.status);
+        std::string beside = broken_off_beside(better.record);
         result.error = comparison.error;
         result.certain_until = comparison.certain_until;
         grazes = std::move(comparison.grazes);
@@ -365,6 +372,12 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
                 return broken_by(other.record.thrown);
             } else if (other.record.status == Status::stopped_by_user || other.record.status == Status::step_limit) {
                 return stopped_by(other.record.status);
+            } else {
+                // one that breaks off says no such thing
+                beside = broken_off_beside(other.record);
+                comparison.same_events = false;
+                result.certain_until = comparison.certain_until =
+                    std::min(comparison.certain_until, other.record.end.hi);
             }
         }
         if (is_right(comparison)) break;
@@ -400,7 +413,7 @@ RBDYN_INLINE Solution solve(const HybridModel& model, const std::vector<double>&
                 "simulate: error " + text(options.error) + " was asked for and engine " + engine +
                 (comparison.same_events
                      ? " reached " + text(is_better ? least_reached : comparison.error) + " in this motion"
-                     : std::string(" cannot tell which events this motion has")) +
+                     : " cannot tell which events this motion has" + beside) +
                 (comparison.same_events && is_better ? " (" + text(comparison.error) + " in the run that is returned)"
                                                      : "") +
                 (comparison.by_rounding ? ", for a slip touches zero and rounding decides whether it sticks" : "") +
