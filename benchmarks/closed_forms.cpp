@@ -2,7 +2,7 @@
 #include <rbdyn/closed_form/lagrange_top.hpp>
 #include <rbdyn/closed_form/linear_oscillator.hpp>
 #include <rbdyn/closed_form/pendulum.hpp>
-#include <rbdyn/special/points.hpp>
+#include <rbdyn/special/door.hpp>
 #include <rbdyn/plan/planning.hpp>
 #include <rbdyn/simulate.hpp>
 
