@@ -57,10 +57,9 @@ def test_one_that_breaks_off_is_no_agreement(number):
     assert run.status == "reached end"
 
 
-@pytest.mark.parametrize("number", [2, 3])
-def test_where_it_always_breaks_off_that_is_said(number):
-    """Of each pair the better run, or the second one that is asked."""
-    scene, _ = billiard(lambda run: (run - number) % number == 0)
+def test_where_it_always_breaks_off_that_is_said():
+    """The better run of each pair."""
+    scene, _ = billiard(lambda run: run % 2 == 0)
     with pytest.raises(rb.AccuracyError) as caught:
         rb.simulate(scene, until=8.0, error=1e-6, engine="dop853")
     said = str(caught.value)

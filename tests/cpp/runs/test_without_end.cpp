@@ -134,7 +134,7 @@ TEST(Runs, what_takes_long_is_interrupted) {
     Scene chain({0.0, 0.0, -9.81});
     BodyHandle last =
         chain.add(shapes::rod(1.0, 0.2, {0, 0, 1}), Revolute{.axis = {0, 1, 0}, .point = {0, 0, 0.1}}, {.angle = 0.1});
-    for (int i = 1; i < 40; ++i)
+    for (int i = 1; i < 160; ++i)
         last = chain.add(shapes::rod(1.0, 0.2, {0, 0, 1}),
                          Revolute{.axis = {0, 1, 0}, .at = {0, 0, -0.1}, .point = {0, 0, 0.1}},
                          {.angle = 0.1, .parent = last});
