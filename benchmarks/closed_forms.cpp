@@ -2,9 +2,9 @@
 #include <rbdyn/closed_form/lagrange_top.hpp>
 #include <rbdyn/closed_form/linear_oscillator.hpp>
 #include <rbdyn/closed_form/pendulum.hpp>
-#include <rbdyn/special/door.hpp>
 #include <rbdyn/plan/planning.hpp>
 #include <rbdyn/simulate.hpp>
+#include <rbdyn/special/door.hpp>
 
 #include <algorithm>
 #include <chrono>

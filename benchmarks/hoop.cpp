@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <rbdyn/event/record.hpp>
 #include <rbdyn/integrate.hpp>
-#include <rbdyn/special/points.hpp>
 #include <rbdyn/rbdyn.hpp>
+#include <rbdyn/special/points.hpp>
 #include <string>
 #include <vector>
 

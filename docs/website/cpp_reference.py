@@ -58,7 +58,8 @@ INNER = [
     ),
     *("expression/recorder", "expression/recording", "expression/rounded", "expression/time_function"),
     *("model/equations", "model/equations_writer", "model/hybrid", "model/omission", "model/recorded_model"),
-    *("model/size", "model/sliding", "model/system_report", "model/variables_model", "rbdyn", "scene/plan_slot", "series/piece"),
+    *("model/size", "model/sliding", "model/system_report", "model/variables_model", "rbdyn", "scene/plan_slot"),
+    "series/piece",
 ]
 
 

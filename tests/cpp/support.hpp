@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "random.hpp"
-#include "rbdyn/special/point_laws.hpp"
 #include "rbdyn/simulate.hpp"
+#include "rbdyn/special/point_laws.hpp"
 
 namespace rbdyn::test {
 

@@ -12,9 +12,9 @@
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/special/points.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/simulate.hpp"
+#include "rbdyn/special/points.hpp"
 
 namespace rbdyn::proof {
 

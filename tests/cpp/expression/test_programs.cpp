@@ -9,8 +9,8 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
-#include "rbdyn/special/points.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
+#include "rbdyn/special/points.hpp"
 
 namespace rbdyn::test_programs {
 namespace {

@@ -282,8 +282,8 @@ private:
     /// What contacts tell at one instant: by kind, then by name.
     void put_in_order(std::vector<Happening>& happenings) const;
 
-    /// What is held, and the slip of what stops along a line, at an event: zero to rounding, not to the tolerance of the
-    /// step to there, and a slip that begins then begins with nothing.
+    /// What is held, and the slip of what stops along a line, at an event: zero to rounding, not to the tolerance of
+    /// the step to there, and a slip that begins then begins with nothing.
     void set_exactly(const Mode& mode, std::span<const int> fired, double t, std::span<double> x,
                      std::span<double> rest) const;
 

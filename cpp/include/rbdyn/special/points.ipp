@@ -50,11 +50,11 @@
 #include "rbdyn/special/point_observables.hpp"
 #include "rbdyn/special/point_state.hpp"
 #include "rbdyn/special/points_now.hpp"
-#include "rbdyn/special/words.hpp"
 #include "rbdyn/special/rigid_change.hpp"
 #include "rbdyn/special/rigid_law.hpp"
 #include "rbdyn/special/rigid_loads.hpp"
 #include "rbdyn/special/what_stays.hpp"
+#include "rbdyn/special/words.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
