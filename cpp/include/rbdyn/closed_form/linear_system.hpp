@@ -89,6 +89,8 @@ struct LinearBlocks {
 // set-up costs the third power of a size: beyond these a run of a period takes longer than by integration, or twice as
 // long
 inline constexpr int most_modes = 64, most_in_flow = 16;
+/// Variables that depend on each other beyond this are neither: no matrix of them is made.
+inline constexpr int most_in_block = 2 * most_modes + most_in_flow;
 
 /// Variables from `own` on are those of what forces the others in time, and depend on none of these.
 [[gnu::cold]] LinearBlocks solve(const LinearSystem& system, int own);

@@ -142,8 +142,7 @@ RBDYN_INLINE LinearBlocks solve(const LinearSystem& system, int own) {
                                                                                system.constants[at(first)]));
             continue;
         }
-        // whatever they are, modes and flows are of fewer: no matrix of them is made
-        if (size > 2 * most_modes + most_in_flow) {
+        if (size > most_in_block) {
             result.too_large = size;
             return result;
         }

@@ -248,7 +248,7 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     if (laws.takes_numbers()) return {nullptr, changing};
     if (std::any_of(e.guards.begin(), e.guards.end(), changes)) {
         // one direction of space at least depends on more of itself than modes or flows are made of
-        if (laws.map().size() > 3 * (2 * most_modes + most_in_flow)) return {nullptr, changing};
+        if (laws.map().size() > 3 * most_in_block) return {nullptr, changing};
         auto pieces = linear_pieces(model);
         return {pieces, pieces ? "" : changing};
     }

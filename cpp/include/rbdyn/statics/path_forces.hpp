@@ -81,9 +81,9 @@ public:
     bool rough() const { return rail_ && rail_->friction(); }
     /// mu_s of a rough rail.
     double static_friction() const { return rough() ? static_cast<double>(rail_->friction()->mu_static) : 0.0; }
-    bool one_sided() const { return !at_rest_->one_sided().empty(); }
+    bool one_sided() const { return !acting_->one_sided().empty(); }
     const std::string& name() const { return body().name; }
-    const Scene& scene() const { return at_rest_->scene(); }
+    const Scene& scene() const { return acting_->scene(); }
 
     /// The formula that is right about u.
     Formula formula(double u) const;
@@ -100,7 +100,7 @@ public:
         void choose(double u);
 
         const PathForces* forces_;
-        Formula formula_;
+        Formula own_;  // where the forces distinguish cases
         std::optional<Evaluator<double>> quick_;
     };
 
@@ -114,7 +114,7 @@ public:
 private:
     const Scene::Body& body() const { return scene().bodies()[0]; }
 
-    std::shared_ptr<const statics::RestForces> at_rest_;
+    std::shared_ptr<const statics::RestForces> acting_;
     std::optional<Rail> rail_;
     double mass_ = 0.0, moment_ = 0.0;  // about the axis of a hinge
     Formula smooth_;                    // about the start

@@ -160,12 +160,12 @@ RBDYN_INLINE void set_signs(const Program& program, std::vector<double>& paramet
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE PathForces::PathForces(const Scene& scene) : at_rest_(std::make_shared<const statics::RestForces>(scene)) {
+RBDYN_INLINE PathForces::PathForces(const Scene& scene) : acting_(std::make_shared<const statics::RestForces>(scene)) {
     if (body().rail() != nullptr) rail_ = *body().rail();
     mass_ = body().mass();
     if (is_on_hinge()) {
         // about the axis through the point held there
-        const mechanics::Node& n = at_rest_->tree().node(0);
+        const mechanics::Node& n = acting_->tree().node(0);
         const auto axis = n.joint.as<mechanics::RevoluteLaw>()->axis;
         const auto across = cross<DoubleDouble>(axis, n.center);
         DoubleDouble sum = n.mass * dot<DoubleDouble>(across, across);
@@ -196,7 +196,7 @@ RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
     using S = Expression;
     Recorder r;
     r.follow(0.0, std::span<const double>(&u, 1), {});
-    const statics::RestForces::Recorded at = at_rest_->recorded({r.input(0)});
+    const statics::RestForces::Recorded at = acting_->recorded({r.input(0)});
     Formula result;
     std::vector<S> outputs = at.along;
     if (rough() || one_sided()) {
@@ -204,7 +204,7 @@ RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
         const Vector3Of<S> across = cross<S>(at.all[0].joint.front().move, force);
         const double mu = static_friction();
         outputs.push_back(S(mu * mu) * dot<S>(across, across) - outputs[0] * outputs[0]);
-        if (one_sided()) outputs.push_back(at_rest_->push<S>(at_rest_->one_sided()[0], at.all, force));
+        if (one_sided()) outputs.push_back(acting_->push<S>(acting_->one_sided()[0], at.all, force));
     }
     result.outputs = static_cast<int>(outputs.size());
     for (const Branch& b : r.branches()) {
@@ -219,28 +219,29 @@ RBDYN_INLINE PathForces::Formula PathForces::formula(double u) const {
     return result;
 }
 
-RBDYN_INLINE PathForces::Values::Values(const PathForces& forces) : forces_(&forces), formula_(forces.smooth_) {
-    quick_.emplace(formula_.program);
-    quick_->set_parameters(formula_.parameters);
+RBDYN_INLINE PathForces::Values::Values(const PathForces& forces) : forces_(&forces) {
+    if (!forces.smooth_.is_smooth) own_ = forces.smooth_;
+    quick_.emplace(forces.smooth_.is_smooth ? forces.smooth_.program : own_.program);
+    quick_->set_parameters(forces.smooth_.parameters);
 }
 
 RBDYN_INLINE void PathForces::Values::choose(double u) {
     const std::span<const double> place(&u, 1);
     bool is_right = true;
-    if (formula_.guards > 0) {
+    if (own_.guards > 0) {
         (*quick_)(0.0, place);
-        for (int k = 0; k < formula_.guards; ++k) is_right = is_right && quick_->output(formula_.outputs + k) > 0.0;
+        for (int k = 0; k < own_.guards; ++k) is_right = is_right && quick_->output(own_.outputs + k) > 0.0;
     }
     if (!is_right) {
-        formula_ = forces_->formula(u);
-        quick_.emplace(formula_.program);
+        own_ = forces_->formula(u);
+        quick_.emplace(own_.program);
     }
-    statics::set_signs(formula_.program, formula_.parameters, place);
-    quick_->set_parameters(formula_.parameters);
+    statics::set_signs(own_.program, own_.parameters, place);
+    quick_->set_parameters(own_.parameters);
 }
 
 RBDYN_INLINE double PathForces::Values::operator()(double u) {
-    if (!formula_.is_smooth) choose(u);
+    if (!forces_->smooth_.is_smooth) choose(u);
     (*quick_)(0.0, std::span<const double>(&u, 1));
     return quick_->output(along);
 }
@@ -248,12 +249,12 @@ RBDYN_INLINE double PathForces::Values::operator()(double u) {
 RBDYN_INLINE double PathForces::along_path(double u) const { return Values(*this)(u); }
 
 RBDYN_INLINE double PathForces::effort(double u) const {
-    const statics::RestForces::Efforts efforts = at_rest_->efforts({u});
+    const statics::RestForces::Efforts efforts = acting_->efforts({u});
     return efforts.joints[0] + efforts.of(0, efforts.all[0].joint.front());
 }
 
 RBDYN_INLINE std::string PathForces::not_finite(double u) const {
-    const std::string what = at_rest_->not_finite({u});
+    const std::string what = acting_->not_finite({u});
     return what.empty() ? "a derivative of the forces" : what;
 }
 

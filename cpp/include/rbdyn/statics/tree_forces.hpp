@@ -75,7 +75,7 @@ private:
     using Wide = std::vector<DoubleDouble>;
     using Bodies = std::vector<mechanics::Moving<DoubleDouble>>;
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-    const mechanics::Tree& tree() const { return at_rest_.tree(); }
+    const mechanics::Tree& tree() const { return acting_.tree(); }
 
     /// Positions on the constraints, in 32 digits, and zero velocities behind them; empty if they are not to be closed.
     Wide closed(Wide positions) const;
@@ -117,8 +117,7 @@ private:
     WideMatrix jacobian_of_differences() const;
     void record(const std::vector<double>& q);
 
-    std::vector<Scene::Body> scene_bodies_;
-    RestForces at_rest_;
+    RestForces acting_;
     mechanics::Conditions conditions_;
     std::vector<int> rows_;  // of the constraints, those that are used, the first pivot first
     std::vector<int> following_,

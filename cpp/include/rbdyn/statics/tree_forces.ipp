@@ -28,7 +28,7 @@
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
-RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : scene_bodies_(scene.bodies()), at_rest_(scene) {
+RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
     for (const Scene::Body& b : scene.bodies())
         if (!scene.constraints().empty() && b.rail() != nullptr && b.rail()->may_release())
             throw InvalidInput(b.name +
@@ -85,7 +85,7 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
         }
     }
     for (const DoubleDouble& f : forces(place_)) s.force.push_back(static_cast<double>(f));
-    const RestForces::Efforts efforts = at_rest_.efforts(q);
+    const RestForces::Efforts efforts = acting_.efforts(q);
     if (rows_.empty()) {
         set_signs(program_, parameters_, q);
         values_->set_parameters(parameters_);
@@ -117,9 +117,9 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
             const int turns = node.joint.attitude();
             s.size.push_back(turns >= 0 && k - node.v >= turns ? 1.0 : std::abs(q[at(node.q + k - node.v)]));
         }
-    for (const mechanics::LooseRail& rail : at_rest_.one_sided()) {
+    for (const mechanics::LooseRail& rail : acting_.one_sided()) {
         const double size = efforts.of(rail.body, {Vector3::Zero(), efforts.all[at(rail.body)].joint.front().move});
-        s.pushed = s.pushed && at_rest_.push<double>(rail, efforts.all, efforts.bodies[at(rail.body)].force) >=
+        s.pushed = s.pushed && acting_.push<double>(rail, efforts.all, efforts.bodies[at(rail.body)].force) >=
                                    -16.0 * std::numeric_limits<double>::epsilon() * size;
     }
     return s;
@@ -128,7 +128,7 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
 RBDYN_INLINE std::string TreeForces::not_finite(const std::vector<double>& q) const {
     const Wide x = wide(q);
     if (x.empty()) return "the place itself, where the constraints cannot be closed,";
-    if (const std::string what = at_rest_.not_finite(q); !what.empty()) return what;
+    if (const std::string what = acting_.not_finite(q); !what.empty()) return what;
     if (function_) {
         const Wide f = (*function_)(std::span<const DoubleDouble>(x.data(), at(tree().positions())));
         for (const mechanics::Node& n : tree().nodes())
@@ -186,7 +186,7 @@ RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
         // as far as the body that moves most moves by a part of the scene's size
         double most = 0.0;
         for (const Carried& c : carried(j))
-            most = std::max({most, rounded(c.twist.move).norm() / at_rest_.size(), rounded(c.twist.turn).norm()});
+            most = std::max({most, rounded(c.twist.move).norm() / acting_.size(), rounded(c.twist.turn).norm()});
         const double step = most > 0.0 ? std::exp2(std::floor(std::log2(part / most))) : part;
         std::vector<double> way;
         for (const DoubleDouble& v : basis_[at(j)]) way.push_back(step * static_cast<double>(v));
@@ -292,7 +292,7 @@ RBDYN_INLINE TreeForces::Wide TreeForces::closed(Wide positions) const {
     mechanics::closing::normalize<DoubleDouble>(tree(), positions);
     if (rows_.empty()) return positions;
     const double left = mechanics::close(tree(), conditions_, rows_, 0.0, positions, 60);
-    return left <= 1e-12 * at_rest_.size() ? positions : Wide{};
+    return left <= 1e-12 * acting_.size() ? positions : Wide{};
 }
 
 RBDYN_INLINE TreeForces::Bodies TreeForces::moving(const Wide& x) const {
@@ -394,7 +394,7 @@ RBDYN_INLINE void TreeForces::record(const std::vector<double>& q) {
         into.follow(0.0, q, {});
         std::vector<Expression> places;
         for (int i = 0; i < positions; ++i) places.push_back(into.input(i));
-        return at_rest_.recorded(places);
+        return acting_.recorded(places);
     };
     Recorder r;
     program_ = Program(r, follow(r).along, positions);

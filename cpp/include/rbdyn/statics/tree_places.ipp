@@ -32,7 +32,7 @@ RBDYN_INLINE int coordinates_of(const Scene::Body& b) {
 }
 
 RBDYN_INLINE std::vector<double> TreeForces::place(const std::vector<double>& coordinates) const {
-    std::vector<Scene::Body> bodies = scene_bodies_;
+    std::vector<Scene::Body> bodies = acting_.scene().bodies();
     const double* c = coordinates.data();
     for (Scene::Body& b : bodies) {
         if (std::holds_alternative<Free>(b.joint)) {
@@ -70,7 +70,7 @@ RBDYN_INLINE std::vector<double> TreeForces::coordinates(const std::vector<doubl
     std::vector<double> c;
     const auto add = [&](double value) { c.push_back(value + 0.0); };  // not -0
     for (int i = 0; i < bodies(); ++i) {
-        Scene::Body b = scene_bodies_[at(i)];
+        Scene::Body b = acting_.scene().bodies()[at(i)];
         mechanics::assembling::put(tree(), i, all, x, b);
         if (std::holds_alternative<Free>(b.joint))
             for (const double place : b.position) add(place);
