@@ -77,8 +77,10 @@ void bind_plan(py::module_& m) {
         .def_readonly("functions", &Plan::functions, "The user's own functions: traced, or called back and why.")
         .def_property_readonly("freedom", &Plan::freedom,
                                "Degrees of freedom: those that joints and constraints leave.")
-        .def_readonly("not_unique", &Plan::not_unique,
-                      "Constraints whose forces are not determined by the motion: those told have the least norm.")
+        .def_readonly(
+            "not_unique", &Plan::not_unique,
+            "Constraints whose forces are not determined by the motion: those told have the least norm. And contacts "
+            "that are closed as it starts and whose forces are not determined by it: those told are one choice.")
         .def_readonly("engine", &Plan::engine,
                       "The automatic choice; of several parts those of all, such as \"closed form, taylor\".")
         .def_readonly("reason", &Plan::reason, "Why that engine.")

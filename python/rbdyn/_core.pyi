@@ -2639,7 +2639,7 @@ class Plan:
     @property
     def not_unique(self) -> list[str]:
         """
-        Constraints whose forces are not determined by the motion: those told have the least norm.
+        Constraints whose forces are not determined by the motion: those told have the least norm. And contacts that are closed as it starts and whose forces are not determined by it: those told are one choice.
         """
     @property
     def omissions(self) -> list[Omission]:

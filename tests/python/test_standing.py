@@ -153,3 +153,50 @@ def test_what_is_carried_by_a_driven_plate_does_not_stand():
     scene.contact(ball.sphere(0.1), plate.plane([0, 0, 1]))
     run = rb.simulate(scene, 2.0)
     assert abs(run[ball].position(2.0)[2] - 0.9) < 1e-12
+
+
+def feet_of(scene, body, corners, friction=None, up=(0, 0, 1)):
+    return [scene.contact(body.point(c), rb.Plane(up), friction=friction) for c in corners]
+
+
+@pytest.mark.parametrize("feet", [3, 4, 5])
+def test_a_plan_names_the_feet_whose_forces_the_motion_does_not_determine(feet):
+    """Three feet of a table bear what they must; of more, all that depend on each other are named, and none of what else
+    stands there on as many as it needs."""
+    angle = 2 * np.pi * np.arange(feet) / feet
+    corners = np.column_stack([0.3 * np.cos(angle), 0.3 * np.sin(angle), np.full(feet, -0.5)])
+    scene = rb.Scene(gravity=[0, 0, -G])
+    table = scene.add(rb.RigidBody(5.0, [1.0, 1.1, 0.7]), position=[0, 0, 0.5])
+    stool = scene.add(rb.RigidBody(5.0, [1.0, 1.1, 0.7]), position=[3, 0, 0.5])
+    touch = feet_of(scene, table, corners)
+    others = feet_of(scene, stool, [[0.2, 0, -0.5], [-0.1, 0.2, -0.5], [-0.1, -0.2, -0.5]])
+    names = rb.plan(scene).not_unique
+    assert len(names) == (0 if feet == 3 else feet)
+    run = rb.simulate(scene, 1.0)
+    assert run.plan.not_unique == names and all(name in str(run.plan) for name in names)
+    assert sum(run[c].force(0.5)[2] for c in touch) == pytest.approx(5.0 * G, rel=1e-13)
+    # a point in the middle of a triangle, by its barycentric coordinates
+    assert [run[c].force(0.5)[2] for c in others] == pytest.approx([5.0 * G / 3] * 3, rel=1e-13)
+
+
+def test_what_friction_holds_twice_is_named_and_what_slides_is_not():
+    """A box on two rough feet that hold: their forces along the floor may be any that cancel. Where it slides, each is
+    one only."""
+    for speed, expected in ((0.0, 2), (1.0, 0)):
+        scene = rb.Scene(gravity=[0, -G, 0])
+        box = scene.add(
+            rb.RigidBody(2.0, [0.1] * 3), rb.Planar([1, 0, 0], [0, 1, 0]), position=[0, 0.1], velocity=[speed, 0]
+        )
+        for x in (-0.2, 0.2):
+            scene.contact(box.point([x, -0.1, 0]), rb.Plane([0, 1, 0]), friction=rb.Coulomb(0.5))
+        assert len(rb.plan(scene).not_unique) == expected
+
+
+def test_starts_elsewhere_are_named_anew():
+    """A table that is let go above its floor stands on nothing yet."""
+    scene = rb.Scene(gravity=[0, 0, -G])
+    table = scene.add(rb.RigidBody(5.0, [1.0, 1.1, 0.7]), position=[0, 0, 0.5])
+    feet_of(scene, table, [[x, y, -0.5] for x in (-0.3, 0.3) for y in (-0.2, 0.2)])
+    assert len(rb.plan(scene).not_unique) == 4
+    run = rb.simulate(scene, 0.1, initial={(table, "position"): [0, 0, 1.5]})
+    assert run.plan.not_unique == []

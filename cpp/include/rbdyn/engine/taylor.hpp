@@ -144,6 +144,9 @@ private:
     /// A length that the equations bear out at the end of a step at least, halved until they do: where the argument of
     /// a root, a power or a logarithm has passed its zero, a series that happens to be a polynomial goes on.
     double borne_out_at_end(double length);
+    /// A length of a step that only an end limits, at whose end what is held is where it is held: rounded forces leave
+    /// accelerations there, and what they add up to grows like the square of the time.
+    double held_at_end(double length);
     static bool has_roots(const Program& program);
     /// Whether a guard is on another side at a place than where the step begins, or may be: the step ends before.
     bool passes_guard(double tau) const;
@@ -184,7 +187,7 @@ private:
     double steps_before_ = 0.0;                 // of what it goes on with
     bool is_ready_ = false;                     // for the first step of a mode
     std::unique_ptr<Evaluator<double>> roots_;  // of equations that have roots; none for others
-    std::vector<double> end_, end_slope_;
+    std::vector<double> end_, end_slope_, end_low_;
     std::vector<signed char> rough_;  // by guard; empty: none is
     std::unique_ptr<const Projection> projection_;
 };

@@ -150,6 +150,7 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
         natural_ = length = std::min(length, far);
     }
     length = borne_out_at_end(length);
+    length = held_at_end(length);
     // a step that ends so that t + h is exact (in two doubles, where it is longer than the time so far)
     double h = length * unit_;
     Instant end{limit_, 0.0};
@@ -431,6 +432,40 @@ RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
     for (int k = 0; k < most_halvings_of_step; ++k, shorter *= 0.5)
         if (bears_out(*roots_, shorter, shorter * unit_, end_, end_slope_)) return shorter;
     return length;
+}
+
+RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
+    if (!projection_) return length;
+    const int n = equations_->variables();
+    std::array<double, max_order> power;
+    series::powers(length, order_, power.data());
+    constexpr double nothing = 0x1p-58;
+    double widest = 0.0;
+    for (const VariableGroup& group : equations_->groups) widest = std::max(widest, scales_.scale(group));
+    for (const VariableGroup& group : equations_->groups) {
+        const double scale = std::max(scales_.scale(group), widest / (length * unit_));
+        for (int i = group.first; i < group.first + group.count; ++i)
+            if (std::abs(series_->coefficients(i)[order_]) * power[at(order_ - 1)] > nothing * scale) return length;
+    }
+    end_.resize(x_.size());
+    end_low_.resize(x_.size());
+    double shorter = length, last = std::numeric_limits<double>::infinity();
+    for (;;) {
+        const double end = t_.hi + shorter * unit_, tau = (end - t_.hi) / unit_;
+        series::powers(tau, order_, power.data());
+        for (int i = 0; i < n; ++i) {
+            const double increment = series::dot(series_->coefficients(i) + 1, power.data(), order_);
+            const Instant sum = exact_sum(x_[at(i)], increment + low_[at(i)]);
+            end_[at(i)] = sum.hi;
+            end_low_[at(i)] = sum.lo;
+        }
+        const double off = projection_->off(end_, end_low_, end);
+        if (!(off > 1.0)) return shorter;
+        // it does not come from the length of the step
+        if (!(off < 0.5 * last)) return length;
+        last = off;
+        shorter *= std::clamp(0.7 / std::sqrt(off), 0x1p-20, 0.5);
+    }
 }
 
 RBDYN_INLINE bool TaylorEngine::has_roots(const Program& program) {

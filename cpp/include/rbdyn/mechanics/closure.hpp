@@ -180,6 +180,10 @@ private:
 /// 1. Rows that do nothing are none of them.
 std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
                                              const std::vector<int>& rows, const std::vector<Moving<double>>& all);
+/// The same of other rows than those of constraints that are not used.
+std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
+                                             const std::vector<int>& rows, const std::vector<int>& unused,
+                                             const std::vector<Moving<double>>& all);
 
 /// All variables moved onto the constraints, from where they are, in 32 digits. Returns the largest gap that is left.
 /// `most`: changes to try.
@@ -190,15 +194,19 @@ std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions&
 /// gap that are not the same.
 class TreeProjection : public Projection {
 public:
-    /// `rows`: of velocities; `closed`: of gaps.
+    /// `rows`: of velocities; `closed`: of gaps. `size`: of the least of what touches [m], zero if nothing does.
     TreeProjection(std::shared_ptr<const Tree> tree, std::shared_ptr<const Conditions> conditions,
-                   std::vector<int> rows, std::vector<int> closed)
+                   std::vector<int> rows, std::vector<int> closed, double size = 0.0)
         : tree_(std::move(tree)),
           conditions_(std::move(conditions)),
           rows_(std::move(rows)),
-          closed_(std::move(closed)) {}
+          closed_(std::move(closed)),
+          size_(size) {}
 
     void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
+
+    /// Of what touches: the largest gap.
+    double off(std::span<const double> x, std::span<const double> low, double t) const override;
 
     void refine(std::vector<DoubleDouble>& x, double t) const override;
 
@@ -206,6 +214,7 @@ private:
     std::shared_ptr<const Tree> tree_;
     std::shared_ptr<const Conditions> conditions_;
     std::vector<int> rows_, closed_;
+    double size_;
 };
 
 }  // namespace mechanics

@@ -56,10 +56,18 @@ RBDYN_INLINE std::vector<int> independent_rows(const Tree& tree, const Condition
 RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
                                                           const std::vector<int>& rows,
                                                           const std::vector<Moving<double>>& all) {
+    std::vector<int> unused;
+    for (int r = 0; r < conditions.constraint_rows(); ++r)
+        if (!std::binary_search(rows.begin(), rows.end(), r)) unused.push_back(r);
+    return dependences(tree, conditions, rows, unused, all);
+}
+
+RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, const Conditions& conditions,
+                                                          const std::vector<int>& rows, const std::vector<int>& unused,
+                                                          const std::vector<Moving<double>>& all) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     std::vector<std::vector<double>> result;
-    const auto held = std::lower_bound(rows.begin(), rows.end(), conditions.constraint_rows());
-    if (held - rows.begin() == conditions.constraint_rows()) return result;
+    if (unused.empty()) return result;
     std::vector<int> every(at(conditions.rows()));
     for (int r = 0; r < conditions.rows(); ++r) every[at(r)] = r;
     const closing::Responses responses(tree, conditions, every, all);
@@ -71,10 +79,8 @@ RBDYN_INLINE std::vector<std::vector<double>> dependences(const Tree& tree, cons
         for (const int other : rows) used.back().push_back(a[at(r)][at(other)]);
         most = std::max(most, a[at(r)][at(r)]);
     }
-    for (int r = 0; r < conditions.constraint_rows(); ++r) {
-        if (std::binary_search(rows.begin(), rows.end(), r) ||
-            a[at(r)][at(r)] <= std::max(1e-24 * most, responses.nothing(at(r))))
-            continue;
+    for (const int r : unused) {
+        if (a[at(r)][at(r)] <= std::max(1e-24 * most, responses.nothing(at(r)))) continue;
         std::vector<double> b;
         for (const int other : rows) b.push_back(a[at(other)][at(r)]);
         const std::vector<double> parts = solve_definite<double>(used, b);
@@ -157,6 +163,19 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
     }
     for (std::size_t i = 0; i < x.size(); ++i)
         if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);
+}
+
+RBDYN_INLINE double TreeProjection::off(std::span<const double> x, std::span<const double> low, double t) const {
+    if (!(size_ > 0.0)) return 0.0;
+    using Real = long double;
+    std::vector<Real> wide(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
+    closing::normalize<Real>(*tree_, wide);
+    tree_->follow<Real>(t, wide.data());
+    const auto all = closing::moving<Real>(*tree_, t, wide);
+    const double gap = closing::largest(closing::chosen(conditions_->gaps<Real>(*tree_, all), closed_));
+    const double extent = closing::extent(closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
+    return gap / (0x1p-43 * size_ + 8.0 * std::numeric_limits<double>::epsilon() * extent);
 }
 
 RBDYN_INLINE void TreeProjection::refine(std::vector<DoubleDouble>& x, double t) const {

@@ -77,6 +77,16 @@ RBDYN_INLINE double TreeModel::size_of(int contact, const std::vector<mechanics:
     return size;
 }
 
+RBDYN_INLINE double TreeModel::least_size(const Mode& mode, const std::vector<mechanics::Moving<double>>& all) const {
+    double least = 0.0;
+    for (int k = 0; k < contacts(); ++k)
+        if (mode.slip[at(k)] != flies) {
+            const double size = size_of(k, all);
+            if (size > 0.0 && !(least > 0.0 && least <= size)) least = size;
+        }
+    return least;
+}
+
 RBDYN_INLINE double TreeModel::speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const {
     const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
     double speed = 0.0;

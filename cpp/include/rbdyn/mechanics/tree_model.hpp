@@ -140,6 +140,8 @@ private:
     bool holds_all(const std::vector<int>& rows) const;
     /// How large what a contact joins is [m]: gaps far below that are none.
     double size_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
+    /// The least of those of what touches; zero if nothing does, or none has one.
+    double least_size(const Mode& mode, const std::vector<mechanics::Moving<double>>& all) const;
     /// How fast they move at most [m/s].
     double speed_of(int contact, const std::vector<mechanics::Moving<double>>& all) const;
     /// What has fired of contacts.
@@ -229,6 +231,8 @@ private:
     std::string no_sliding(int contact) const;
     /// Whether what friction holds has forces that the motion does not determine.
     bool shares_load(const Mode& mode) const;
+    /// The names of contacts that are closed as the scene starts and whose forces the motion does not determine.
+    std::vector<std::string> sharing_contacts() const;
     /// The rows of what is held, and the forces along axes that have none. Returns whether there are such, inside all
     /// cones.
     bool hold_by_friction(const Mode& before, Mode& mode, double t, const Touched& touched,

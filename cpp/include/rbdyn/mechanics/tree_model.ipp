@@ -87,10 +87,10 @@ RBDYN_INLINE TreeModel::TreeModel(const Scene& scene, const GivenNumbers& number
 }
 
 RBDYN_INLINE std::vector<std::string> TreeModel::not_unique() const {
-    if (conditions_->all().empty()) return {};
+    std::vector<std::string> names = sharing_contacts();
+    if (conditions_->all().empty()) return names;
     const auto loose = mechanics::dependences(*tree_, *conditions_, rows_,
                                               mechanics::closing::moving<double>(*tree_, 0.0, TreeModel::start(0.0)));
-    std::vector<std::string> names;
     for (const mechanics::Condition& c : conditions_->all()) {
         const auto is_in = [&](const std::vector<double>& one) {
             return std::any_of(one.begin() + c.first, one.begin() + c.first + c.rows(),
@@ -651,9 +651,10 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
     for (int i = 0; i < bodies(); ++i) turns = turns || tree_->node(i).joint.attitude() >= 0;
     const std::vector<int> closed = closed_in(mode, moving(state.t, state.x));
     if ((turns || !kept_rows(mode).empty() || !closed.empty()) && !stands_still)
-        result->equations.projection = [tree = tree_in(mode), conditions = conditions_, rows = kept_rows(mode), closed](
-                                           std::span<const double>, std::span<const double>) {
-            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed);
+        result->equations.projection = [tree = tree_in(mode), conditions = conditions_, rows = kept_rows(mode), closed,
+                                        size = least_size(mode, moving(state.t, state.x))](std::span<const double>,
+                                                                                           std::span<const double>) {
+            return std::make_unique<const mechanics::TreeProjection>(tree, conditions, rows, closed, size);
         };
     return result;
 }

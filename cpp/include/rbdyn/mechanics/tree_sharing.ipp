@@ -24,6 +24,36 @@ RBDYN_INLINE bool TreeModel::shares_load(const Mode& mode) const {
     return false;
 }
 
+RBDYN_INLINE std::vector<std::string> TreeModel::sharing_contacts() const {
+    std::vector<std::string> names;
+    if (contacts() < 2) return names;
+    std::vector<double> x = TreeModel::start(0.0);
+    const Mode mode = begin(0.0, x);
+    if (!mode.impossible.empty() || !shares_load(mode)) return names;
+    const auto all = mechanics::closing::moving<double>(*tree_, 0.0, x);
+    std::vector<int> rows = rows_, contact_of(at(conditions_->rows()), -1);
+    const auto take = [&](int row, int contact) {
+        rows.push_back(row);
+        contact_of[at(row)] = contact;
+    };
+    for (int k = 0; k < contacts(); ++k) {
+        const signed char state = mode.slip[at(k)];
+        if (mechanics::contact_state::is_held(state))
+            for (int axis = 0; axis < 3; ++axis) take(conditions_->held_row(k, axis), k);
+        else if (state != flies)
+            take(conditions_->normal_row(k), k);
+    }
+    const std::vector<int> used = mechanics::independent_rows(*tree_, *conditions_, rows, all, rows_.size());
+    std::erase_if(rows, [&](int r) { return std::binary_search(used.begin(), used.end(), r); });
+    std::vector<bool> is_one_of_many(at(contacts()), false);
+    for (const auto& one : mechanics::dependences(*tree_, *conditions_, used, rows, all))
+        for (std::size_t r = 0; r < one.size(); ++r)
+            if (contact_of[r] >= 0 && std::abs(one[r]) > 1e-9) is_one_of_many[at(contact_of[r])] = true;
+    for (int k = 0; k < contacts(); ++k)
+        if (is_one_of_many[at(k)]) names.push_back(conditions_->contacts()[at(k)].name);
+    return names;
+}
+
 RBDYN_INLINE bool TreeModel::share_load(const Mode& before, Mode& mode, double t,
                                         const std::vector<mechanics::Moving<double>>& all,
                                         const std::vector<int>& candidates, const std::vector<double>& b,

@@ -101,6 +101,8 @@ public:
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
     /// time since it was moved last [s]; `t`: the time it is at.
     virtual void apply(std::span<double> x, std::span<double> low, double step, double t) const = 0;
+    /// How far the state x + low, at time t, is from there, in parts of what may pass for rounding; 0 if nobody asks.
+    virtual double off(std::span<const double> x, std::span<const double> low, double t) const;
     /// Moves a state of 32 digits to where constraints hold, with as many.
     virtual void refine(std::vector<DoubleDouble>& x, double t) const;
     /// Whether it adds what rounded constants of the equations leave out.

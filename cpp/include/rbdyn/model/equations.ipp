@@ -24,6 +24,11 @@ RBDYN_INLINE double least_share(double wanted, double size) {
 
 RBDYN_INLINE void Projection::refine(std::vector<DoubleDouble>& /*x*/, double /*t*/) const {}
 
+RBDYN_INLINE double Projection::off(std::span<const double> /*x*/, std::span<const double> /*low*/,
+                                    double /*t*/) const {
+    return 0.0;
+}
+
 RBDYN_INLINE bool Projection::makes_up_for_rounding() const { return false; }
 
 RBDYN_INLINE const Switch* Equations::switch_of(const Guard& guard) const {

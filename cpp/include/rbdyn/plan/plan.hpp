@@ -34,7 +34,7 @@ struct Plan {
     std::string engine, reason;            // the automatic choice; of several parts each one's, once
     std::string integrator;                // the automatic choice among those that integrate
     std::vector<Omission> omissions;
-    std::vector<std::string> not_unique;       // constraints whose forces the motion does not determine
+    std::vector<std::string> not_unique;       // constraints and contacts with forces that the motion leaves open
     std::vector<std::string> integrals;        // first integrals of the scene
     Vector3 pole = Vector3::Zero();            // what those of angular momentum are about
     Vector3 up{0, 0, 1};                       // against gravity

@@ -1,0 +1,77 @@
+"""What slides on without end stays on its surface: rounded forces leave accelerations of some 1e-16 m/s^2 towards it,
+which one step of a day would add up to micrometres. Against uniform motion.
+"""
+
+import numpy as np
+import pytest
+import rbdyn as rb
+
+G = 9.8125
+
+
+def frame(up):
+    up = np.array(up, float) / np.linalg.norm(up)
+    along = np.cross(up, [0.3, 0.1, 0.9])
+    along /= np.linalg.norm(along)
+    return along, np.cross(up, along), up
+
+
+def box(up, speed, spin=0.0, corners=4):
+    """A box on its feet, on a smooth floor that is level."""
+    along, across, up = frame(up)
+    scene = rb.Scene(gravity=-G * up)
+    body = scene.add(
+        rb.RigidBody(2.0, [0.1, 0.2, 0.25]),
+        position=0.1 * up,
+        attitude=np.column_stack([along, across, up]),
+        velocity=speed * along,
+        angular_velocity=[0, 0, spin],
+    )
+    feet = [[-0.2, -0.3, -0.1], [0.2, -0.3, -0.1], [0.2, 0.3, -0.1], [-0.2, 0.3, -0.1]]
+    touch = [scene.contact(body.point(p), rb.Plane(up)) for p in feet[:corners]]
+    return scene, body, touch, along
+
+
+@pytest.mark.parametrize("until", [300.0, 1e5])
+@pytest.mark.parametrize("up", [[0, 0, 1], [1, 2, 3], [-3, 1, 0.2]])
+def test_a_box_that_slides_for_a_day_stays_on_its_floor(up, until):
+    speed = 0.25
+    scene, body, touch, along = box(up, speed)
+    run = rb.simulate(scene, until, rtol=1e-10)
+    assert run.status == "reached end" and not len(run.events)
+    size, where = 0.36, speed * until
+    for t in until * np.array([0.01, 0.3, 0.77, 1.0]):
+        gaps = [run[c].gap(t) for c in touch]
+        # 1e-12 of the size, and the rounding of where it is
+        assert np.abs(gaps).max() < 1e-12 * size + 8 * np.finfo(float).eps * where
+        assert sum(np.linalg.norm(run[c].force(t)) for c in touch) == pytest.approx(2.0 * G, rel=1e-12)
+    # what gravity and the normal as they are rounded have along the floor is the scene's own: eps g t^2 / 2
+    off = run[body].position(until) - run[body].position(0.0) - speed * until * along
+    assert np.abs(off).max() < 4 * np.finfo(float).eps * (G * until**2 / 2 + where)
+
+
+def test_level_floors_take_nothing_from_the_error_that_is_asked_for():
+    speed, until = 0.25, 1e5
+    scene, body, touch, along = box([0, 0, 1], speed)
+    run = rb.simulate(scene, until, error=1e-9)
+    off = run[body].position(until) - run[body].position(0.0) - speed * until * along
+    assert np.abs(off).max() <= 1e-9 * speed * until
+    assert run.error <= 1e-9
+
+
+def test_a_ball_that_rolls_for_a_day_stays_on_its_floor():
+    up = frame([1, 2, 3])[2]
+    along = frame([1, 2, 3])[0]
+    scene = rb.Scene(gravity=-G * up)
+    ball = scene.add(
+        rb.shapes.sphere(1.0, 0.1),
+        position=0.1 * up,
+        velocity=0.2 * along,
+        angular_velocity=2.0 * np.cross(up, along),
+    )
+    touch = scene.contact(ball.sphere(0.1), rb.Plane(up), friction=rb.Coulomb(0.5))
+    until = 3000.0
+    run = rb.simulate(scene, until, rtol=1e-10)
+    assert run.status == "reached end" and not len(run.events)
+    for t in (1.0, 1000.0, until):
+        assert abs(run[touch].gap(t)) < 1e-12 * 0.1 + 8 * np.finfo(float).eps * 0.2 * until
