@@ -161,8 +161,8 @@ def feet_of(scene, body, corners, friction=None, up=(0, 0, 1)):
 
 @pytest.mark.parametrize("feet", [3, 4, 5])
 def test_a_plan_names_the_feet_whose_forces_the_motion_does_not_determine(feet):
-    """Three feet of a table bear what they must; of more, all that depend on each other are named, and none of what else
-    stands there on as many as it needs."""
+    """Three feet of a table bear what they must; of more, all that depend on each other are named, and none of what
+    else stands there on as many as it needs."""
     angle = 2 * np.pi * np.arange(feet) / feet
     corners = np.column_stack([0.3 * np.cos(angle), 0.3 * np.sin(angle), np.full(feet, -0.5)])
     scene = rb.Scene(gravity=[0, 0, -G])
