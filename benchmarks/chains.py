@@ -13,8 +13,11 @@ import time
 import rbdyn as rb
 
 UNTIL, SIZES, HINGED, STIFF = 1.0, (10, 100, 1000, 10000, 100000), (10, 100, 1000), (10, 100, 1000, 4000)
-# until when a chain of n links is followed: its time goes with the length of a link
-HINGED_UNTIL = 0.02
+
+
+def hinged_until(n):
+    """Until when a chain of n links is followed: its time goes with the length of a link, and its steps are as many."""
+    return 20.0 / n
 
 
 def seconds(call):
@@ -74,19 +77,21 @@ def measured(n, scene, until, engine="auto", rtol=1e-10, error=1e-9):
     )
 
 
-def table(name, sizes, make, *options, **more):
+def table(name, sizes, make, until, *options, **more):
     wanted = [int(n) for n in sys.argv[1:] if n.isdigit()]
     print(f"\n{name}\n\n| n | plan, us a body | steps | us a body and step | error= over rtol= | energy, ms | MB |")
     print("|---|---|---|---|---|---|---|")
     for n in sizes:
         if not wanted or n in wanted:
-            measured(n, make(n), *options, **more)
+            measured(n, make(n), until(n) if callable(until) else until, *options, **more)
 
 
 def main():
     table("springs of a length, in space", SIZES, springs, UNTIL)
-    table("hinged in a plane", HINGED, lambda n: links(n, "revolute"), HINGED_UNTIL)
-    table("on ball joints, in space", HINGED, lambda n: links(n, "spherical"), 0.2 * HINGED_UNTIL, error=None)
+    table("hinged in a plane", HINGED, lambda n: links(n, "revolute"), hinged_until)
+    table(
+        "on ball joints, in space", HINGED, lambda n: links(n, "spherical"), lambda n: 0.2 * hinged_until(n), error=None
+    )
     if "cvode-bdf" in rb.engines():
         stiff = {"rtol": 1e-6, "error": None}
         for engine in ("cvode-bdf", "auto"):

@@ -120,6 +120,7 @@
 #include "rbdyn/expression/series_evaluator.ipp"
 #include "rbdyn/expression/series_sizes.ipp"
 #include "rbdyn/expression/state_jacobian.ipp"
+#include "rbdyn/expression/streamed_series.ipp"
 #include "rbdyn/expression/term_sizes.ipp"
 #include "rbdyn/expression/time_function.ipp"
 #include "rbdyn/expression/value_code.ipp"

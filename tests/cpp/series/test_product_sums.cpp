@@ -43,9 +43,8 @@ struct Sums {
             sums.push_back({products.data() + i, products.data() + i + 3, series::Quad{}, series::Quad{}});
     }
     RBDYN_INLINE_LANES void advance(int k) {
-        series::lanes::advance<false>(lanes.data(), lanes.data() + lanes.size(), spreads.data(),
-                                      spreads.data() + spreads.size(), sums.data(), sums.data() + sums.size(), nullptr,
-                                      nullptr, k);
+        series::lanes::advance(lanes.data(), lanes.data() + lanes.size(), spreads.data(),
+                               spreads.data() + spreads.size(), sums.data(), sums.data() + sums.size(), k);
     }
     /// Coefficient k of a sum in a lane, and the size of its terms.
     std::pair<long double, long double> written_out(int sum, int lane, int k) const {

@@ -3,17 +3,26 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <cstring>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "rbdyn/engine/band.hpp"
+#include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/evaluate.hpp"
+#include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/series_abreast.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/state_jacobian.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/scene_model.hpp"
 #include "rbdyn/plan/plan.hpp"
+#include "rbdyn/series/abreast.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_long_chains {
@@ -66,7 +75,7 @@ struct Equipped {
 void have_the_series_they_have_order_by_order(const Scene& scene, bool is_skewed) {
     const Equipped one(scene);
     Schedule schedule(one.program());
-    const Wavefront wavefront(one.program(), schedule, order, true);
+    const Wavefront wavefront(one.program(), schedule, order);
     ASSERT_FALSE(wavefront.chunks.empty());
     ASSERT_EQ(wavefront.is_skewed, is_skewed);
     SeriesEvaluator together(one.program(), order), apart(one.program(), order);
@@ -93,11 +102,80 @@ TEST(LongChains, have_the_series_they_have_order_by_order) {
     have_the_series_they_have_order_by_order(links(80, false), false);
 }
 
+#ifdef RBDYN_HAS_LANES
+/// Every operation that long programs have, and time: each variable's rate is made of all variables before it, and of
+/// the sum of all.
+Program long_program(int variables) {
+    Recorder r;
+    const Expression t = r.time(), p = r.parameter(r.new_parameter());
+    Expression all = 0.0, before = 0.25;
+    std::vector<Expression> x, rates;
+    for (int i = 0; i < variables; ++i) x.push_back(r.input(i));
+    for (int i = 0; i < variables; ++i) all = all + x[static_cast<std::size_t>(i)];
+    for (int i = 0; i < variables; ++i) {
+        const Expression u = x[static_cast<std::size_t>(i)], v = x[static_cast<std::size_t>((i + 1) % variables)];
+        const Expression turned = 0.5 * sin(u) * before + cos(v) * u - 0.1 * t, square = u * u + v * v + 1.5;
+        switch (i % 5) {
+            case 0: before = turned / square + p * u; break;
+            case 1: before = 0.1 * length({u, v, turned + 2.0}) - 0.25 * u * v + p; break;
+            case 2: before = 0.1 * log(square) * turned + 0.2 * sqrt(square); break;
+            case 3: before = 0.2 * asinh(turned) + 0.1 * atanh(0.1 * sin(u)) - 0.3; break;
+            default: before = 0.1 * recording::angle(v, u + 4.0) - 0.5 * turned + 0.1 * log1p(u * u); break;
+        }
+        rates.push_back(i % 7 == 3 ? v : before - 1e-3 * all * u);
+    }
+    rates.push_back(before * all);
+    rates.push_back(p * t);
+    return Program(r, rates, variables);
+}
+
+TEST(LongChains, have_in_all_slots_the_bits_of_the_same_motion_beside_others) {
+    const auto hold = [](const Program& program, std::span<const double> parameters, std::span<const double> x) {
+        Schedule schedule(program);
+        ASSERT_FALSE(Wavefront(program, schedule, order).is_skewed);
+        SeriesEvaluator alone(program, order), everywhere(program, order), beside(program, order);
+        ASSERT_GT(alone.bytes(), std::size_t{1} << 20) << "no longer than what fits the caches";
+        everywhere.go_without_lanes_of_four();
+        // what is asked for between two runs is of the first, and then of the second
+        for (const double t : {0.25, 0.5}) {
+            for (SeriesEvaluator* series : {&alone, &everywhere}) {
+                series->set_parameters(parameters);
+                series->begin(t, 0.125);
+                for (std::size_t i = 0; i < x.size(); ++i) series->set_input(static_cast<int>(i), 0, x[i]);
+                series->expand(order, true);
+            }
+            SeriesAbreast abreast(program, order);
+            const SeriesAbreast::Motion motion{t, 0.125, x, alone.weights()};
+            abreast.expand(std::span(&motion, 1), true);
+            ASSERT_TRUE(abreast.is_good(0));
+            abreast.give_all(0, beside, true);
+            for (int slot = 0; slot < program.slots(); ++slot)
+                for (const SeriesEvaluator* other : {&everywhere, &beside})
+                    ASSERT_EQ(
+                        std::memcmp(alone.coefficients(slot), other->coefficients(slot), sizeof(double) * (order + 1)),
+                        0)
+                        << slot << ", t = " << t;
+            ASSERT_TRUE(alone.is_finite(order));
+        }
+    };
+    const Program program = long_program(700);
+    std::vector<double> x(700);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::sin(1.0 + 3.0 * static_cast<double>(i));
+    // each norm has a parameter that says whether it begins at zero
+    std::vector<double> parameters(static_cast<std::size_t>(program.parameters()), 0.0);
+    parameters.front() = 0.75;
+    hold(program, parameters, x);
+    const Equipped one(links(300, true)), other(links(80, false));
+    hold(one.program(), one.mode.parameters, one.x);
+    hold(other.program(), other.mode.parameters, other.x);
+}
+#endif
+
 TEST(LongChains, take_for_each_mass_what_shorter_ones_take) {
     const auto counts = [](int masses) {
         const Equipped one(chain(masses));
         Schedule schedule(one.program());
-        const Wavefront wavefront(one.program(), schedule, order, true);
+        const Wavefront wavefront(one.program(), schedule, order);
         std::size_t longest = 0;
         for (const Wavefront::Chunk& c : wavefront.chunks) longest = std::max(longest, c.inputs.last - c.inputs.first);
         const StateJacobian jacobian(one.program());

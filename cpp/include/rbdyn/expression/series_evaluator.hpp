@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
+#include "rbdyn/basics/large_memory.hpp"
 #include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/streamed_series.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/lanes.hpp"
@@ -32,7 +34,10 @@ public:
     const Program& program() const { return *program_; }
     /// As if it were new.
     void renew();
-    std::size_t bytes() const { return storage_.size() * sizeof(double) + lanes_.size() * sizeof(lanes_[0]); }
+    std::size_t bytes() const {
+        return storage_.size() * sizeof(double) + lanes_.size() * sizeof(lanes_[0]) +
+               (stream_ != nullptr ? stream_->bytes() : 0);
+    }
     /// Doubles from one slot's coefficients to the next one's.
     int stride() const { return stride_; }
 
@@ -82,12 +87,16 @@ public:
 
     const double* coefficients(int slot_index) const;
     /// The same for who computed them elsewhere (series_abreast.hpp).
-    double* row(int slot_index) { return slot(slot_index).forward; }
+    double* row(int slot_index) {
+        if (stream_ != nullptr) stream_->give(slot_index, slot(slot_index).forward);
+        return slot(slot_index).forward;
+    }
     void set_unit(double unit) { unit_ = unit; }
 
 private:
     friend class MachineCode;
     friend class MachineCodeWriter;
+    friend class StreamedSeries;
     // instructions with their series found once
     struct ResolvedTerm {
         const double* series;
@@ -191,6 +200,7 @@ private:
     RBDYN_INLINE_LANES void norm(const Step& i, const series::View& out, int k);
 
     void resolve();
+    void add_motion(const std::vector<int>& backwards);
 
     const ResolvedTerm* add_terms(const Instruction& i);
 
@@ -202,7 +212,7 @@ private:
     const Program* program_;
     int top_, stride_;
     double unit_ = 1.0;
-    std::vector<double> storage_;
+    mutable LargeVector<double> storage_;  // of what is streamed a row is written when it is asked for
     std::vector<double> scalars_;
     std::vector<int> valuations_;
     std::vector<Block> blocks_;
@@ -217,7 +227,6 @@ private:
     std::unique_ptr<const Wavefront> wavefront_;  // of a program that is larger than the caches
     std::vector<std::size_t> first_block_;        // by stage, after those of the inputs; then the end
     bool may_overflow_ = false, overflows_ = false;
-    bool fetches_ = false;  // series are asked for before they are needed
     std::vector<ResolvedTerm> terms_;
     std::vector<series::LaneValues> lanes_;
     std::vector<series::LaneSeries> lane_series_;
@@ -228,6 +237,7 @@ private:
     std::unique_ptr<const MachineCode> code_;
     int expansions_ = 0;  // so far, until there is code
     Run run_ = usual();
+    std::unique_ptr<StreamedSeries> stream_;  // instead of all lists, of a program that is larger than the caches
 };
 
 inline void SeriesEvaluator::integrate(int k) {
@@ -242,7 +252,9 @@ inline bool SeriesEvaluator::is_finite(int k) const {
 }
 
 inline const double* SeriesEvaluator::coefficients(int slot_index) const {
-    return storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
+    double* const row = storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
+    if (stream_ != nullptr) stream_->give(slot_index, row);
+    return row;
 }
 
 inline series::View SeriesEvaluator::slot(int index) {

@@ -19,6 +19,7 @@
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/program_weights.hpp"
 #include "rbdyn/expression/schedule.hpp"
+#include "rbdyn/expression/streamed_series.hpp"
 #include "rbdyn/expression/wavefront.hpp"
 #include "rbdyn/series/coefficients.hpp"
 #include "rbdyn/series/lanes.hpp"
@@ -42,6 +43,7 @@ RBDYN_INLINE void SeriesEvaluator::renew() {
 
 RBDYN_INLINE void SeriesEvaluator::set_parameters(std::span<const double> parameters, Program::Rounding rounding) {
     program_->set_parameters(parameters, scalars_, rounding);
+    if (stream_ != nullptr) return stream_->set_weights(scalars_);
     const auto weight = [&](const Schedule::Weighted& w) {
         if (w.scalar < 0) return w.scalar == Schedule::one ? 1.0 : 0.0;
         return scalars_[static_cast<std::size_t>(w.scalar)];
@@ -107,14 +109,6 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_in(std::ptrdiff_t k) {
 template <class Lanes>
 RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, const Block* end, std::ptrdiff_t k) {
     const bool flattens = k > 0 && overflows_;
-    // what is asked for ahead, up to there
-    const series::LaneProduct* soon = nullptr;
-    const series::LaneSeries* laid_out_soon = nullptr;
-    constexpr auto ahead = static_cast<std::size_t>(series::lanes::ahead);
-    if (fetches_ && lane_products_.size() > ahead && lane_series_.size() > ahead) {
-        soon = lane_products_.data() + lane_products_.size() - ahead;
-        laid_out_soon = lane_series_.data() + lane_series_.size() - ahead;
-    }
     for (; block != end; ++block) {
         // none is empty
         switch (block->kind) {
@@ -127,12 +121,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::advance_blocks(const Block* block, cons
             }
             case Kind::sums: {
                 const Sums& s = *static_cast<const Sums*>(block->first);
-                if (soon == nullptr)
-                    series::lanes::advance<false>(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end,
-                                                  nullptr, nullptr, k);
-                else
-                    series::lanes::advance<true>(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end,
-                                                 laid_out_soon, soon, k);
+                series::lanes::advance(s.series, s.series_end, s.spread, s.spread_end, s.sum, s.sum_end, k);
                 for (const Lane *l = s.lane, *last = s.lane_end; l != last; ++l) l->out[k] = *l->sum;
                 mixed(s.mixed, s.mixed_end, k);
                 break;
@@ -165,15 +154,11 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
     // of inputs
     advance_blocks<Lanes>(blocks, blocks + first_block_.front(), 0);
     const int count = static_cast<int>(wavefront_->chunks.size());
-    const bool is_skewed = wavefront_->is_skewed;
-    const int fronts = is_skewed ? count + orders - 1 : count * orders;
-    for (int front = 0; front < fronts; ++front) {
+    for (int front = 0; front < count + orders - 1; ++front) {
         Interruption::point();
-        const int first = is_skewed ? std::max(0, front - count + 1) : front / count,
-                  last = is_skewed ? std::min(orders, front + 1) : first + 1;
+        const int first = std::max(0, front - count + 1), last = std::min(orders, front + 1);
         for (int k = first; k < last; ++k) {
-            const int c = is_skewed ? front - k : front % count;
-            const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(c)];
+            const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(front - k)];
             advance_blocks<Lanes>(blocks + first_block_[chunk.stages.first], blocks + first_block_[chunk.stages.last],
                                   k);
             const double factor = unit_ / (k + 1);
@@ -200,11 +185,13 @@ RBDYN_INLINE_LANES void SeriesEvaluator::run(int first, int last, bool integrate
 }
 
 RBDYN_INLINE void SeriesEvaluator::plain(SeriesEvaluator& series, int first, int last, bool integrates) {
+    if (series.stream_ != nullptr) return StreamedSeries::plain(series, first, last, integrates);
     series.run<series::FourByTwo>(first, last, integrates);
 }
 #ifdef RBDYN_WIDE_LANES
 __attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::wide(SeriesEvaluator& series, int first, int last,
                                                                         bool integrates) {
+    if (series.stream_ != nullptr) return StreamedSeries::wide(series, first, last, integrates);
     series.run<series::Four>(first, last, integrates);
 }
 __attribute__((target("avx2"))) RBDYN_INLINE void SeriesEvaluator::compute_wide(SeriesEvaluator& series,
@@ -453,12 +440,18 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     constexpr std::size_t large = 0x1p20;
     const std::size_t size = sizeof(double) * storage_.size() +
                              sizeof(series::LaneValues) * schedule.series.size() * static_cast<std::size_t>(top_ + 1);
-    // what comes by once an order is in none of them then
-    constexpr std::size_t huge = 0x1p22;
-    if (size > large && !may_overflow_) {
-        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_, size > huge);
+    const std::vector<int> backwards = read_backwards(*program_);
+    if (size > large && !may_overflow_ && !program_->has_calls()) {
+        auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_);
         if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
-        fetches_ = wavefront_ != nullptr && !wavefront_->is_skewed;
+        if (wavefront_ != nullptr && !wavefront_->is_skewed) {
+            stream_ = std::make_unique<StreamedSeries>(*program_, schedule, *wavefront_, top_, backwards);
+            for (const Instruction* i : stream_->steps()) steps_.push_back(step(*i));
+            for (const Instruction* i : schedule.others)
+                if (i->code == Code::combine && i->terms == 0 && i->weight >= 0)
+                    constants_.push_back({slot(i->out), i->weight});
+            return add_motion(backwards);
+        }
     }
     std::size_t terms = 0;
     for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);
@@ -486,7 +479,6 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         lane_sums_.push_back(
             {lane_products_.data() + first, lane_products_.data() + last, series::Quad{}, series::Quad{}});
     // where each stage's begin, by kind; a copy comes after the stage that writes its series, those of inputs first
-    const std::vector<int> backwards = read_backwards(*program_);
     const auto add_copies = [&](int from, int to) {
         for (int one = from; one < to; ++one)
             if (std::binary_search(backwards.begin(), backwards.end(), one)) copies_.push_back(slot(one));
@@ -563,6 +555,10 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         add(Kind::copies, copies_, &Counts::copies);
     }
     first_block_.push_back(blocks_.size());
+    add_motion(backwards);
+}
+
+RBDYN_INLINE void SeriesEvaluator::add_motion(const std::vector<int>& backwards) {
     for (int i = 0; i < std::min(program_->inputs(), program_->outputs()); ++i) {
         const int input = wavefront_ == nullptr ? i : wavefront_->inputs[static_cast<std::size_t>(i)];
         const bool is_copied = std::binary_search(backwards.begin(), backwards.end(), input);

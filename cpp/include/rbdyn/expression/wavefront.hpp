@@ -10,7 +10,7 @@
 //
 // Each acceleration of bodies that are joined is made of those of all others, so that an order has to be whole before
 // the next one begins. The row is cut all the same: what an instruction reads is then written just before, at the same
-// order, and the series of its products follow one another in memory.
+// order, and the series of its products follow one another in memory (streamed_series.hpp).
 #pragma once
 
 #include <cstddef>
@@ -31,9 +31,9 @@ public:
         Schedule::Range stages, inputs;
     };
 
-    /// Of a program whose output i is the derivative of input i. `at_all_costs`: cuts it also where that is for what is
-    /// read soon alone. Leaves the schedule as it is, and no chunks, if it does not, or there would be one alone.
-    Wavefront(const Program& program, Schedule& schedule, int order, bool at_all_costs);
+    /// Of a program whose output i is the derivative of input i. Leaves the schedule as it is, and no chunks, if there
+    /// would be one alone.
+    Wavefront(const Program& program, Schedule& schedule, int order);
 
     std::vector<Chunk> chunks;
     std::vector<int> inputs;

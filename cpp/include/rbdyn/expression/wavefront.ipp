@@ -46,14 +46,14 @@ void writes(const Program& program, const Instruction& i, const Take& take) {
 
 }  // namespace wavefronts
 
-RBDYN_INLINE Wavefront::Wavefront(const Program& program, Schedule& schedule, int order, bool at_all_costs) {
+RBDYN_INLINE Wavefront::Wavefront(const Program& program, Schedule& schedule, int order) {
     std::vector<Part> row = parts_of(program, schedule);
     std::stable_sort(row.begin(), row.end(), [](const Part& a, const Part& b) { return a.key < b.key; });
     const std::size_t length = std::max(reach(program, schedule, row), shortest);
     is_skewed = part_at_work * length * wavefronts::at(order + 1) < row.size();
     if (is_skewed)
         cut(row, length, schedule);
-    else if (at_all_costs && plain < row.size())
+    else if (plain < row.size())
         cut(row, plain, schedule);
 }
 
