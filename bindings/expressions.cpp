@@ -267,8 +267,7 @@ py::dict table() {
         return condition(statement_of(a) | statement_of(b), under_way());
     };
     const auto one = [](py::handle a, py::handle b) {
-        const Condition x = statement_of(a), y = statement_of(b);
-        return condition((x & (!y)) | ((!x) & y), under_way());
+        return condition(statement_of(a) ^ statement_of(b), under_way());
     };
     const auto opposite = [](py::handle a) { return condition(!statement_of(a), under_way()); };
     for (const char* kind : {"logical_", "bitwise_"}) {
@@ -398,7 +397,7 @@ math raise InvalidInput.)");
     };
     joined("__and__", "__rand__", [](const Condition& a, const Condition& b) { return a & b; });
     joined("__or__", "__ror__", [](const Condition& a, const Condition& b) { return a | b; });
-    joined("__xor__", "__rxor__", [](const Condition& a, const Condition& b) { return (a & (!b)) | ((!a) & b); });
+    joined("__xor__", "__rxor__", [](const Condition& a, const Condition& b) { return a ^ b; });
     conditions.def("__invert__", [](const RecordedCondition& c) { return condition(!c.value, c.recording); })
         .def(
             "logical_not", [](const RecordedCondition& c) { return condition(!c.value, c.recording); },

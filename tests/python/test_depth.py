@@ -7,6 +7,7 @@ import pytest
 
 # in a process of its own: what overflows the stack ends it
 IN_A_SMALL_THREAD = """
+import pickle
 import threading
 import numpy as np
 import rbdyn as rb
@@ -91,3 +92,40 @@ for i in range(3000):
 print(rb.plan(scene).freedom)
 """
     assert printed_in_a_small_thread(code).split() == ["3000"]
+
+
+JOINED = """
+count = {count}
+def force(t, r, v):
+    condition = t < 1.0
+    for k in range(count):
+        condition = {step}
+    return [np.where(condition, 1.0, -1.0), 0, 0]
+plain = force({t}, None, None)[0]
+scene = rb.Scene()
+body = scene.add(rb.Particle(1.0))
+scene.apply(rb.Force(force), body)
+scene = pickle.loads(pickle.dumps(scene))
+run = rb.simulate(scene, until={t} + 2.0**-20, start={t}, rtol=1e-9)
+print(float(run[body].acceleration({t})[0]), float(plain))
+"""
+
+
+@pytest.mark.parametrize("t", [0.5, 1.5])
+@pytest.mark.parametrize(
+    "step",
+    [
+        "condition & (t < 2.0)",
+        "(t < 2.0) & condition",
+        "condition | (t > 2.0)",
+        "condition ^ (t > 2.0)",
+        "condition & (t < 2.0 + k)",
+        "~condition",
+    ],
+)
+def test_a_condition_of_thousands_of_comparisons(step, t):
+    """Recorded, pickled, asked for and taken apart; one comparison may come again and again."""
+    # each comparison that is another one is a guard
+    count = 1000 if "+ k" in step else 20_000
+    recorded, plain = map(float, printed_in_a_small_thread(JOINED.format(count=count, step=step, t=t)).split())
+    assert recorded == plain

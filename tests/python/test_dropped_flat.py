@@ -109,3 +109,36 @@ def test_bounces_without_loss_that_are_more_than_asked_for_are_a_step_limit():
     # and goes on
     later = rb.simulate(run, 0.9)
     assert later.status == "reached end" and abs(later.energy(0.9) - run.energy(0.0)) < 1e-12
+
+
+def test_what_spins_about_the_vertical_and_comes_down_flat_goes_on_spinning():
+    """On smooth legs all around, that strike at one instant, whatever rounding has made of how the body lies by then:
+    it goes up with e times its speed. One leg after another would turn it over."""
+    for seed in range(120):
+        draw = np.random.default_rng(seed)
+        up = draw.normal(size=3)
+        up /= np.linalg.norm(up)
+        one = np.cross(up, [1, 0, 0])
+        one /= np.linalg.norm(one)
+        e, spin, h, m = (
+            float(draw.choice([0.3, 0.6, 1.0])),
+            draw.uniform(-30, 30),
+            draw.uniform(0.3, 2),
+            draw.uniform(0.5, 3),
+        )
+        scene = rb.Scene(gravity=-G * up)
+        plate = scene.add(
+            rb.RigidBody(m, [0.3 * m, 0.3 * m, 0.5 * m]),
+            position=up * (h + 0.3),
+            attitude=np.stack([one, np.cross(up, one), up], 1),
+            angular_velocity=[0, 0, spin],
+        )
+        legs = 3 + seed % 2
+        for k in range(legs):
+            angle = 2 * math.pi * (k + 0.5) / legs
+            scene.contact(plate.point([math.cos(angle), math.sin(angle), -0.3]), rb.Plane(up), restitution=e)
+        # where it is highest again
+        top = math.sqrt(2 * h / G) * (1 + e)
+        run = rb.simulate(scene, top, error=1e-11)
+        assert abs(run[plate].velocity(top) @ up) < 1e-9, seed
+        assert np.abs(run[plate].angular_velocity(top) - [0, 0, spin]).max() < 1e-9, seed

@@ -168,3 +168,28 @@ def test_a_disc_that_has_settled_lies_flat():
     assert level < 1e-6
     # small tilts end at 3/2 R/rho sqrt(tilt R/g)
     assert abs(run.end / (1.5 * radius / 4e-3 * np.sqrt(tilt * radius / 9.8125)) - 1) < 0.1
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_wheels_of_a_cart_stop_rolling_together(seed):
+    """Two wheels, of different radii, with one coefficient: it slows by (sum m) g b / (sum m + I/r^2), each torque being
+    b r N, and both wheels have stopped where that ends."""
+    draw = np.random.default_rng(seed)
+    speed, mass, wheel, b = draw.uniform(0.2, 2), draw.uniform(0.5, 3), 0.3, draw.uniform(0.001, 0.01)
+    scene = rb.Scene(gravity=[0, 0, -g])
+    start = {"position": [0, 0.5], "velocity": [speed, 0]}
+    cart = scene.add(rb.RigidBody(mass, [0.1] * 3), rb.Planar([1, 0, 0], [0, 0, 1]), **start)
+    wheels, inertia = [], mass + 2 * wheel
+    for radius, x in zip(draw.uniform(0.05, 0.3, 2), (-0.5, 0.5), strict=True):
+        moment = 0.5 * wheel * radius**2
+        hinge = rb.Revolute([0, 1, 0], at=[x, 0, radius - 0.5])
+        wheels.append(scene.add(rb.RigidBody(wheel, [moment] * 3), hinge, parent=cart, rate=speed / radius))
+        scene.contact(wheels[-1].sphere(radius), rb.Plane([0, 0, 1]), friction=rb.Coulomb(0.6, rolling=b * radius))
+        inertia += moment / radius**2
+    slowing = (mass + 2 * wheel) * g * b / inertia
+    end = speed / slowing
+    run = rb.simulate(scene, 1.5 * end, error=1e-9)
+    assert run[cart].position(1.5 * end)[0] == pytest.approx(0.5 * speed * end, rel=1e-8)
+    assert [e.time for e in run.events] == pytest.approx([end] * 4, rel=1e-8)
+    assert [e.kind for e in run.events] == ["stick", "stick", "rest", "rest"]
+    assert all(run[w].rate(1.5 * end) == 0.0 for w in wheels)

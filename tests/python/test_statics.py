@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import rbdyn as rb
+from scipy.integrate import solve_ivp
 
 CIRCLE = rb.Circle(radius=0.5, start=[0, 0, -1], toward=[1, 0, 0])
 
@@ -208,3 +209,17 @@ def test_a_torque_that_changes_with_time_has_no_equilibria():
     scene.apply(rb.Torque(lambda t, rotation_matrix, angular_velocity: [0, np.sin(t), 0]), bob)
     with pytest.raises(rb.InvalidInput, match="torque .* on body 1 depends on time"):
         rb.equilibria(scene)
+
+
+@pytest.mark.parametrize("wave", [1.0, 1.7, 2.9, 4.0])
+@pytest.mark.parametrize("off", [-1e-2, -1e-4, 1e-5, 1e-3, 1e-1])
+def test_the_search_goes_where_a_slow_damped_motion_does(wave, off):
+    """-sin(w q) - 0.01 q pulls back to 0 from anywhere below pi/w, and has no stiffness at about pi/(2 w), from where
+    a step of Newton's would turn the body as far as it likes, into one of the states of rest beyond."""
+    start = math.pi / 2 / wave * (1 + off)
+    scene = rb.Scene()
+    hinge = scene.add(rb.RigidBody(1.0, [1, 1, 1]), rb.Revolute([0, 0, 1]), angle=start)
+    scene.apply(rb.JointTorque(lambda t, q, rate: -np.sin(wave * q) - 0.01 * q), hinge)
+    slow = solve_ivp(lambda t, q: -np.sin(wave * q) - 0.01 * q, (0, 100), [start], rtol=1e-9, atol=1e-12)
+    (found,) = rb.equilibria(scene)
+    assert abs(found.coordinates[0] - slow.y[0, -1]) < 1e-9

@@ -1,6 +1,7 @@
 // Conditions on expressions, asked about; and what functions print of their cases.
 #include <gtest/gtest.h>
 
+#include <random>
 #include <rbdyn/expression/condition.hpp>
 #include <rbdyn/expression/function.hpp>
 #include <vector>
@@ -34,6 +35,55 @@ TEST(Conditions, are_asked_about_in_order_and_no_further_than_needed) {
     EXPECT_TRUE((Condition(true) | (x > 0.0)).holds(answers(false, false)));
     EXPECT_FALSE((Condition(false) & (x > 0.0)).holds(answers(true, true)));
     EXPECT_TRUE(asked.empty());
+}
+
+/// Joined at random, and the same said by values.
+struct Joined {
+    Condition condition;
+    std::vector<bool> values;  // for each of the 16 answers to four comparisons
+};
+
+TEST(Conditions, joined_at_random_say_what_logic_says) {
+    std::mt19937 random(7);
+    Recorder recorder(Recorder::Purpose::function);
+    for (int turn = 0; turn < 200; ++turn) {
+        std::vector<Expression> x;
+        std::vector<Joined> all;
+        for (int i = 0; i < 4; ++i) {
+            x.push_back(recorder.input(i));
+            all.push_back({x.back() > 0.0, {}});
+            for (int answers = 0; answers < 16; ++answers) all.back().values.push_back((answers >> i & 1) != 0);
+        }
+        for (int k = 0; k < 30; ++k) {
+            const Joined a = all[random() % all.size()], b = all[random() % all.size()];
+            const auto by_values = [&](const auto& join) {
+                std::vector<bool> values;
+                for (std::size_t i = 0; i < 16; ++i) values.push_back(join(a.values[i], b.values[i]));
+                return values;
+            };
+            switch (random() % 4) {
+                case 0:
+                    all.push_back({a.condition & b.condition, by_values([](bool p, bool q) { return p && q; })});
+                    break;
+                case 1:
+                    all.push_back({a.condition | b.condition, by_values([](bool p, bool q) { return p || q; })});
+                    break;
+                case 2:
+                    all.push_back({a.condition ^ b.condition, by_values([](bool p, bool q) { return p != q; })});
+                    break;
+                default: all.push_back({!a.condition, by_values([](bool p, bool) { return !p; })});
+            }
+        }
+        const Joined& last = all.back();
+        for (std::size_t answers = 0; answers < 16; ++answers) {
+            const auto positive = [&](const Expression& margin) {
+                for (std::size_t i = 0; i < 4; ++i)
+                    if (margin.node() == x[i].node()) return (answers >> i & 1) != 0;
+                return false;
+            };
+            EXPECT_EQ(last.condition.holds(positive), last.values[answers]) << turn << " " << answers;
+        }
+    }
 }
 
 TEST(Functions, print_what_their_cases_are_called) {

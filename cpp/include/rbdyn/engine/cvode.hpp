@@ -93,6 +93,13 @@ private:
     /// About when a guard may be zero first, in units: what happens then is not judged by how far the motion goes on.
     double first_passage(int orders, double span) const;
 
+    /// What the errors of a group are measured against.
+    double scale(std::size_t g) const;
+
+    /// Of what constraints tie together the largest scale. They hold in accelerations alone, so that a bar that they
+    /// keep at rest moves by the errors of the others: no digits of its own are asked for.
+    void tie();
+
     /// Error allowed in the variables of a group. Never less than rounding of the numbers themselves can give.
     double absolute_tolerance(std::size_t g) const;
 
@@ -149,6 +156,7 @@ private:
     std::vector<double> x_, from_end_, coefficients_, parameters_;
     MotionScales scales_;
     std::vector<double> estimates_;  // per group, where the past tells less
+    std::array<double, 6> tied_{};   // by what is tied, positions and velocities
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

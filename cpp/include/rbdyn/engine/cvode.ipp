@@ -254,15 +254,17 @@ RBDYN_INLINE int CvodeEngine::expand(double span, double& unit) {
 }
 
 RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
-    std::array<double, start_order + 1> size;
     double first_step = span;
     const double passage = first_passage(orders, span);
-    for (std::size_t g = 0; g < estimates_.size(); ++g) {
-        const VariableGroup& group = equations_->groups[g];
-        size.fill(0.0);
+    const auto sizes = [&](const VariableGroup& group) {
+        std::array<double, start_order + 1> size{};
         for (int i = group.first; i < group.first + group.count; ++i)
             for (int k = 1; k <= orders; ++k)
                 size[at(k)] = std::max(size[at(k)], std::abs(integrator_->series.coefficients(i)[k]));
+        return size;
+    };
+    for (std::size_t g = 0; g < estimates_.size(); ++g) {
+        const auto size = sizes(equations_->groups[g]);
         int lead = 1;
         while (lead < orders && size[at(lead)] == 0.0) ++lead;
         // the leading term rules for a while; a third of that is typical of a step
@@ -274,6 +276,10 @@ RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
         if (!std::isfinite(reach) && !std::isfinite(span)) reach = 1.0;
         reach = std::min({reach, span, passage});
         estimates_[g] = std::max(estimates_[g], size[at(lead)] * std::pow(reach, lead));
+    }
+    tie();
+    for (std::size_t g = 0; g < estimates_.size(); ++g) {
+        const auto size = sizes(equations_->groups[g]);
         const double tolerance = absolute_tolerance(g);
         for (int k = 2; k <= orders; ++k)
             if (size[at(k)] > 0.0) first_step = std::min(first_step, 0.5 * std::pow(tolerance / size[at(k)], 1.0 / k));
@@ -294,13 +300,33 @@ RBDYN_INLINE double CvodeEngine::first_passage(int orders, double span) const {
     return std::max(first, 0x1p-60 * span);
 }
 
+RBDYN_INLINE double CvodeEngine::scale(std::size_t g) const {
+    return std::max(estimates_[g], scales_.scale(equations_->groups[g]));
+}
+
+/// Where the scale of what is tied stands.
+RBDYN_INLINE std::size_t place_of_tied(const VariableGroup& group) {
+    return 2 * static_cast<std::size_t>(group.tied) + (group.is_position ? 1 : 0);
+}
+
+RBDYN_INLINE void CvodeEngine::tie() {
+    tied_.fill(0.0);
+    for (std::size_t g = 0; g < estimates_.size(); ++g) {
+        const VariableGroup& group = equations_->groups[g];
+        if (group.tied == VariableGroup::Tied::none) continue;
+        double& largest = tied_[place_of_tied(group)];
+        largest = std::max(largest, scale(g));
+    }
+}
+
 RBDYN_INLINE double CvodeEngine::absolute_tolerance(std::size_t g) const {
     const VariableGroup& group = equations_->groups[g];
-    const double scale = std::max(estimates_[g], scales_.scale(group));
-    return std::max(rtol_ * scale, 8.0 * epsilon * scales_.magnitude(group));
+    // nothing where nothing is tied
+    return std::max(rtol_ * std::max(scale(g), tied_[place_of_tied(group)]), 8.0 * epsilon * scales_.magnitude(group));
 }
 
 RBDYN_INLINE void CvodeEngine::weigh() {
+    tie();
     for (std::size_t g = 0; g < estimates_.size(); ++g) {
         const VariableGroup& group = equations_->groups[g];
         const double weight = 1.0 / absolute_tolerance(g);

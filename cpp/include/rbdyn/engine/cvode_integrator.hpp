@@ -76,6 +76,10 @@ private:
     bool factorise() { return band_ ? band_->factorise() : factorise_all(); }
     bool factorise_all();
 
+    /// Variables are measured in powers of two near their tolerances there: which rows are exchanged, and so every bit,
+    /// is the same in other units.
+    void choose_units();
+
     void substitute(const double* b, double* x);
     void substitute_all(double* x);
 
@@ -85,6 +89,7 @@ private:
     std::optional<StateJacobian> jacobian_;  // of BDF
     std::vector<double> lu_;                 // by rows
     std::vector<int> pivots_;
+    std::vector<double> units_;  // of what is factorised: 1 over the unit of each variable
     std::optional<BandMatrix> band_;
     std::vector<int> place_;  // of variables in the band
     std::vector<double> in_band_;

@@ -127,6 +127,8 @@ RBDYN_INLINE int Integrator::linear_system(sunrealtype t, N_Vector y, N_Vector, 
         }
         for (const double entry : self.jacobian_->entries()) check += 0.0 * entry;
     }
+    self.choose_units();
+    const auto& units = self.units_;
     if (self.band_) {
         self.band_->clear();
         for (int i = 0; i < self.n; ++i) {
@@ -134,7 +136,9 @@ RBDYN_INLINE int Integrator::linear_system(sunrealtype t, N_Vector y, N_Vector, 
             const std::span<const int> columns = self.jacobian_->columns(i);
             const std::span<const double> entries = self.jacobian_->entries(i);
             for (std::size_t k = 0; k < columns.size(); ++k)
-                (*self.band_)(row, self.place_[static_cast<std::size_t>(columns[k])]) = -gamma * entries[k];
+                (*self.band_)(row, self.place_[static_cast<std::size_t>(columns[k])]) =
+                    -gamma * entries[k] *
+                    (units[static_cast<std::size_t>(i)] / units[static_cast<std::size_t>(columns[k])]);
             (*self.band_)(row, row) += 1.0;
         }
         return check == 0.0 ? 0 : 1;
@@ -143,7 +147,9 @@ RBDYN_INLINE int Integrator::linear_system(sunrealtype t, N_Vector y, N_Vector, 
     for (int i = 0; i < self.n; ++i) {
         const std::span<const int> columns = self.jacobian_->columns(i);
         const std::span<const double> entries = self.jacobian_->entries(i);
-        for (std::size_t k = 0; k < columns.size(); ++k) self.lu(i, columns[k]) = -gamma * entries[k];
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            self.lu(i, columns[k]) = -gamma * entries[k] *
+                                     (units[static_cast<std::size_t>(i)] / units[static_cast<std::size_t>(columns[k])]);
         self.lu(i, i) += 1.0;
     }
     return check == 0.0 ? 0 : 1;
@@ -152,6 +158,7 @@ RBDYN_INLINE int Integrator::linear_system(sunrealtype t, N_Vector y, N_Vector, 
 RBDYN_INLINE void Integrator::prepare_linear_algebra(const Program& program) {
     jacobian_.emplace(program);
     const auto size = static_cast<std::size_t>(n);
+    units_.assign(size, 1.0);
     if (jacobian_->is_sparse()) {
         BandOrder order = BandOrder::of(jacobian_->rows(), jacobian_->columns());
         if (BandMatrix::pays(n, order.width)) {
@@ -182,14 +189,24 @@ RBDYN_INLINE bool Integrator::factorise_all() {
     return true;
 }
 
+RBDYN_INLINE void Integrator::choose_units() {
+    for (std::size_t i = 0; i < units_.size(); ++i) {
+        // none where nothing watches over an error
+        const bool is_known = std::isfinite(weights[i]) && weights[i] > 0.0;
+        units_[i] = is_known ? std::scalbn(1.0, std::ilogb(weights[i])) : 1.0;
+    }
+}
+
 RBDYN_INLINE void Integrator::substitute(const double* b, double* x) {
     if (!band_) {
-        std::copy(b, b + n, x);
-        return substitute_all(x);
+        for (std::size_t i = 0; i < units_.size(); ++i) x[i] = b[i] * units_[i];
+        substitute_all(x);
+        for (std::size_t i = 0; i < units_.size(); ++i) x[i] /= units_[i];
+        return;
     }
-    for (std::size_t i = 0; i < place_.size(); ++i) in_band_[static_cast<std::size_t>(place_[i])] = b[i];
+    for (std::size_t i = 0; i < place_.size(); ++i) in_band_[static_cast<std::size_t>(place_[i])] = b[i] * units_[i];
     band_->solve(in_band_);
-    for (std::size_t i = 0; i < place_.size(); ++i) x[i] = in_band_[static_cast<std::size_t>(place_[i])];
+    for (std::size_t i = 0; i < place_.size(); ++i) x[i] = in_band_[static_cast<std::size_t>(place_[i])] / units_[i];
 }
 
 RBDYN_INLINE void Integrator::substitute_all(double* x) {

@@ -87,6 +87,7 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::begin_step(double limit) {
     limit_ = limit;
     attempts_ = 0;
     overflows_ = std::numeric_limits<double>::infinity();
+    series_->let_zeros_stay(true);
     abreast_ = nullptr;
     length_.reset();
     if (!(unit_ > 0.0)) unit_ = power_of_two(limit - t_);
@@ -137,7 +138,11 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     if (!is_finite || !(capped ? length <= longest : length >= 1.0 / far && length <= far)) {
         // the unit of time was far from the step: measure again in a better one
         ++work_.rejected;
-        if (!is_finite) overflows_ = unit_;
+        if (!is_finite) {
+            // in units ever smaller powers of time are no numbers at last: then they tell of nothing that it stays
+            if (std::isfinite(overflows_)) series_->let_zeros_stay(false);
+            overflows_ = unit_;
+        }
         double factor = is_finite ? power_of_two(length) : 0x1p-24;
         // coefficients of the step's own size are no numbers, though the step is one: it is taken in parts
         const bool is_in_parts = factor * unit_ >= overflows_;

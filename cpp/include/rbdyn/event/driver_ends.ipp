@@ -127,17 +127,35 @@ RBDYN_INLINE bool Driver::pass(Record& record, double until) {
     for (std::size_t i = 0; i < n; ++i)
         if (bend[i] != 0.0 && slope[i] != 0.0) time = std::min(time, std::abs(slope[i] / bend[i]));
     const double least = 8.0 * epsilon * std::abs(t.hi);
-    const double h = n > 0 ? 0x1p-27 * time : std::max(0x1p-40 * time, 8.0 * least);
-    if (!(h > least) || h > 0x1p-20 * time) return false;
+    double h = n > 0 ? 0x1p-27 * time : std::max(0x1p-40 * time, 8.0 * least);
+    const double longest = 0x1p-20 * time;
+    if (!(h > least) || h > longest) return false;
     std::vector<double> middle(x.size()), later(x.size()), later_bend(x.size());
     // what is at rest goes where the first forces that there are take it, and others may follow that direction
     const bool rests = std::ranges::all_of(slope, [](double rate) { return rate == 0.0; });
-    for (int turn = 0; turn < (rests ? 2 : 1); ++turn) {
-        for (std::size_t i = 0; i < x.size(); ++i) middle[i] = x[i] + 0.5 * h * slope[i];
-        if (!model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).is_known) break;
-        std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
-                  slope.begin() + static_cast<std::ptrdiff_t>(n));
-        bend = later_bend;
+    const auto look_ahead = [&] {
+        for (int turn = 0; turn < (rests ? 2 : 1); ++turn) {
+            for (std::size_t i = 0; i < x.size(); ++i) middle[i] = x[i] + 0.5 * h * slope[i];
+            if (!model_.slope(mode, t.hi + 0.5 * h, middle, later, later_bend).is_known) break;
+            std::copy(later.begin() + static_cast<std::ptrdiff_t>(n), later.end(),
+                      slope.begin() + static_cast<std::ptrdiff_t>(n));
+            bend = later_bend;
+        }
+    };
+    look_ahead();
+    // what moves by less than rounding of its place has not left the point
+    const auto has_left = [&](double by) {
+        for (std::size_t i = 0; i < (n > 0 ? n : x.size()); ++i) {
+            const double move = std::abs(slope[i] * by) + (i < n ? 0.5 * std::abs(bend[i]) * by * by : 0.0);
+            if (move > 0.0 && move < 4.0 * epsilon * std::abs(x[i])) return false;
+        }
+        return true;
+    };
+    double longer = h;
+    while (longer < longest && !has_left(longer)) longer = std::min(2.0 * longer, longest);
+    if (longer > h && has_left(longer)) {
+        h = longer;
+        look_ahead();
     }
     std::vector<double> c(3 * x.size(), 0.0);
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -34,8 +34,22 @@ public:
         return joined(Kind::both, a, b);
     }
     friend Condition operator|(const Condition& a, const Condition& b) { return !((!a) & (!b)); }
+    /// That one of them holds and the other does not.
+    friend Condition operator^(const Condition& a, const Condition& b) {
+        if (a.kind_ == Kind::never) return b;
+        if (b.kind_ == Kind::never) return a;
+        if (a.kind_ == Kind::always) return !b;
+        return b.kind_ == Kind::always ? !a : joined(Kind::differ, a, b);
+    }
     friend Condition operator&&(const Condition& a, const Condition& b) { return a & b; }
     friend Condition operator||(const Condition& a, const Condition& b) { return a | b; }
+
+    Condition(const Condition&) = default;
+    Condition(Condition&&) = default;
+    Condition& operator=(const Condition&) = default;
+    Condition& operator=(Condition&&) = default;
+    /// As many as are joined, one after the other: none is taken apart within another.
+    ~Condition();
 
     /// The recorder of what is compared; none if it is known.
     Recorder* recorder() const;
@@ -43,38 +57,27 @@ public:
     /// b() where it holds, else c().
     template <class B, class C>
     Expression choose(const B& b, const C& c, const std::string& name = "where") const {
-        switch (kind_) {
-            case Kind::always: return b();
-            case Kind::never: return c();
-            case Kind::positive: return select(margin_, b, c, name);
-            case Kind::negation: return a_->choose_between(c, b, name);
-            default: return a_->choose_between([&]() -> Expression { return b_->choose_between(b, c, name); }, c, name);
-        }
+        if (kind_ == Kind::always) return b();
+        if (kind_ == Kind::never) return c();
+        if (kind_ == Kind::positive) return select(margin_, b, c, name);
+        return choose_joined(b, c, name);
     }
 
     /// Whether it holds, `positive` saying it of each comparison's margin that has to be known.
-    template <class P>
-    bool holds(const P& positive) const {
-        switch (kind_) {
-            case Kind::always: return true;
-            case Kind::never: return false;
-            case Kind::positive: return positive(margin_);
-            case Kind::negation: return !a_->holds(positive);
-            default: return a_->holds(positive) && b_->holds(positive);
-        }
-    }
+    bool holds(const std::function<bool(const Expression&)>& positive) const;
 
 private:
-    enum class Kind { always, never, positive, negation, both };
+    enum class Kind { always, never, positive, negation, both, differ };
+    class Ways;
 
-    // the two sides behind one type, so that joined conditions do not nest types without end
-    Expression choose_between(const std::function<Expression()>& b, const std::function<Expression()>& c,
-                              const std::string& name) const;
+    // what is joined nests neither types nor calls, however much it is
+    Expression choose_joined(const std::function<Expression()>& b, const std::function<Expression()>& c,
+                             const std::string& name) const;
     static Condition joined(Kind kind, const Condition& a, const Condition& b);
 
     Kind kind_;
     Expression margin_;
-    std::shared_ptr<const Condition> a_, b_;
+    std::shared_ptr<Condition> a_, b_;
 };
 
 // where both sides are equal, each keeps its word: a > b does not hold, a >= b does

@@ -92,6 +92,8 @@ public:
         return slot(slot_index).forward;
     }
     void set_unit(double unit) { unit_ = unit; }
+    /// Whether what is at rest at the zero of a power may stay there; so at first.
+    void let_zeros_stay(bool may) { zeros_stay_ = may; }
 
 private:
     friend class MachineCode;
@@ -205,6 +207,12 @@ private:
     const ResolvedTerm* add_terms(const Instruction& i);
 
     Step step(const Instruction& i);
+    /// Whether a root, or a power, is one of nothing up to coefficient k > 0, and has none itself: what is at rest at
+    /// the zero of a force |x|^r, r > 0, stays there. Where the first coefficient that is not zero comes, it has no
+    /// series.
+    bool stays_at_zero(const Step& i, int k) const {
+        return zeros_stay_ && i.a[0] == 0.0 && i.a[k] == 0.0 && i.out[k - 1] == 0.0;
+    }
 
     /// Slots of which the backward copy is read, and that no step writes.
     static std::vector<int> read_backwards(const Program& program);
@@ -227,6 +235,8 @@ private:
     std::unique_ptr<const Wavefront> wavefront_;  // of a program that is larger than the caches
     std::vector<std::size_t> first_block_;        // by stage, after those of the inputs; then the end
     bool may_overflow_ = false, overflows_ = false;
+    std::vector<const double*> bases_;  // of powers, where they begin
+    bool zeros_stay_ = true;
     std::vector<ResolvedTerm> terms_;
     std::vector<series::LaneValues> lanes_;
     std::vector<series::LaneSeries> lane_series_;

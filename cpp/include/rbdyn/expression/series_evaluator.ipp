@@ -208,7 +208,8 @@ RBDYN_INLINE void SeriesEvaluator::by_code(SeriesEvaluator& series, int first, i
     const int by_lists = series.code_ == nullptr ? last : std::min(last, MachineCode::first_order);
     if (first < by_lists) wide(series, first, by_lists, integrates);
     first = std::max(first, by_lists);
-    if (series.overflows_)
+    // nor has machine code the powers of what stays at zero
+    if (series.overflows_ || std::ranges::any_of(series.bases_, [](const double* base) { return *base == 0.0; }))
         wide(series, first, last, integrates);
     else if (first < last)
         series.code_->run(series, first, last, integrates);
@@ -264,7 +265,10 @@ RBDYN_INLINE_LANES void SeriesEvaluator::compute(const Step& i, int k) {
         case Code::divide: out.set(k, series::quotient<Lanes>(i.a, i.b, out, k)); break;
         case Code::square_root: {
             const double a_k = i.a[k];
-            out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root<Lanes>(a_k, out, k));
+            if (k > 0 && stays_at_zero(i, k))
+                out.set(k, 0.0);
+            else
+                out.set(k, k == 0 ? std::sqrt(a_k) : series::square_root<Lanes>(a_k, out, k));
             break;
         }
         case Code::norm: norm<Lanes>(i, out, k); break;
@@ -392,6 +396,10 @@ RBDYN_INLINE_LANES void SeriesEvaluator::compute(const Step& i, int k) {
             slope[k] = k * a[k];
             if (k == 0) {
                 out.set(0, std::pow(a[0], i.value));
+                break;
+            }
+            if (stays_at_zero(i, k)) {
+                out.set(k, 0.0);
                 break;
             }
             const double weighted = series::dot<Lanes>(slope + 1, out.from(k - 1), k) / k;
@@ -597,6 +605,7 @@ RBDYN_INLINE SeriesEvaluator::Step SeriesEvaluator::step(const Instruction& i) {
         s.call = &program_->calls()[static_cast<std::size_t>(i.extra)];
     else if (i.extra >= 0)
         s.slope = slot(i.extra).forward;
+    if (i.code == Code::power) bases_.push_back(s.a.forward);
     return s;
 }
 

@@ -32,6 +32,11 @@ inline DoubleDouble of_slope(const DoubleDouble* a, const DoubleDouble* b, int k
     return sum / static_cast<double>(k);
 }
 
+/// As SeriesEvaluator::stays_at_zero().
+inline bool stays_at_zero(const DoubleDouble* a, const DoubleDouble* out, int k) {
+    return a[0].hi == 0.0 && a[k].hi == 0.0 && out[k - 1].hi == 0.0;
+}
+
 }  // namespace wide_series
 
 RBDYN_INLINE WideSeries::WideSeries(const Program& program, int order)
@@ -98,7 +103,10 @@ RBDYN_INLINE void WideSeries::compute(const Instruction& i, int k) {
         case Code::combine: out[k] = combined(i, k); break;
         case Code::divide: out[k] = (a[k] - product(b, out, k, 1, k)) / b[0]; break;
         case Code::square_root:
-            out[k] = k == 0 ? sqrt(a[0]) : (a[k] - product(out, out, k, 1, k - 1)) / (2.0 * out[0]);
+            if (k > 0 && wide_series::stays_at_zero(a, out, k))
+                out[k] = 0.0;
+            else
+                out[k] = k == 0 ? sqrt(a[0]) : (a[k] - product(out, out, k, 1, k - 1)) / (2.0 * out[0]);
             break;
         case Code::norm: norm(i, k); break;
         case Code::sine_cosine:
@@ -179,6 +187,10 @@ RBDYN_INLINE void WideSeries::compute(const Instruction& i, int k) {
             // a p' = r a' p
             if (k == 0) {
                 out[0] = pow(a[0], i.value);
+                break;
+            }
+            if (wide_series::stays_at_zero(a, out, k)) {
+                out[k] = 0.0;
                 break;
             }
             DoubleDouble sum = 0.0;

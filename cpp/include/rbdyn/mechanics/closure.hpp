@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -152,15 +153,39 @@ public:
         return a;
     }
     /// The change of the velocities that changes each row by what is asked.
-    std::vector<double> changes(const std::vector<double>& asked) const {
-        const std::vector<double> lambda = solve_definite<double>(matrix(), asked);
-        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0);
-        for (std::size_t j = 0; j < responses_.size(); ++j)
-            for (const auto& [n, one] : responses_[j]) u[static_cast<std::size_t>(n)] += one * lambda[j];
-        return velocity_changes<double>(tree_, accelerate_.spread(u));
+    std::vector<double> changes(const std::vector<double>& asked) const { return changes(asked, 1); }
+    /// The same to rounding of the velocities, not of the matrix, which has fewer digits of a heavy body on a light
+    /// one: what they lack of what is asked is made up for.
+    std::vector<double> exact_changes(const std::vector<double>& asked) const {
+        constexpr int passes = 4;
+        return changes(asked, passes);
     }
 
 private:
+    std::vector<double> changes(const std::vector<double>& asked, int passes) const {
+        const auto a = matrix();
+        std::vector<double> u(static_cast<std::size_t>(accelerate_.freedoms()), 0.0), left = asked;
+        for (int pass = 0; pass < passes && (pass == 0 || lacks(u, asked, left)); ++pass) {
+            const std::vector<double> lambda = solve_definite<double>(a, left);
+            for (std::size_t j = 0; j < responses_.size(); ++j)
+                for (const auto& [n, one] : responses_[j]) u[static_cast<std::size_t>(n)] += one * lambda[j];
+        }
+        return velocity_changes<double>(tree_, accelerate_.spread(u));
+    }
+
+    /// What is left to ask for when u drives the velocities; whether that is more than rounding.
+    bool lacks(std::vector<double> u, const std::vector<double>& asked, std::vector<double>& left) const {
+        for (std::size_t j = 0; j < responses_.size(); ++j) left[j] = asked[j] - accelerate_.along(responses_[j], u);
+        for (double& one : u) one = std::abs(one);
+        for (std::size_t j = 0; j < responses_.size(); ++j) {
+            Sparse sizes = responses_[j];
+            for (auto& [n, one] : sizes) one = std::abs(one);
+            const double size = std::abs(asked[j]) + accelerate_.along(sizes, u);
+            if (std::abs(left[j]) > 64.0 * std::numeric_limits<double>::epsilon() * size) return true;
+        }
+        return false;
+    }
+
     const Tree& tree_;
     Accelerate<double> accelerate_;
     std::vector<Sparse> responses_;

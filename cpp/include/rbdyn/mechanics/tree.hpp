@@ -150,7 +150,7 @@ public:
     std::vector<DoubleDouble> start(double t, const std::vector<Scene::Body>& starts) const;
 
     /// Variables that share a scale.
-    std::vector<VariableGroup> groups() const;
+    std::vector<VariableGroup> groups(bool is_constrained) const;
     /// The coordinates of a body, in words.
     std::string coordinates(int body) const;
 

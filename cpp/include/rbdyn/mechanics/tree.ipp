@@ -221,7 +221,7 @@ RBDYN_INLINE std::vector<DoubleDouble> Tree::start(double t, const std::vector<S
     return x;
 }
 
-RBDYN_INLINE std::vector<VariableGroup> Tree::groups() const {
+RBDYN_INLINE std::vector<VariableGroup> Tree::groups(bool is_constrained) const {
     std::vector<VariableGroup> groups;
     for (const bool is_position : {true, false})
         for (const Node& n : nodes_) {
@@ -242,7 +242,15 @@ RBDYN_INLINE std::vector<VariableGroup> Tree::groups() const {
                 groups.push_back({first + LooseRailLaw::space, 3, is_position, 0.0, moves});
                 continue;
             }
-            for (int k = 0; k < count; ++k) groups.push_back({first + k, 1, is_position});
+            using Tied = VariableGroup::Tied;
+            const bool turns_only = n.joint.as<RevoluteLaw>() != nullptr || n.joint.as<UniversalLaw>() != nullptr;
+            const Tied tied = turns_only                              ? Tied::turns
+                              : n.joint.as<PrismaticLaw>() != nullptr ? Tied::slides
+                                                                      : Tied::none;
+            for (int k = 0; k < count; ++k) {
+                groups.push_back({first + k, 1, is_position});
+                if (is_constrained) groups.back().tied = tied;
+            }
         }
     for (const Foot& f : feet_) groups.push_back({f.q, 1, true});
     return groups;

@@ -215,7 +215,22 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
 
 RBDYN_INLINE std::vector<double> TreeModel::strike(const Mode& before, double t, std::span<double> x,
                                                    const std::vector<int>& struck, Strokes& strokes) const {
-    return conditions_->is_rough() ? strike_rough(before, t, x, struck, strokes) : strike_smooth(t, x, struck);
+    double fastest = 0.0;
+    for (const auto was = moving(t, x); const int k : struck) fastest = std::max(fastest, speed_of(k, was));
+    std::vector<double> impulses =
+        conditions_->is_rough() ? strike_rough(before, t, x, struck, strokes) : strike_smooth(t, x, struck);
+    if (struck.size() < 2 || !strokes.impossible.empty()) return impulses;
+    const auto all = moving(t, x);
+    for (const int k : struck) {
+        const auto touching = conditions_->contacts()[at(k)].touching<double>(*tree_, all);
+        const double rate = mechanics::Conditions::rate(touching.row(touching.normal, touching.normal_rate), all);
+        if (rate >= -1e-3 * fastest) continue;
+        strokes.impossible = "doubles have no digits of the impulses that keep " + conditions_->contacts()[at(k)].name +
+                             " from going through its surface: what strikes together there differs in mass by 1e11 or "
+                             "more";
+        break;
+    }
+    return impulses;
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<double> x,
@@ -249,7 +264,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<do
     for (const int r : independent)
         wanted.push_back(asked[static_cast<std::size_t>(std::find(used.begin(), used.end(), r) - used.begin())]);
     const mechanics::closing::Responses responses(*tree_, *conditions_, independent, all);
-    const std::vector<double> changes = responses.changes(wanted);
+    const std::vector<double> changes = responses.exact_changes(wanted);
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
     return impulses;
 }

@@ -378,7 +378,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
         for (const int r : independent)
             wanted.push_back(asked[static_cast<std::size_t>(std::find(rows.begin(), rows.end(), r) - rows.begin())]);
         const std::vector<double> rest =
-            mechanics::closing::Responses(*tree_, *conditions_, independent, then).changes(wanted);
+            mechanics::closing::Responses(*tree_, *conditions_, independent, then).exact_changes(wanted);
         for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += rest[at(k)];
     }
     const auto after = moving(t, x);

@@ -309,7 +309,9 @@ RBDYN_INLINE std::string TreeModel::opened(double t, std::span<const double> x) 
         if (!(gaps[k] <= gaps[at(widest)])) widest = static_cast<int>(k);
     const double rate = mechanics::opening_rates(*tree_, *conditions_, all)[at(widest)];
     return conditions_->all()[at(widest)].name + " opens, its gap is " + text(gaps[at(widest)]) + " m and grows by " +
-           text(rate) + " m/s: no motion satisfies it together with the other constraints and with driven joints";
+           text(rate) +
+           " m/s: no motion satisfies it together with the other constraints and with driven joints, or an engine that "
+           "leaves gaps as they grow has opened it (engine=\"taylor\" closes them after each step)";
 }
 
 RBDYN_INLINE std::string TreeModel::jump_of_drives(const Mode& before, const Mode& after, double t,

@@ -642,7 +642,7 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
             guard_loops(write, tree);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
-            return in_mode.groups();
+            return in_mode.groups(!kept_rows(mode).empty());
         });
     if (!result) return result;
     result->equations.drives = tree.drives();

@@ -86,6 +86,8 @@ struct VariableGroup {
     double steady = 0.0;  // the largest magnitude of what belongs to it and stays as it starts
     Alike alike = Alike::nothing;
     double measure = 1.0;  // what one of it is where `alike` is compared: m, m/s, rad/s
+    // of a joint among bodies that constraints join: what is alike there has one scale for steps of low order
+    enum class Tied : signed char { none, turns, slides } tied = Tied::none;
 
     bool operator==(const VariableGroup&) const = default;
 };
