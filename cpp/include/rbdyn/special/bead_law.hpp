@@ -65,9 +65,9 @@ public:
     void start(double t, DoubleDouble* q, DoubleDouble* v) const override;
     void keep_in(std::vector<bool>& stays) const override;
 
-    std::unique_ptr<SingleState<double>> state(double t, const double* q, const double* v,
-                                               signed char phase) const override;
-    std::unique_ptr<SingleState<S>> state(const S& t, const S* q, const S* v, signed char phase) const override;
+    void add_state(SingleStates<double>& states, double t, const double* q, const double* v,
+                   signed char phase) const override;
+    void add_state(SingleStates<S>& states, const S& t, const S* q, const S* v, signed char phase) const override;
     signed char kind(signed char phase) const override;
     signed char freest() const override { return may_fly_ ? flies : 1; }
     bool is_held(signed char phase) const override { return sticks_in(phase) && drive_.is_zero(); }
@@ -134,7 +134,7 @@ private:
     };
 
     template <class T>
-    std::unique_ptr<BeadState<T>> moving(const T& t, const T* q, const T* v, bool is_flying) const;
+    BeadState<T> moving(const T& t, const T* q, const T* v, bool is_flying) const;
 
     /// What acts besides couplings. `length_of_w` gives |w| with the sign of the mode.
     template <class T, class Length>

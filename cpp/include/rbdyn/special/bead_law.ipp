@@ -104,8 +104,8 @@ RBDYN_INLINE void BeadLaw::start(double t, DoubleDouble* q, DoubleDouble* v) con
     *v = DoubleDouble(start_speed_) / sqrt(curve_.at<DoubleDouble>(start_u_, view_).speed_squared);
     if (!may_fly_) return;
     const double u = q->hi, w = v->hi;
-    const auto p = moving<double>(t, &u, &w, false);
-    for (int i = 0; i < 3; ++i) q[1 + i] = p->r[i];
+    const BeadState<double> p = moving<double>(t, &u, &w, false);
+    for (int i = 0; i < 3; ++i) q[1 + i] = p.r[i];
 }
 
 RBDYN_INLINE void BeadLaw::keep_in(std::vector<bool>& stays) const {
@@ -115,25 +115,23 @@ RBDYN_INLINE void BeadLaw::keep_in(std::vector<bool>& stays) const {
 }
 
 template <class T>
-std::unique_ptr<BeadState<T>> BeadLaw::moving(const T& t, const T* q, const T* v, bool is_flying) const {
-    if (is_flying)
-        return std::make_unique<BeadState<T>>(Vector3Of<T>(q[1], q[2], q[3]), Vector3Of<T>(v[1], v[2], v[3]));
+BeadState<T> BeadLaw::moving(const T& t, const T* q, const T* v, bool is_flying) const {
+    if (is_flying) return {Vector3Of<T>(q[1], q[2], q[3]), Vector3Of<T>(v[1], v[2], v[3])};
     std::shared_ptr<const RailFrame<T>> frame;
     if (motion_.present()) frame = std::make_shared<const RailFrame<T>>(motion_, t, view_);
-    return std::make_unique<BeadState<T>>(curve_.at<T>(*q, view_), *v, std::move(frame));
+    return {curve_.at<T>(*q, view_), *v, std::move(frame)};
 }
 
-RBDYN_INLINE std::unique_ptr<SingleState<double>> BeadLaw::state(double t, const double* q, const double* v,
-                                                                 signed char phase) const {
-    auto p = moving<double>(t, q, v, phase == flies);
+RBDYN_INLINE void BeadLaw::add_state(SingleStates<double>& states, double t, const double* q, const double* v,
+                                     signed char phase) const {
+    auto& p = states.add<BeadState<double>>(moving<double>(t, q, v, phase == flies));
     // held by its rail: the rail's own speed, exactly
-    if (sticks_in(phase)) p->set_rate(drive_(t) / std::sqrt(p->curve.speed_squared));
-    return p;
+    if (sticks_in(phase)) p.set_rate(drive_(t) / std::sqrt(p.curve.speed_squared));
 }
 
-RBDYN_INLINE std::unique_ptr<SingleState<Expression>> BeadLaw::state(const S& t, const S* q, const S* v,
-                                                                     signed char phase) const {
-    return moving<S>(t, q, v, phase == flies);
+RBDYN_INLINE void BeadLaw::add_state(SingleStates<S>& states, const S& t, const S* q, const S* v,
+                                     signed char phase) const {
+    states.add<BeadState<S>>(moving<S>(t, q, v, phase == flies));
 }
 
 RBDYN_INLINE signed char BeadLaw::kind(signed char phase) const {

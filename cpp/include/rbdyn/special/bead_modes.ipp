@@ -134,7 +134,7 @@ RBDYN_INLINE signed char SpecialModel::settle(const Mode& mode, int i, double t,
 RBDYN_INLINE void SpecialModel::release(Mode& mode, int i, double t, std::span<double> x) const {
     const BeadLaw& b = laws_->bead(i);
     const SingleStates<double> all = laws_->states(t, x, mode.slip);
-    const SingleState<double>& p = *all[at(i)];
+    const SingleState<double>& p = all[at(i)];
     for (int k = 0; k < 3; ++k) {
         variable(x, b.first_of_space() + k) = p.r[k];
         variable(x, b.first_of_velocity() + k) = p.v[k];

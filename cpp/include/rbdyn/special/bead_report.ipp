@@ -112,7 +112,7 @@ RBDYN_INLINE Holding BeadLaw::holding(const SingleLaws& laws, double t, std::spa
                                       std::span<const signed char> slip) const {
     constexpr double epsilon = std::numeric_limits<double>::epsilon();
     const SingleStates<double> all = laws.states(t, x, slip);
-    auto& p = static_cast<BeadState<double>&>(*all[static_cast<std::size_t>(index)]);
+    auto& p = static_cast<BeadState<double>&>(all[static_cast<std::size_t>(index)]);
     p.set_rate(drive_(t) / std::sqrt(p.curve.speed_squared));
     const CouplingForces<double> coupled(laws, t, all);
     Resultant<double> acts = applied<double>(t, p, false, [](double v) { return std::abs(v); });

@@ -49,7 +49,7 @@ struct LawsNow {
     LawsNow(const LawsNow&) = delete;
     LawsNow& operator=(const LawsNow&) = delete;
 
-    const SingleState<double>& state(int body) const { return *states[static_cast<std::size_t>(body)]; }
+    const SingleState<double>& state(int body) const { return states[static_cast<std::size_t>(body)]; }
     /// The rate of a variable, where what acts is known; zero of what stays as it starts.
     double rate_of(int variable) const;
     /// The force of a coupling on its first end, seen from the view.

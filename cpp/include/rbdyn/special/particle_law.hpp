@@ -26,9 +26,9 @@ public:
     int positions() const override { return 3; }
     std::vector<VariableGroup> groups(bool of_positions) const override;
     void start(double t, DoubleDouble* q, DoubleDouble* v) const override;
-    std::unique_ptr<SingleState<double>> state(double t, const double* q, const double* v,
-                                               signed char phase) const override;
-    std::unique_ptr<SingleState<S>> state(const S& t, const S* q, const S* v, signed char phase) const override;
+    void add_state(SingleStates<double>& states, double t, const double* q, const double* v,
+                   signed char phase) const override;
+    void add_state(SingleStates<S>& states, const S& t, const S* q, const S* v, signed char phase) const override;
 
     void lay_down(RecordedBody& present, const CouplingForces<S>& couplings, S* q_rate, S* v_rate) const override;
     S observed(const RecordedBody& present, const Observable& o) const override {

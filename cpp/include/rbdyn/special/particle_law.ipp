@@ -42,14 +42,14 @@ RBDYN_INLINE void ParticleLaw::start(double /*t*/, DoubleDouble* q, DoubleDouble
     }
 }
 
-RBDYN_INLINE std::unique_ptr<SingleState<double>> ParticleLaw::state(double /*t*/, const double* q, const double* v,
-                                                                     signed char /*phase*/) const {
-    return std::make_unique<SingleState<double>>(Vector3(q[0], q[1], q[2]), Vector3(v[0], v[1], v[2]));
+RBDYN_INLINE void ParticleLaw::add_state(SingleStates<double>& states, double /*t*/, const double* q, const double* v,
+                                         signed char /*phase*/) const {
+    states.add<SingleState<double>>(Vector3(q[0], q[1], q[2]), Vector3(v[0], v[1], v[2]));
 }
 
-RBDYN_INLINE std::unique_ptr<SingleState<Expression>> ParticleLaw::state(const S& /*t*/, const S* q, const S* v,
-                                                                         signed char /*phase*/) const {
-    return std::make_unique<SingleState<S>>(Vector3Of<S>(q[0], q[1], q[2]), Vector3Of<S>(v[0], v[1], v[2]));
+RBDYN_INLINE void ParticleLaw::add_state(SingleStates<S>& states, const S& /*t*/, const S* q, const S* v,
+                                         signed char /*phase*/) const {
+    states.add<SingleState<S>>(Vector3Of<S>(q[0], q[1], q[2]), Vector3Of<S>(v[0], v[1], v[2]));
 }
 
 RBDYN_INLINE void ParticleLaw::lay_down(RecordedBody& present, const CouplingForces<S>& coupled, S* q_rate,

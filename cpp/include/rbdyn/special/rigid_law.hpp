@@ -87,9 +87,9 @@ public:
     void start(double t, DoubleDouble* q, DoubleDouble* v) const override;
     void keep_in(std::vector<bool>& stays) const override;
 
-    std::unique_ptr<SingleState<double>> state(double t, const double* q, const double* v,
-                                               signed char phase) const override;
-    std::unique_ptr<SingleState<S>> state(const S& t, const S* q, const S* v, signed char phase) const override;
+    void add_state(SingleStates<double>& states, double t, const double* q, const double* v,
+                   signed char phase) const override;
+    void add_state(SingleStates<S>& states, const S& t, const S* q, const S* v, signed char phase) const override;
 
     void lay_down(RecordedBody& present, const CouplingForces<S>& couplings, S* q_rate, S* v_rate) const override;
     void powers(const RecordedBody& present, const S& t, std::span<S> power) const override;

@@ -76,14 +76,14 @@ RBDYN_INLINE Vector3Of<DoubleDouble> RigidLaw::point(const std::optional<Vector3
     return given ? point_in_frame(*given) : exact.center;
 }
 
-RBDYN_INLINE std::unique_ptr<SingleState<double>> RigidLaw::state(double /*t*/, const double* q, const double* v,
-                                                                  signed char /*phase*/) const {
-    return std::make_unique<BodyState<double>>(placed(q, v), exactly<double>(exact.center));
+RBDYN_INLINE void RigidLaw::add_state(SingleStates<double>& states, double /*t*/, const double* q, const double* v,
+                                      signed char /*phase*/) const {
+    states.add<BodyState<double>>(placed(q, v), exactly<double>(exact.center));
 }
 
-RBDYN_INLINE std::unique_ptr<SingleState<Expression>> RigidLaw::state(const S& /*t*/, const S* q, const S* v,
-                                                                      signed char /*phase*/) const {
-    return std::make_unique<BodyState<S>>(placed(q, v), exactly<S>(exact.center));
+RBDYN_INLINE void RigidLaw::add_state(SingleStates<S>& states, const S& /*t*/, const S* q, const S* v,
+                                      signed char /*phase*/) const {
+    states.add<BodyState<S>>(placed(q, v), exactly<S>(exact.center));
 }
 
 RBDYN_INLINE Vector3 RigidLaw::origin(const SingleState<double>& state) const {

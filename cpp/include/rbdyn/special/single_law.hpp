@@ -101,9 +101,10 @@ public:
 
     // --- its motion ---
 
-    virtual std::unique_ptr<SingleState<double>> state(double t, const double* q, const double* v,
-                                                       signed char phase) const = 0;
-    virtual std::unique_ptr<SingleState<S>> state(const S& t, const S* q, const S* v, signed char phase) const = 0;
+    /// Adds its state to those of the scene.
+    virtual void add_state(SingleStates<double>& states, double t, const double* q, const double* v,
+                           signed char phase) const = 0;
+    virtual void add_state(SingleStates<S>& states, const S& t, const S* q, const S* v, signed char phase) const = 0;
 
     /// What equations depend on beside numbers: phases of one kind share them; and the one that leaves it most free.
     virtual signed char kind(signed char /*phase*/) const { return 1; }

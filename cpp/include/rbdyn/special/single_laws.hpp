@@ -101,7 +101,7 @@ public:
     /// Place and velocity of an end in the view.
     template <class S>
     static std::pair<Vector3Of<S>, Vector3Of<S>> motion_of(const CouplingEnd& e, const SingleStates<S>& states) {
-        if (e.body >= 0) return states[at(e.body)]->motion_of(e.point);
+        if (e.body >= 0) return states[at(e.body)].motion_of(e.point);
         return {exactly<S>(e.point), Vector3Of<S>(S(0.0), S(0.0), S(0.0))};
     }
     /// The places of the ends of a coupling in the view, those of a PairForce in the world.

@@ -137,7 +137,7 @@ RBDYN_INLINE SingleStates<double> SingleLaws::states(double t, std::span<const d
     result.reserve(bodies_.size());
     for (const auto& b : bodies_) {
         const Variables own = variables_of(*b, x);
-        result.push_back(b->state(t, own.q, own.v, slip[at(b->index)]));
+        b->add_state(result, t, own.q, own.v, slip[at(b->index)]);
     }
     return result;
 }

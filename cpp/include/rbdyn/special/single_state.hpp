@@ -1,7 +1,10 @@
 // Where a body is and how it moves, in numbers of any type: what every law says of it. A law knows the rest.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <memory_resource>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -28,8 +31,33 @@ struct SingleState {
     }
 };
 
-/// Of all bodies of a scene.
+/// Of all bodies of a scene, of whatever types their laws make, one behind the other in memory of their own.
 template <class S>
-using SingleStates = std::vector<std::unique_ptr<SingleState<S>>>;
+class SingleStates {
+public:
+    SingleStates() = default;
+    SingleStates(SingleStates&&) = default;
+    SingleStates& operator=(SingleStates&&) = delete;
+    ~SingleStates() { clear(); }
+
+    SingleState<S>& operator[](std::size_t body) const { return *all_[body]; }
+    void reserve(std::size_t bodies) { all_.reserve(bodies); }
+    void clear() {
+        for (SingleState<S>* state : all_) std::destroy_at(state);
+        all_.clear();
+    }
+    template <class State, class... Given>
+    State& add(Given&&... given) {
+        void* const place = memory_->allocate(sizeof(State), alignof(State));
+        State* const state = new (place) State(std::forward<Given>(given)...);
+        all_.push_back(state);
+        return *state;
+    }
+
+private:
+    std::unique_ptr<std::pmr::monotonic_buffer_resource> memory_ =
+        std::make_unique<std::pmr::monotonic_buffer_resource>();
+    std::vector<SingleState<S>*> all_;
+};
 
 }  // namespace rbdyn::inline RBDYN_FORM

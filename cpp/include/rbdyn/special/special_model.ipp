@@ -200,7 +200,7 @@ RBDYN_INLINE double SpecialModel::power(const Mode& mode, const Scene::AppliedLo
     if (law.is_function(load, index))
         if (const std::optional<Acting> now = acting(mode, t, x)) return now->power(index);
     const Within state(mode, t, x, Within::unseen);
-    return law.power(load, state.t, *laws_->states(state.t, state.x, mode.slip)[at(load.body)]);
+    return law.power(load, state.t, laws_->states(state.t, state.x, mode.slip)[at(load.body)]);
 }
 
 RBDYN_INLINE double SpecialModel::watched(const Mode& mode, int watch, double t, std::span<const double> x) const {
@@ -310,13 +310,15 @@ RBDYN_INLINE Matrix3 SpecialModel::rail_turn(int body, double t, std::span<const
 }
 
 RBDYN_INLINE Vector3 SpecialModel::center(const Mode& mode, int body, double t, std::span<const double> x) const {
-    return laws_->view().origin + laws_->view().axes * laws_->states(t, x, mode.slip)[at(body)]->r;
+    return laws_->view().origin + laws_->view().axes * laws_->states(t, x, mode.slip)[at(body)].r;
 }
 
 RBDYN_INLINE Vector3 SpecialModel::position(const Mode& mode, int body, double t, std::span<const double> x) const {
     const SingleLaw& law = laws_->body(body);
     const SingleLaws::Variables own = laws_->variables_of(law, x);
-    return law.origin(*law.state(t, own.q, own.v, mode.slip[at(body)]));
+    SingleStates<double> state;
+    law.add_state(state, t, own.q, own.v, mode.slip[at(body)]);
+    return law.origin(state[0]);
 }
 
 RBDYN_INLINE Observe SpecialModel::observing(const Mode& mode, double t, std::span<const double> x) const {

@@ -72,9 +72,9 @@ RBDYN_INLINE const std::vector<SpecialWriter::S>& SpecialWriter::lay_down() {
     for (const auto& law : laws_.bodies()) {
         const int i = law->index;
         r_.set_subject(i);
-        states_.push_back(law->state(t, &q_[at(law->first)], &v_[at(law->first_rate - n)], slip_[at(i)]));
+        law->add_state(states_, t, &q_[at(law->first)], &v_[at(law->first_rate - n)], slip_[at(i)]);
         RecordedBody& present = present_.emplace_back();
-        present.state = states_.back().get();
+        present.state = &states_[at(i)];
         present.q = &q_[at(law->first)];
         present.rates = &rates_[at(law->first_rate)];
         present.phase = slip_[at(i)];
