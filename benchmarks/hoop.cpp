@@ -10,7 +10,7 @@
 #include <rbdyn/event/record.hpp>
 #include <rbdyn/integrate.hpp>
 #include <rbdyn/rbdyn.hpp>
-#include <rbdyn/special/points.hpp>
+#include <rbdyn/special/special_model.hpp>
 #include <string>
 #include <vector>
 
@@ -25,7 +25,7 @@ struct Timing {
     Record record;
 };
 
-Timing timed(const PointsModel& model, const SimulateOptions& options, const std::string& engine, double tolerance) {
+Timing timed(const SpecialModel& model, const SimulateOptions& options, const std::string& engine, double tolerance) {
     std::vector<double> times;
     Timing result{};
     for (int i = 0; i < 401; ++i) {
@@ -54,7 +54,7 @@ int main() {
     const Rail hoop(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}},
                     Coulomb{.mu_static = 0.15, .mu_dynamic = 0.1});
     scene.add(Particle{.mass = 1.0}, hoop, {.parameter = 2.0, .speed = 6.0});
-    const PointsModel model(scene, make_plan(scene).view);
+    const SpecialModel model(scene, make_plan(scene).view);
     SimulateOptions options;
     options.until = 30.0;
 
@@ -83,7 +83,7 @@ int main() {
     Scene smooth(Vector3(0.0, 0.0, -9.81));
     smooth.add(Particle{.mass = 1.0}, Rail(Circle{.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}),
                {.parameter = 2.0, .speed = 0.0});
-    const PointsModel pendulum(smooth, make_plan(smooth).view);
+    const SpecialModel pendulum(smooth, make_plan(smooth).view);
     const Timing t = timed(pendulum, options, "taylor", 1e-12);
     std::printf("\nsmooth hoop, 30 s at tolerance 1e-12: %.1f us, %lld steps, %lld guard evaluations\n", t.median,
                 static_cast<long long>(t.record.work.steps), static_cast<long long>(t.record.work.guard_evaluations));

@@ -10,7 +10,7 @@
 
 #include "random.hpp"
 #include "rbdyn/simulate.hpp"
-#include "rbdyn/special/point_laws.hpp"
+#include "rbdyn/special/single_laws.hpp"
 
 namespace rbdyn::test {
 

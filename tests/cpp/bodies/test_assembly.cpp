@@ -4,6 +4,9 @@
 #include <iostream>
 #include <rbdyn/body/shapes.hpp>
 #include <rbdyn/model/assembly.hpp>
+#include <rbdyn/special/laws_now.hpp>
+#include <rbdyn/special/rigid_law.hpp>
+#include <rbdyn/special/single_laws.hpp>
 
 #include "bodies/random_bodies.hpp"
 
@@ -44,7 +47,7 @@ void load(Scene& scene, Random& random, BodyHandle body, bool on_hinge) {
 
 double expect_like_the_assembly(const Scene& scene, double t, const std::string& what) {
     const Assembly assembly(scene, t);
-    const PointLaws laws(scene, Placement{});
+    const SingleLaws laws(scene, Placement{});
     const std::vector<double> x = laws.start(t);
     double worst = 0.0;
     const auto compare = [&](const Vector3& value, const Vector3& right, double size, const char* name) {
@@ -55,7 +58,8 @@ double expect_like_the_assembly(const Scene& scene, double t, const std::string&
     };
     for (int i = 0; i < static_cast<int>(scene.bodies().size()); ++i) {
         if (scene.bodies()[static_cast<std::size_t>(i)].rigid() == nullptr) continue;
-        const RigidReport r = laws.rigid_report(i, std::vector<signed char>(scene.bodies().size(), 1), t, x);
+        const std::vector<signed char> slip(scene.bodies().size(), 1);
+        const RigidReport r = laws.rigid(i).rigid_report(LawsNow(laws, slip, t, x));
         const AssembledBody b = assembly.body(i);
         const Matrix3 axes = assembly.motion(i).axes;
         const double effort = b.effort, least = scene.bodies()[static_cast<std::size_t>(i)].mass() * 0.05;
@@ -103,7 +107,7 @@ TEST(Assembly, says_of_symmetric_bodies_what_the_frame_that_does_not_spin_says) 
         }
         expect_like_the_assembly(scene, 0.5, "symmetric body");
         if (k % 3 == 0) {
-            EXPECT_TRUE(PointLaws(scene, {}).body(0).rigid->follows_axis) << k;
+            EXPECT_TRUE(SingleLaws(scene, {}).rigid(0).follows_axis) << k;
         }
     }
 }
@@ -129,12 +133,12 @@ TEST(Assembly, says_of_bodies_that_springs_join_what_the_special_laws_say) {
             }
         expect_like_the_assembly(scene, 0.0, "bodies joined by springs");
         // beads and particles too
-        const PointLaws laws(scene, Placement{});
+        const SingleLaws laws(scene, Placement{});
         const Assembly assembly(scene);
         const std::vector<double> x = laws.start();
         const std::vector<signed char> slip(all.size(), 1);
         for (const int i : {4, 5}) {
-            const PointReport r = laws.report(i, slip, 0.0, x);
+            const PointReport r = laws.body(i).report(LawsNow(laws, slip, 0.0, x));
             const AssembledBody b = assembly.body(i);
             EXPECT_LE((r.acceleration - b.acceleration).norm(), 200 * epsilon * b.effort) << i;
             EXPECT_LE((r.reaction - b.reaction).norm(), 200 * epsilon * b.effort) << i;
@@ -150,8 +154,10 @@ TEST(IdealJoints, reactions_of_every_joint_do_no_work_on_what_it_allows) {
         const int joint = 1 + k % 3;
         const BodyHandle body = add_random(scene, random, random_body(random), joint);
         load(scene, random, body, joint == 2);
-        const PointLaws laws(scene, Placement{});
-        const RigidReport r = laws.rigid_report(0, std::vector<signed char>{1}, 0.25, laws.start());
+        const SingleLaws laws(scene, Placement{});
+        const std::vector<signed char> slip{1};
+        const std::vector<double> x = laws.start();
+        const RigidReport r = laws.rigid(0).rigid_report(LawsNow(laws, slip, 0.25, x));
         const Joint& j = scene.bodies()[0].joint;
         EXPECT_GT(r.reaction.norm(), 1e-3);
         if (joint == 1) {
@@ -184,8 +190,10 @@ TEST(IdealJoints, a_balanced_rotor_asks_nothing_of_its_bearings_and_another_does
             Scene scene;
             const BodyHandle b = scene.add(body, Revolute{.axis = axis, .point = point}, {.angle = 1.0, .rate = 2.0});
             scene.apply(Torque(axis * 3.0, Frame::world), b);
-            const PointLaws laws(scene, Placement{});
-            const RigidReport r = laws.rigid_report(0, std::vector<signed char>{1}, 0.0, laws.start());
+            const SingleLaws laws(scene, Placement{});
+            const std::vector<signed char> slip{1};
+            const std::vector<double> x = laws.start();
+            const RigidReport r = laws.rigid(0).rigid_report(LawsNow(laws, slip, 0.0, x));
             EXPECT_LE(r.reaction.norm(), 40 * epsilon * 10.0);
             if (is_off) {
                 EXPECT_GT(r.reaction_torque.norm(), 0.1 * across.norm());

@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <functional>
 #include <numbers>
+#include <variant>
 #include <vector>
 
+#include "rbdyn/special/ball_law.hpp"
+#include "rbdyn/special/hinge_law.hpp"
 #include "rbdyn/special/projection.hpp"
-#include "rbdyn/special/rigid_law.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_projection {
@@ -49,7 +51,12 @@ Integrals integrals(const State& x, const State& low, std::size_t first_rate, co
     return {0.5L * omega.dot(k) + weight * arm * axis[2], in_world[2], in_world};
 }
 
-RigidLaw law_of(const Scene& scene) { return RigidLaw(scene, 0); }
+/// Of the only body of a scene.
+template <class Law, class Joint>
+Law law_of(const Scene& scene) {
+    return Law(scene, 0, std::get<Joint>(scene.bodies()[0].joint));
+}
+BallLaw ball_law_of(const Scene& scene) { return law_of<BallLaw, Spherical>(scene); }
 
 /// Far from any special place.
 const State anywhere{0.4, -0.2, 0.8, 0.4};
@@ -62,7 +69,7 @@ TEST(Projections, bring_a_heavy_body_back_to_its_energy_and_its_momentum_about_t
         const auto shift = static_cast<double>(mass * arm * arm);
         scene.add(RigidBody(2.0, Inertia{about_point[0] - shift, about_point[1] - shift, about_point[2]}),
                   Spherical{.point = {0.0, 0.0, -0.25}}, SphericalStart{});
-        const RigidLaw law = law_of(scene);
+        const BallLaw law = ball_law_of(scene);
         ASSERT_EQ(law.follows_axis, is_symmetric);
         const std::size_t rates = is_symmetric ? 5 : 4;
         State x = anywhere;
@@ -96,7 +103,7 @@ TEST(Projections, bring_a_heavy_body_back_to_its_energy_and_its_momentum_about_t
 TEST(Projections, bring_a_free_body_back_to_its_energy_and_its_angular_momentum) {
     Scene scene;
     scene.add(RigidBody(2.0, Inertia{moments[0], moments[1], moments[2]}), Spherical{}, SphericalStart{});
-    const RigidLaw law = law_of(scene);
+    const BallLaw law = ball_law_of(scene);
     State x = anywhere;
     x.insert(x.end(), {0.75, -1.25, 2.5});
     const State none(x.size(), 0.0);
@@ -118,7 +125,7 @@ TEST(Projections, bring_a_pendulum_back_to_its_energy_wherever_it_is) {
     Scene scene(down);
     scene.add(RigidBody(2.0, Inertia{0.5, 0.25, 0.25}, {.com = {0.0, 0.0, -0.5}}), Revolute{.axis = {1, 0, 0}},
               RevoluteStart{});
-    const RigidLaw law = law_of(scene);
+    const HingeLaw law = law_of<HingeLaw, Revolute>(scene);
     const auto moment = static_cast<Real>(law.exact.moments[2].hi);
     EXPECT_NEAR(static_cast<double>(moment), 0.5 + 2.0 * 0.25, 4 * epsilon);
     // both halves of the circle, its lowest place with all the energy in the rate, and its highest
@@ -146,7 +153,7 @@ TEST(Projections, bring_a_pendulum_back_to_its_energy_wherever_it_is) {
 TEST(Projections, make_up_for_what_rounded_coefficients_leave_out_of_a_step) {
     Scene scene;
     scene.add(RigidBody(2.0, Inertia{0.75, 0.75, 1.25}), Spherical{}, SphericalStart{});
-    const RigidLaw law = law_of(scene);
+    const BallLaw law = ball_law_of(scene);
     ASSERT_TRUE(law.follows_axis);
     State x = anywhere;
     x.insert(x.end(), {0.5, 0.75, -1.25, 2.5});
@@ -166,7 +173,7 @@ TEST(Projections, make_up_for_what_rounded_coefficients_leave_out_of_a_step) {
 TEST(Projections, keep_a_spin_within_two_turns) {
     Scene scene;
     scene.add(RigidBody(2.0, Inertia{0.75, 0.75, 1.25}), Spherical{}, SphericalStart{});
-    const RigidLaw law = law_of(scene);
+    const BallLaw law = ball_law_of(scene);
     for (const double spin : {7.5, 9.0, -9.0, 12.5}) {
         State x = anywhere;
         x.insert(x.end(), {spin, 0.75, -1.25, 2.5});

@@ -14,7 +14,7 @@
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/simulate.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 
 namespace rbdyn::proof {
 
@@ -291,7 +291,7 @@ struct Slide {
 template <class Written>
 class Bare : public RecordedModel {
 public:
-    explicit Bare(std::shared_ptr<const PointsModel> holder) : holder_(std::move(holder)) {}
+    explicit Bare(std::shared_ptr<const SpecialModel> holder) : holder_(std::move(holder)) {}
     int variables() const override { return Written::variables; }
     Mode begin(double t, std::span<double> x) const override {
         Mode mode;
@@ -321,7 +321,7 @@ private:
         result->equations.projection = holder_->equations({slip()}).projection;
         return result;
     }
-    std::shared_ptr<const PointsModel> holder_;  // knows how to hold first integrals
+    std::shared_ptr<const SpecialModel> holder_;  // knows how to hold first integrals
 };
 
 }  // namespace rbdyn::proof

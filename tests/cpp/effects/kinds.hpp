@@ -10,7 +10,7 @@
 
 #include "by_hand.hpp"
 #include "rbdyn/model/hybrid.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 
 namespace rbdyn::proof {
 
@@ -23,13 +23,13 @@ struct Kind {
     std::vector<std::string> effects;  // those that can be absent from it
     /// The body, in a scene with gravity or not; `rail`: what its rail has besides, if it is on one.
     BodyHandle (*add)(Scene& scene, const RailOptions& more, std::optional<Coulomb> friction);
-    std::unique_ptr<HybridModel> (*bare)(std::shared_ptr<const PointsModel> holder, bool gravity);
+    std::unique_ptr<HybridModel> (*bare)(std::shared_ptr<const SpecialModel> holder, bool gravity);
 };
 
 inline Circle hoop() { return {.radius = 1.0, .start = {0, 0, -1}, .toward = {1, 0, 0}}; }
 
 template <template <bool> class Written>
-std::unique_ptr<HybridModel> bare(std::shared_ptr<const PointsModel> holder, bool gravity) {
+std::unique_ptr<HybridModel> bare(std::shared_ptr<const SpecialModel> holder, bool gravity) {
     if (gravity) return std::make_unique<Bare<Written<true>>>(std::move(holder));
     return std::make_unique<Bare<Written<false>>>(std::move(holder));
 }

@@ -30,11 +30,11 @@ struct Motions {
 
 /// Those of a scene, as a run has them.
 /// Of bodies that nothing joins.
-inline std::vector<std::shared_ptr<const PointsModel>> models_of(const Scene& scene) {
+inline std::vector<std::shared_ptr<const SpecialModel>> models_of(const Scene& scene) {
     const Plan plan = make_plan(scene.frozen());
-    const auto points = [](const Plan& one) { return std::dynamic_pointer_cast<const PointsModel>(one.model); };
+    const auto points = [](const Plan& one) { return std::dynamic_pointer_cast<const SpecialModel>(one.model); };
     if (plan.parts.empty()) return {points(plan)};
-    std::vector<std::shared_ptr<const PointsModel>> models;
+    std::vector<std::shared_ptr<const SpecialModel>> models;
     for (const Plan& part : plan.parts) models.push_back(points(part));
     return models;
 }

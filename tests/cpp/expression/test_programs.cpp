@@ -10,7 +10,7 @@
 #include "rbdyn/expression/program.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/plan/kept_plan.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 
 namespace rbdyn::test_programs {
 namespace {
@@ -398,7 +398,7 @@ TEST(Folding, an_expression_of_one_function_is_refused_in_another) {
 /// The instructions of a scene's program, one a line, without the lines about the whole.
 std::string code_of(const Scene& scene) {
     const Plan plan = make_plan(scene);
-    const PointsModel model(scene, plan.view);
+    const SpecialModel model(scene, plan.view);
     std::vector<double> x = model.start();
     const Program& program = model.begin(0.0, x).equations->program;
     const std::string text = program.text();

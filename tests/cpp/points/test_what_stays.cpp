@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "rbdyn/event/record.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 #include "support.hpp"
 
 namespace rbdyn::test::test_what_stays {
@@ -18,7 +18,7 @@ std::string simulated(const Scene& scene) { return simulated(make_plan(scene)); 
 /// The largest difference of any variable from the motion with all variables simulated, relative to the largest of any.
 double difference(const Scene& scene, double until, const std::string& engine = "taylor") {
     const Plan plan = make_plan(scene);
-    const PointsModel all(scene, plan.view);
+    const SpecialModel all(scene, plan.view);
     const SimulateOptions options{.until = until};
     const auto run = [&](const SceneModel& model) {
         return simulating::integrate(model, model.start(), options, engine, 1e-12, {}).record;

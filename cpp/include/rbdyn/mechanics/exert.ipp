@@ -48,10 +48,7 @@ RBDYN_INLINE Wrench<Expression> Exerted::wrench(const Applied& load, const Tree&
     }
     const auto p = tree.point<S>(load.at, all);
     if (const Drag* drag = std::get_if<Drag>(&load.load)) {
-        S factor = drag->linear.in<S>();
-        if (!drag->quadratic.is_zero())
-            factor += drag->quadratic.in<S>() * length(p.velocity, "speed of " + tree.node(body).name);
-        w.force = -(p.velocity * factor);
+        w.force = drag_force<S>(*drag, p.velocity, tree.node(body).name);
     } else {
         w.force = force_of<S>(load.load, t, p.place, p.velocity);
         if (const Force* force = std::get_if<Force>(&load.load); force != nullptr && force->frame() == Frame::body)
@@ -83,8 +80,7 @@ RBDYN_INLINE Acts Exerted::all(const Tree& tree, const S& t, const std::vector<M
         };
         if (const TorsionSpring* spring = std::get_if<TorsionSpring>(&load.load)) {
             const int k = turning_velocity(n.joint);
-            const S torque = -(spring->stiffness.in<S>() * (q[n.q + k] - spring->rest_angle.in<S>()) +
-                               spring->damping.in<S>() * v[n.v + k]);
+            const S torque = -spring->resistance<S>(q[n.q + k], v[n.v + k]);
             acts.joints[at(n.v + k)] += torque;
             power = torque * v[n.v + k];
         } else if (const JointTorque* torque = std::get_if<JointTorque>(&load.load)) {

@@ -1,5 +1,5 @@
 // The general assembly: accelerations and reactions of any scene from its joints alone, in doubles. The special laws
-// (rigid_law.hpp, point_laws.hpp) are optimisations of it, and the tests compare them with it.
+// (special/) are optimisations of it, and the tests compare them with it.
 //
 // A joint is a pose of the body's axes, a motion subspace S and a bias b: with velocities v of the joint's own,
 //     (omega, v_O) = S v,   (omega', a_O) = S v' + b,      world axes, O the origin of the body's axes.

@@ -13,6 +13,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/expression/callback.hpp"
+#include "rbdyn/expression/elementary.hpp"
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/functor.hpp"
 #include "rbdyn/expression/given.hpp"
@@ -179,6 +180,26 @@ struct Drag {
     bool operator==(const Drag&) const = default;
 };
 
+/// The factor of -v that several resist with; `times_speed(c)` is c |v|.
+template <class S, class Times>
+S resistance(std::span<const Drag> drags, const Times& times_speed) {
+    S factor(0.0), quadratic(0.0);
+    bool is_quadratic = false;
+    for (const Drag& drag : drags) {
+        factor += drag.linear.in<S>();
+        quadratic += drag.quadratic.in<S>();
+        is_quadratic = is_quadratic || !drag.quadratic.is_zero();
+    }
+    if (is_quadratic) factor += times_speed(quadratic);
+    return factor;
+}
+/// The force of one on what moves with v; `name`: of its body.
+template <class S>
+Vector3Of<S> drag_force(const Drag& drag, const Vector3Of<S>& v, const std::string& name) {
+    const auto times_speed = [&](const S& c) { return S(c * length(v, "speed of " + name)); };
+    return -(v * resistance<S>({&drag, 1}, times_speed));
+}
+
 /// A spring about a hinge: its torque about the axis is -(stiffness (angle - rest_angle) + damping rate). stiffness
 /// [N m/rad], rest_angle [rad], damping [N m s].
 struct TorsionSpring {
@@ -187,6 +208,11 @@ struct TorsionSpring {
     Given damping = 0.0;
 
     bool present() const { return !stiffness.is_zero() || !damping.is_zero(); }
+    /// The torque that it resists with.
+    template <class S>
+    S resistance(const S& angle, const S& rate) const {
+        return stiffness.in<S>() * (angle - rest_angle.in<S>()) + damping.in<S>() * rate;
+    }
     TorsionSpring frozen() const;
     void validate() const;
     bool operator==(const TorsionSpring&) const = default;
@@ -206,7 +232,7 @@ Load frozen(const Load& load);
 void give(const Load& load, GivenNumbers& numbers);
 
 /// The force of a load on a particle at r that moves with v; zero for a drag, whose law depends on how the particle
-/// moves (model/point_laws.hpp).
+/// moves (drag_force).
 template <class S>
 Vector3Of<S> force_of(const Load& load, const S& t, const Vector3Of<S>& r, const Vector3Of<S>& v) {
     if (const Force* force = std::get_if<Force>(&load)) return (*force)(t, r, v);

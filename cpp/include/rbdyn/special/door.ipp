@@ -19,7 +19,7 @@
 #include "rbdyn/scene/loads.hpp"
 #include "rbdyn/special/closed_motion.hpp"
 #include "rbdyn/special/linear_motion.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 #include "rbdyn/special/two_body_motion.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::planning {
@@ -54,12 +54,12 @@ RBDYN_INLINE Placement view_of(const Scene& scene) {
 
 RBDYN_INLINE std::shared_ptr<const SceneModel> special_model(const Scene& scene, const Placement& view,
                                                              const GivenNumbers& numbers) {
-    return std::make_shared<const PointsModel>(scene, view, true, numbers);
+    return std::make_shared<const SpecialModel>(scene, view, true, numbers);
 }
 
 RBDYN_INLINE FoundForm closed_form(const Scene& scene, const SceneModel& model, bool any_rigid) {
     FoundForm found;
-    const PointsModel* special = dynamic_cast<const PointsModel*>(&model);
+    const SpecialModel* special = dynamic_cast<const SpecialModel*>(&model);
     if (special == nullptr)
         return {nullptr,
                 scene.contacts().empty() ? "bodies joined to bodies have none here" : "contacts have none here"};

@@ -22,7 +22,7 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/special/door.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -79,11 +79,11 @@ struct Degree {
 [[gnu::cold]] std::string why_not_linear(const Program& program, int slot);
 
 /// The rates of a scene as a program whose constants have 32 digits, numbers of the user's among them.
-[[gnu::cold]] Program wide_rates(const PointsModel& model, const std::vector<double>& start,
+[[gnu::cold]] Program wide_rates(const SpecialModel& model, const std::vector<double>& start,
                                  const std::vector<signed char>& slip);
 
 /// The motion of a scene by the modes of its equations.
-[[gnu::cold]] FoundForm linear_motion(const Scene& scene, const PointsModel& model);
+[[gnu::cold]] FoundForm linear_motion(const Scene& scene, const SpecialModel& model);
 
 }  // namespace planning
 

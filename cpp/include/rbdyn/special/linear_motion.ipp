@@ -32,9 +32,9 @@
 #include "rbdyn/scene/watch.hpp"
 #include "rbdyn/special/forced_system.hpp"
 #include "rbdyn/special/linear_pieces.hpp"
-#include "rbdyn/special/point_equations.hpp"
-#include "rbdyn/special/point_laws.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/single_laws.hpp"
+#include "rbdyn/special/special_model.hpp"
+#include "rbdyn/special/special_writer.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -198,25 +198,23 @@ RBDYN_INLINE std::string why_not_linear(const Program& program, int slot) {
     return "are linear, but what forces them varies in time otherwise than sines, exponentials and powers of it";
 }
 
-RBDYN_INLINE Program wide_rates(const PointsModel& model, const std::vector<double>& start,
+RBDYN_INLINE Program wide_rates(const SpecialModel& model, const std::vector<double>& start,
                                 const std::vector<signed char>& slip) {
     const Numbers::Active plain(nullptr);
     const StateMap& map = model.laws().map();
     Recorder r;
     r.follow(0.0, start, {});
-    const std::vector<Expression> all = PointsWriter(r, model.laws(), map, slip).lay_down();
+    const std::vector<Expression> all = SpecialWriter(r, model.laws(), map, slip).lay_down();
     std::vector<Expression> rates;
     for (int i = 0; i < map.variables(); ++i)
         if (map.is_simulated(i)) rates.push_back(all[static_cast<std::size_t>(i)]);
     return Program(r, rates, map.size());
 }
 
-RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& model) {
-    const PointLaws& laws = model.laws();
-    for (const PointLaws::Body& b : laws.bodies()) {
-        if (b.rough) return {nullptr, "the friction of " + b.name + " is not linear"};
-        if (b.may_fly) return {nullptr, b.name + " may leave its rail"};
-    }
+RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const SpecialModel& model) {
+    const SingleLaws& laws = model.laws();
+    for (const auto& law : laws.bodies())
+        if (std::string why = law->why_not_linear(); !why.empty()) return {nullptr, std::move(why)};
     for (const Scene::Watch& w : scene.watches())
         if (w.options.action.kind == WatchAction::Kind::change)
             return {nullptr, "\"" + w.name + "\" changes the state on the way"};
@@ -228,8 +226,9 @@ RBDYN_INLINE FoundForm linear_motion(const Scene& scene, const PointsModel& mode
     const std::vector<Dependence> known = dependences(program);
     bool is_even = true, is_forced = false;
     std::optional<std::pair<std::string, int>> varying;  // the body and the output of a velocity that time changes
-    for (const PointLaws::Body& b : laws.bodies())
-        for (int k = 0; k < b.positions() + b.velocities(); ++k) {
+    for (const auto& law : laws.bodies())
+        for (int k = 0; k < law->positions() + law->velocities(); ++k) {
+            const SingleLaw& b = *law;
             const int i = laws.map().place(k < b.positions() ? b.first + k : b.first_rate + k - b.positions());
             if (i < 0) continue;
             const Dependence rate = known[static_cast<std::size_t>(program.output(i))];

@@ -13,7 +13,7 @@
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/special/linear_motion.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -47,7 +47,7 @@ namespace planning {
 [[gnu::cold]] bool keeps_its_mode(const LinearMotion& motion, const Mode& mode);
 
 /// The motion of such a scene, of one form if it keeps its mode; none if the mode it begins in has no closed form.
-[[gnu::cold]] std::shared_ptr<const ClosedForm> linear_pieces(const PointsModel& model);
+[[gnu::cold]] std::shared_ptr<const ClosedForm> linear_pieces(const SpecialModel& model);
 
 }  // namespace planning
 

@@ -24,7 +24,7 @@
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/special/forced_system.hpp"
 #include "rbdyn/special/linear_motion.hpp"
-#include "rbdyn/special/points.hpp"
+#include "rbdyn/special/special_model.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -90,7 +90,7 @@ RBDYN_INLINE bool keeps_its_mode(const LinearMotion& motion, const Mode& mode) {
     });
 }
 
-RBDYN_INLINE std::shared_ptr<const ClosedForm> linear_pieces(const PointsModel& model) {
+RBDYN_INLINE std::shared_ptr<const ClosedForm> linear_pieces(const SpecialModel& model) {
     std::vector<double> x = model.start();
     const std::vector<double> rest = model.start_rest();
     const Mode mode = model.begin(0.0, x);

@@ -25,14 +25,16 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/state_map.hpp"
-#include "rbdyn/special/rigid_law.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+class TurningLaw;  // turning_law.hpp
+class HingeLaw;    // hinge_law.hpp
 
 class RigidProjection : public Projection {
 public:
     /// Holds what a body has at a state x + low: `q`, `v` its first variables. Nothing but its weight acts on it.
-    RigidProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low);
+    RigidProjection(const TurningLaw& law, int q, int v, std::span<const double> x, std::span<const double> low);
 
     void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
 
@@ -93,7 +95,7 @@ private:
 /// half of the circle and from the highest on the upper, where it is small near rest and near the separatrix.
 class HingeProjection : public Projection {
 public:
-    HingeProjection(const RigidLaw& law, int q, int v, std::span<const double> x, std::span<const double> low);
+    HingeProjection(const HingeLaw& law, int q, int v, std::span<const double> x, std::span<const double> low);
 
     void apply(std::span<double> x, std::span<double> low, double /*step*/, double /*t*/) const override;
 

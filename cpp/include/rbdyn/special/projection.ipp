@@ -20,23 +20,23 @@
 #include "rbdyn/model/compensated.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/state_map.hpp"
-#include "rbdyn/special/rigid_law.hpp"
+#include "rbdyn/special/hinge_law.hpp"
+#include "rbdyn/special/turning_law.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE RigidProjection::RigidProjection(const RigidLaw& law, int q, int v, std::span<const double> x,
+RBDYN_INLINE RigidProjection::RigidProjection(const TurningLaw& law, int q, int v, std::span<const double> x,
                                               std::span<const double> low)
     : follows_axis_(law.follows_axis) {
-    const bool is_free = law.kind == RigidLaw::Kind::free;
-    attitude_ = q + (is_free ? 3 : 0);
-    omega_ = v + (is_free ? 3 : 0);
+    attitude_ = q + law.first_turn();
+    omega_ = v + law.first_turn();
     for (int i = 0; i < 3; ++i) {
         moment_[at(i)] = exactly<Real>(law.exact.moments[i]);
-        rest_[at(i)] = law.exact.coupling[i].lo;
+        rest_[at(i)] = law.coupling[i].lo;
         arm_[at(i)] = exactly<Real>(law.exact.center[i]);
         force_[at(i)] = exactly<Real>(law.exact.weight[i]);
     }
-    is_heavy_ = !is_free && norm(force_) > 0.0L && norm(arm_) > 0.0L;
+    is_heavy_ = law.holds_point() && norm(force_) > 0.0L && norm(arm_) > 0.0L;
     const Now now = look(x, low);
     if (is_heavy_) {
         force_size_ = norm(force_);
@@ -201,7 +201,7 @@ RBDYN_INLINE void RigidProjection::hold_heavy(const Now& now, Correction& change
     }
 }
 
-RBDYN_INLINE HingeProjection::HingeProjection(const RigidLaw& law, int q, int v, std::span<const double> x,
+RBDYN_INLINE HingeProjection::HingeProjection(const HingeLaw& law, int q, int v, std::span<const double> x,
                                               std::span<const double> low)
     : angle_(q), rate_(v), moment_(exactly<Real>(law.exact.moments[2])) {
     const RigidLaw::Exact& exact = law.exact;

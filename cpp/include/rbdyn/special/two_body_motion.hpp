@@ -18,7 +18,7 @@
 #include "rbdyn/scene/couplings.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/special/door.hpp"
-#include "rbdyn/special/point_laws.hpp"
+#include "rbdyn/special/single_laws.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -53,7 +53,7 @@ namespace planning {
 [[gnu::cold]] std::optional<DoubleDouble> inverse_square(const Coupling& coupling, const DoubleDouble& masses);
 
 /// The motion of a scene of two bodies, or why it has no closed form; neither where the scene is none of these.
-[[gnu::cold]] FoundForm two_body_motion(const Scene& scene, const PointLaws& laws);
+[[gnu::cold]] FoundForm two_body_motion(const Scene& scene, const SingleLaws& laws);
 
 }  // namespace planning
 

@@ -29,7 +29,7 @@
 #include "rbdyn/scene/pair_laws.hpp"
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
-#include "rbdyn/special/point_laws.hpp"
+#include "rbdyn/special/single_laws.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -80,7 +80,7 @@ RBDYN_INLINE std::optional<DoubleDouble> inverse_square(const Coupling& coupling
     return first;
 }
 
-RBDYN_INLINE FoundForm two_body_motion(const Scene& scene, const PointLaws& laws) {
+RBDYN_INLINE FoundForm two_body_motion(const Scene& scene, const SingleLaws& laws) {
     const std::size_t count = scene.bodies().size();
     if (count > 2 || laws.takes_numbers()) return {};
     for (const Scene::Body& b : scene.bodies())
@@ -106,7 +106,7 @@ RBDYN_INLINE FoundForm two_body_motion(const Scene& scene, const PointLaws& laws
         return handle != nullptr ? handle->index : -1;
     };
     const auto share = [&](int i, const DoubleDouble& of) {
-        const PointLaws::Body& b = laws.body(i);
+        const SingleLaw& b = laws.body(i);
         return TwoBodyMotion::Share{b.first, b.first_rate, of};
     };
     KeplerMotion::State d;

@@ -17,7 +17,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
-#include "rbdyn/special/point_laws.hpp"
+#include "rbdyn/special/single_laws.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -38,6 +38,6 @@ struct Staying {
     std::string unknown = {};
 };
 
-[[gnu::cold]] Staying what_stays(const PointLaws& laws);
+[[gnu::cold]] Staying what_stays(const SingleLaws& laws);
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -13,10 +13,10 @@
 #include "rbdyn/basics/interruption.hpp"
 #include "rbdyn/expression/node.hpp"
 #include "rbdyn/expression/recorder.hpp"
-#include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/state_map.hpp"
-#include "rbdyn/special/point_equations.hpp"
-#include "rbdyn/special/point_laws.hpp"
+#include "rbdyn/special/single_law.hpp"
+#include "rbdyn/special/single_laws.hpp"
+#include "rbdyn/special/special_writer.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::staying {
 
@@ -90,17 +90,13 @@ RBDYN_INLINE void follow(const Recorder& r, const std::vector<Expression>& rates
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE Staying what_stays(const PointLaws& laws) {
+RBDYN_INLINE Staying what_stays(const SingleLaws& laws) {
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     std::vector<bool> stays(at(laws.variables()), true);
     std::vector<signed char> slip;
-    for (const PointLaws::Body& b : laws.bodies()) {
-        slip.push_back(b.may_fly ? flies : 1);
-        // a velocity that is no double is held to more digits in the state: what it is short of grows with time
-        for (int k = 0; b.rigid && k < b.velocities(); ++k)
-            if (b.start_velocities[k].lo != 0.0) stays[at(b.first_rate + k)] = false;
-        if (!b.rough && !b.may_fly) continue;
-        for (int k = 0; k < b.positions(); ++k) stays[at(b.first + k)] = stays[at(b.first_rate + k)] = false;
+    for (const auto& law : laws.bodies()) {
+        slip.push_back(law->freest());
+        law->keep_in(stays);
     }
     const std::vector<double> start = laws.start(), rest = laws.start_rest();
     const auto rates_with = [&](Recorder& r, const std::vector<bool>& constant) {
@@ -108,7 +104,7 @@ RBDYN_INLINE Staying what_stays(const PointLaws& laws) {
         std::vector<double> x(at(map.size()));
         map.gather(start, x);
         r.follow(0.0, x, {});
-        return PointsWriter(r, laws, map, slip).lay_down();
+        return SpecialWriter(r, laws, map, slip).lay_down();
     };
     const auto any_stays = [&] { return std::find(stays.begin(), stays.end(), true) != stays.end(); };
     bool has_changed = true;

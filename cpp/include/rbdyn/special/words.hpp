@@ -12,10 +12,11 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/model/omission.hpp"
 #include "rbdyn/model/state_map.hpp"
-#include "rbdyn/special/point_laws.hpp"
-#include "rbdyn/special/points.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
+
+class SingleLaw;     // single_law.hpp
+class SpecialModel;  // special_model.hpp
 
 namespace planning {
 
@@ -39,20 +40,11 @@ struct Named {
 inline constexpr std::array places{"x", "y", "z"}, velocities{"vx", "vy", "vz"}, turns{"w1", "w2", "w3"};
 inline constexpr std::array attitudes{"q0", "q1", "q2", "q3", "spin"};
 
-/// The coordinates of a body that are simulated.
-[[gnu::cold]] std::string coordinates_of(const PointLaws& laws, int index);
-
 /// What of the place and velocity of a particle or a centre of mass is left out.
-[[gnu::cold]] void leave_out_places(const PointLaws& laws, int index, std::vector<Omission>& omissions);
-
-/// What of the rotation of a body that turns freely is left out.
-[[gnu::cold]] void leave_out_turns(const PointLaws& laws, int index, std::vector<Omission>& omissions);
-
-/// What of a body is left out, and what would bring it in.
-[[gnu::cold]] void leave_out_body(const PointLaws& laws, int index, std::vector<Omission>& omissions);
+[[gnu::cold]] void leave_out_places(const SingleLaw& law, const StateMap& map, std::vector<Omission>& omissions);
 
 /// What the equations watch for, with nothing that sticks and with all that can.
-[[gnu::cold]] std::vector<std::string> guards_of(const PointsModel& model);
+[[gnu::cold]] std::vector<std::string> guards_of(const SpecialModel& model);
 
 }  // namespace planning
 

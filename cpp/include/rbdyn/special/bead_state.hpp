@@ -1,4 +1,4 @@
-// Where a particle is and how it moves, on its rail or off it, in numbers of any type.
+// Where a bead is and how it moves, on its rail or off it, in numbers of any type.
 //
 // Notation: c(u) the rail's curve, u its parameter, w = du/dt; a rail that moves carries it along, r = R(t) c + d(t):
 //     v = R c' w + R' c + d'
@@ -15,8 +15,8 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/curve/point.hpp"
-#include "rbdyn/model/rigid_state.hpp"
 #include "rbdyn/scene/rigid_motion.hpp"
+#include "rbdyn/special/single_state.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -61,28 +61,19 @@ private:
     }
 };
 
-/// Position, velocity and place on its rail of one particle; or those of a rigid body's centre of mass.
+/// Place and velocity of a bead, and where it is on its rail; in flight it is on none.
 template <class S>
-struct PointState {
-    Vector3Of<S> r, v;
-    CurvePoint<S> curve;  // on a rail
+struct BeadState : SingleState<S> {
+    using SingleState<S>::r, SingleState<S>::v;
+    CurvePoint<S> curve;
     S w = S(0.0);
-    std::shared_ptr<const RailFrame<S>> frame;   // of a rail that moves
-    std::shared_ptr<const RigidState<S>> rigid;  // of a rigid body
+    std::shared_ptr<const RailFrame<S>> frame;  // of a rail that moves
 
-    static PointState free(const S* r, const S* v) {
-        PointState p;
-        p.r = {r[0], r[1], r[2]};
-        p.v = {v[0], v[1], v[2]};
-        return p;
-    }
-    static PointState on_rail(const CurvePoint<S>& curve, const S& w, std::shared_ptr<const RailFrame<S>> frame) {
-        PointState p;
-        p.curve = curve;
-        p.frame = std::move(frame);
-        p.r = p.frame ? p.frame->at.moved(curve.position) : curve.position;
-        p.set_rate(w);
-        return p;
+    BeadState(const Vector3Of<S>& place, const Vector3Of<S>& velocity) : SingleState<S>(place, velocity) {}
+    BeadState(const CurvePoint<S>& point, const S& rate, std::shared_ptr<const RailFrame<S>> moving)
+        : curve(point), frame(std::move(moving)) {
+        r = frame ? frame->at.moved(curve.position) : curve.position;
+        set_rate(rate);
     }
 
     /// Another rate of the parameter, at the same place.

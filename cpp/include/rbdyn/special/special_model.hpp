@@ -1,4 +1,4 @@
-// The hybrid model of particles: modes of friction and flight, and what follows an event.
+// The hybrid model of single bodies: modes of friction and flight, and what follows an event.
 //
 // A mode: the sign of the slip of every rough bead, or that it sticks; which beads fly; the side of every case
 // distinction; the numbers its equations take follow from them. A bead without slip sticks if the tangential reaction
@@ -35,30 +35,30 @@
 #include "rbdyn/scene/scene.hpp"
 #include "rbdyn/scene/watch.hpp"
 #include "rbdyn/series/piece.hpp"
-#include "rbdyn/special/point_laws.hpp"
-#include "rbdyn/special/rigid_law.hpp"
-#include "rbdyn/special/rigid_loads.hpp"
+#include "rbdyn/special/bead_law.hpp"
+#include "rbdyn/special/laws_now.hpp"
+#include "rbdyn/special/single_laws.hpp"
 #include "rbdyn/special/what_stays.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
-class PointsModel : public SceneModel {
+class SpecialModel : public SceneModel {
 public:
     /// `leaves_out`: what stays as it starts is not simulated. `numbers`: of the user's, as they are in the scene.
-    PointsModel(const Scene& scene, const Placement& view, bool leaves_out = false, const GivenNumbers& numbers = {});
+    SpecialModel(const Scene& scene, const Placement& view, bool leaves_out = false, const GivenNumbers& numbers = {});
     /// The model of the same scene with other numbers of the user's, which leave out the same. `elsewhere`: laws that
     /// start there, and leave out the same; none: those of the model that was planned.
-    PointsModel(const PointsModel& planned, const Scene& scene, const GivenNumbers& numbers,
-                std::shared_ptr<PointLaws> elsewhere = nullptr);
+    SpecialModel(const SpecialModel& planned, const Scene& scene, const GivenNumbers& numbers,
+                 std::shared_ptr<SingleLaws> elsewhere = nullptr);
 
     int variables() const override;
     bool holds_what_touches(int subject) const override;
-    int bodies() const override { return static_cast<int>(laws_->bodies().size()); }
-    bool on_rail(int body) const override { return laws_->body(body).curve.has_value(); }
-    const PointLaws& laws() const { return *laws_; }
+    int bodies() const override { return laws_->size(); }
+    bool on_rail(int body) const override { return laws_->body(body).on_rail(); }
+    const SingleLaws& laws() const { return *laws_; }
     const std::string& name(int body) const override { return laws_->body(body).name; }
     const StateMap& map() const override { return laws_->map(); }
-    bool turns(int body) const override { return laws_->turns(body); }
+    bool turns(int body) const override { return laws_->body(body).turns(laws_->map()); }
     int freedom() const override;
     std::shared_ptr<const SceneModel> with_numbers(const Scene& scene, const GivenNumbers& numbers) const override;
     std::shared_ptr<const SceneModel> started_elsewhere(const Scene& scene, const GivenNumbers& numbers) const override;
@@ -136,13 +136,22 @@ private:
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+    /// A state within its mode with what acts in it, which keep what `now` refers to.
+    struct Moment {
+        Moment(const SpecialModel& model, const Mode& mode, double t, std::span<const double> x,
+               Asked asked = Asked::forces);
+        Within state;
+        std::optional<Acting> acts;
+        LawsNow now;
+    };
+
     /// What is left out of the state, and why nothing is, where nobody knows.
-    Staying staying_in(const PointLaws& laws) const;
+    Staying staying_in(const SingleLaws& laws) const;
     static constexpr const char* nothing_moves = "nothing moves, and what is watched for needs time to pass";
     /// Also of zeros.
     static bool same_bits(double a, double b) { return a == b && std::signbit(a) == std::signbit(b); }
 
-    bool has_angles(int body) const { return laws_->body(body).rigid && laws_->body(body).rigid->turns_freely(); }
+    bool has_angles(int body) const { return laws_->body(body).first_of_attitude() >= 0; }
 
     /// A state with quaternions of unit length: between bodies what they are short of it would show as a moment.
     std::vector<double> with_unit_attitudes(std::span<const double> x) const;
@@ -150,13 +159,10 @@ private:
     /// A variable that is simulated.
     double& variable(std::span<double> x, int index) const { return x[at(laws_->map().place(index))]; }
 
+    // --- what beads do (bead_modes.ipp) ---
+
     /// The first bead on a rail that jumps, with its tangent or by itself, where a distinction changes; -1: none.
     int at_corner(const Mode& mode, std::span<const int> fired, std::span<const double> x) const;
-
-    std::string title(int coupling) const;
-
-    /// Position and velocity, attitude, angular velocity, reactions: what its joint leaves of them.
-    void observe_rigid(int i, const PointsNow& now, std::vector<Observed>& out) const;
 
     /// What a bead does at a speed along its rail.
     signed char slip_of(const Mode& mode, int i, double speed, double t, std::span<double> x) const;
@@ -212,7 +218,7 @@ private:
     std::unique_ptr<Structure> adapted(const Structure& recorded) const override;
     void own_parameters(Mode& mode, std::span<const double> x) const override;
 
-    std::shared_ptr<const PointLaws> laws_;
+    std::shared_ptr<const SingleLaws> laws_;
     std::vector<Scene::Watch> watches_;
     std::shared_ptr<const Scene> asked_;  // where something is called back: what it asks for has to be there
     std::string why_all_;

@@ -1,11 +1,10 @@
-// The equations of particles as recorded programs, one for each structure: which bodies stick, slip or fly, and on
-// which side of every case distinction they are.
+// The equations of a scene of single bodies as recorded programs, one for each structure: which bodies stick, slip or
+// fly, and on which side of every case distinction they are.
 //
 // What does not move is not in the equations: a bead that sticks to a rail at rest is a parameter, not a variable; what
 // stays as it starts is a number (what_stays.hpp).
-// Guards: the slip of a bead that slides (reverse), the static limit of one that sticks (slip), the ends of rails, the
-// reaction of rails that only push (detach) and the way back (land), watched functions, the case distinctions of
-// recorded functions and their switches (normal reactions, speeds under quadratic drag).
+// Guards: those of each law (of beads their slip, their static limit, what their rails do), watched functions, the case
+// distinctions of recorded functions and their switches (normal reactions, speeds under quadratic drag).
 #pragma once
 
 #include <cstddef>
@@ -18,23 +17,23 @@
 #include "rbdyn/expression/recorder.hpp"
 #include "rbdyn/model/equations.hpp"
 #include "rbdyn/model/equations_writer.hpp"
-#include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/model/recorded_model.hpp"
 #include "rbdyn/model/state_map.hpp"
 #include "rbdyn/scene/scene.hpp"
-#include "rbdyn/special/point_laws.hpp"
-#include "rbdyn/special/point_observables.hpp"
-#include "rbdyn/special/point_state.hpp"
+#include "rbdyn/scene/watch.hpp"
+#include "rbdyn/special/single_law.hpp"
+#include "rbdyn/special/single_laws.hpp"
+#include "rbdyn/special/single_state.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
 /// What every body does, sticks, slips or flies, as expressions: recorded in two turns (sliding.hpp), first the laws,
 /// then the guards. `map`: which variables are simulated.
-class PointsWriter {
+class SpecialWriter {
 public:
     using S = Expression;
 
-    PointsWriter(Recorder& r, const PointLaws& laws, const StateMap& map, const std::vector<signed char>& slip);
+    SpecialWriter(Recorder& r, const SingleLaws& laws, const StateMap& map, const std::vector<signed char>& slip);
 
     /// The rates of all variables, and with them what acts.
     const std::vector<S>& lay_down();
@@ -64,36 +63,26 @@ public:
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-    S pull(int i) const;
-    bool held(int i) const { return laws_.body(i).rough && slip_[at(i)] == sticks; }
-    bool flying(int i) const { return slip_[at(i)] == flies; }
-    bool slips(int i) const { return laws_.body(i).rough && !held(i) && !flying(i); }
-
-    RecordedPoints::Body lay_down(int i, const CouplingForces<S>& couplings);
-
-    void guard(EquationsWriter& write, int i) const;
-
-    /// The power of every load on a body that a distinction can be in.
-    void powers(int i, std::span<S> power) const;
+    /// What a watched function asks for.
+    S observed(const Observable& o) const;
 
     Recorder& r_;
-    const PointLaws& laws_;
+    const SingleLaws& laws_;
     const StateMap& map_;
     const std::vector<signed char>& slip_;
     int count_;
     bool distinguishes_ = false;
     std::vector<S> q_, v_, rates_;
-    std::vector<bool> fixed_;  // sticks to a rail at rest
-    std::vector<PointState<S>> states_;
-    std::vector<RecordedPoints::Body> present_;
+    SingleStates<S> states_;
+    std::vector<RecordedBody> present_;
 };
 
 /// The variables that share a scale, of those that are simulated.
-std::vector<VariableGroup> groups_of(const PointLaws& laws);
+std::vector<VariableGroup> groups_of(const SingleLaws& laws);
 
 /// Equations for what every body does: sticks, slips or flies. None if it cannot slide as decided.
-std::unique_ptr<Structure> record_points(const std::shared_ptr<const PointLaws>& of,
-                                         const std::vector<Scene::Watch>& watches, const std::vector<signed char>& slip,
-                                         const RecordedFor& at_state);
+std::unique_ptr<Structure> record_special(const std::shared_ptr<const SingleLaws>& of,
+                                          const std::vector<Scene::Watch>& watches,
+                                          const std::vector<signed char>& slip, const RecordedFor& at_state);
 
 }  // namespace rbdyn::inline RBDYN_FORM
