@@ -20,6 +20,7 @@
 #include "rbdyn/trajectory/run_bytes.ipp"
 #include "rbdyn/trajectory/run_data.ipp"
 #include "rbdyn/trajectory/statistics.ipp"
+#include "rbdyn/trajectory/strike_order.ipp"
 #include "rbdyn/trajectory/theorems.ipp"
 #include "rbdyn/trajectory/trajectory.ipp"
 #include "rbdyn/trajectory/work.ipp"

@@ -114,7 +114,7 @@ def test_bounces_without_loss_that_are_more_than_asked_for_are_a_step_limit():
 def test_what_spins_about_the_vertical_and_comes_down_flat_goes_on_spinning():
     """On smooth legs all around, that strike at one instant, whatever rounding has made of how the body lies by then:
     it goes up with e times its speed. One leg after another would turn it over."""
-    for seed in range(120):
+    for seed, error in [(seed, 1e-11) for seed in range(120)] + [(s, e) for s in range(60) for e in (1e-6, 1e-9)]:
         draw = np.random.default_rng(seed)
         up = draw.normal(size=3)
         up /= np.linalg.norm(up)
@@ -139,6 +139,7 @@ def test_what_spins_about_the_vertical_and_comes_down_flat_goes_on_spinning():
             scene.contact(plate.point([math.cos(angle), math.sin(angle), -0.3]), rb.Plane(up), restitution=e)
         # where it is highest again
         top = math.sqrt(2 * h / G) * (1 + e)
-        run = rb.simulate(scene, top, error=1e-11)
-        assert abs(run[plate].velocity(top) @ up) < 1e-9, seed
-        assert np.abs(run[plate].angular_velocity(top) - [0, 0, spin]).max() < 1e-9, seed
+        run = rb.simulate(scene, top, error=error)
+        allowed = max(1e-9, 10 * error * math.sqrt(2 * G * h))
+        assert abs(run[plate].velocity(top) @ up) < allowed, (seed, error)
+        assert np.abs(run[plate].angular_velocity(top) - [0, 0, spin]).max() < allowed, (seed, error)

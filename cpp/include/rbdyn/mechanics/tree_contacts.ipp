@@ -77,6 +77,24 @@ RBDYN_INLINE double TreeModel::size_of(int contact, const std::vector<mechanics:
     return size;
 }
 
+RBDYN_INLINE bool TreeModel::feel_each_other(int contact, int other, const Mode& mode, double t,
+                                             std::span<const double> x) const {
+    const auto all = moving(mode, t, x);
+    const auto every = conditions_->rows<double>(*tree_, all);
+    std::vector<mechanics::Row<double>> rows;
+    std::size_t first = 0;  // of those of the other one
+    for (const int k : {contact, other}) {
+        first = rows.size();
+        rows.push_back(every[at(conditions_->normal_row(k))]);
+        for (int axis = 0; axis < 3 && is_rough(k); ++axis) rows.push_back(every[at(conditions_->held_row(k, axis))]);
+    }
+    const mechanics::Square a = friction::Coupled(*tree_, all, constraints_of(mode, every), rows, rows).matrix();
+    for (std::size_t i = 0; i < first; ++i)
+        for (std::size_t j = first; j < rows.size(); ++j)
+            if (std::abs(a[i][j]) > 1e-9 * std::sqrt(std::abs(a[i][i] * a[j][j]))) return true;
+    return false;
+}
+
 RBDYN_INLINE double TreeModel::least_size(const Mode& mode, const std::vector<mechanics::Moving<double>>& all) const {
     double least = 0.0;
     for (int k = 0; k < contacts(); ++k)

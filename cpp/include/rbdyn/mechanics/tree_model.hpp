@@ -103,6 +103,7 @@ public:
     double guard_value(const Guard& guard, const Mode& mode, double t, std::span<const double> x) const override;
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
+    bool feel_each_other(int contact, int other, const Mode& mode, double t, std::span<const double> x) const override;
     /// Of bounces with friction those that are left out are summed to first order in their speed.
     double unsure(const Event& event) const override {
         const bool is_left_out = event.kind == EventKind::accumulation && event.contact >= 0 &&

@@ -103,6 +103,12 @@ public:
     /// is where its static coefficient of friction is above the dynamic one; else nothing depends on that.
     virtual bool holds_what_touches(int /*subject*/) const;
 
+    /// Whether an impulse of one contact changes how fast another one opens or slides.
+    virtual bool feel_each_other(int /*contact*/, int /*other*/, const Mode& /*mode*/, double /*t*/,
+                                 std::span<const double> /*x*/) const {
+        return false;
+    }
+
     /// What the time of an event and the motion after it are short of, relative, that no two runs differ by.
     virtual double unsure(const Event& /*event*/) const { return 0.0; }
 

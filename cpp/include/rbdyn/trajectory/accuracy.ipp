@@ -27,6 +27,7 @@
 #include "rbdyn/model/hybrid.hpp"
 #include "rbdyn/series/piece.hpp"
 #include "rbdyn/trajectory/error_scales.hpp"
+#include "rbdyn/trajectory/strike_order.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -55,6 +56,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
     const std::vector<Event> ours = in_order(run, start), theirs = in_order(better, start);
     std::size_t i = 0, j = 0;
     int alike = 0;
+    std::vector<StrikeOfTwo> strikes;
     for (; i < ours.size() && j < theirs.size(); ++i, ++j) {
         // a graze that one of them sees as a hold of no length changes nothing
         while (differ(ours, i, theirs, j) && is_graze(ours, i, start)) skip_graze(ours, i, result);
@@ -66,6 +68,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         const double error = std::abs(a.instant - b.instant) /
                              std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
         differences_.push_back({a.time, std::max(error, model_.unsure(a)), -1});
+        if (StrikeOfTwo::is_one(a)) strikes.push_back({&a, &b});
         ++alike;
     }
     while (is_graze(ours, i, start)) skip_graze(ours, i, result);
@@ -88,6 +91,11 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
             result.same_events = false;
             result.by_rounding = true;
             uncertain = std::min(uncertain, r->doubt->hi);
+        }
+    if (!run.empty())
+        if (const auto order = unknown_order(model_, run, strikes, start, wanted_)) {
+            result.same_events = false;
+            uncertain = std::min(uncertain, *order);
         }
     if (odd < near_end) {
         result.same_events = false;
