@@ -172,8 +172,8 @@ def test_a_disc_that_has_settled_lies_flat():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_wheels_of_a_cart_stop_rolling_together(seed):
-    """Two wheels, of different radii, with one coefficient: it slows by (sum m) g b / (sum m + I/r^2), each torque being
-    b r N, and both wheels have stopped where that ends."""
+    """Two wheels, of different radii, with one coefficient: it slows by (sum m) g b / (sum m + I/r^2), each torque
+    being b r N, and both wheels have stopped where that ends."""
     draw = np.random.default_rng(seed)
     speed, mass, wheel, b = draw.uniform(0.2, 2), draw.uniform(0.5, 3), 0.3, draw.uniform(0.001, 0.01)
     scene = rb.Scene(gravity=[0, 0, -g])

@@ -143,7 +143,7 @@ def kepler_long(solve: Solve) -> Answers:
     hard="close approaches, down to 4e-4 m, after which an error has grown",
     source="reference o_pythagorean, 25 digits",
     error=1e-4,
-    holds=("taylor", "dop853", "cvode-adams"),
+    holds=STEPS,
 )
 def pythagorean(solve: Solve) -> Answers:
     """Masses 3, 4, 5 at rest at the corners of a triangle (Burrau 1913), to beyond the closest approach at 15.83 s."""
