@@ -236,6 +236,9 @@ RBDYN_INLINE void TreeModel::choose_rows() {
                 "cannot move with a Weld or a Fixed joint");
     const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
     mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &first_pivots_);
+    held_ = mechanics::held_velocities(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
+    size_ = size;
+    units_ = mechanics::closing::Responses(*tree_, *conditions_, every, all).extents();
     has_choice_ =
         contacts() == 0 && joints_.empty() && !mechanics::dependences(*tree_, *conditions_, rows_, all).empty();
 }

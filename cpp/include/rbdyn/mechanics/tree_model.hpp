@@ -444,13 +444,15 @@ private:
 
     // --- rows that are chosen anew (tree_rows.ipp) ---
 
-    /// Where in a mode it is said which rows of constraints are used, and behind them when others are looked for; of
-    /// scenes in which rows may be chosen.
+    /// Where in a mode it is said which rows of constraints are used, and behind them when others are looked for and
+    /// how often that was in vain; of scenes in which rows may be chosen.
     std::size_t place_of_rows() const { return at(first_loose()); }
     /// The rows of constraints that are used in a mode.
     std::vector<int> used_rows(const Mode& mode) const;
-    /// Those that are independent where bodies are.
+    /// Those that are most independent where bodies are.
     std::vector<int> rows_at(const std::vector<mechanics::Moving<double>>& all) const;
+    /// log10 of det(J M^-1 J^T) of some over the product of their units.
+    double independence_of(const std::vector<int>& rows, const std::vector<mechanics::Moving<double>>& all) const;
     /// Takes others where those of a mode have come near to depending on each other, if others have not, and decides
     /// where that is looked at again.
     void renew_rows(Mode& mode, double t, std::span<const double> x) const;
@@ -560,6 +562,7 @@ private:
     std::vector<std::shared_ptr<const mechanics::Tree>> trees_;  // by which of the loose beads fly
     std::vector<int> rows_;                                      // of the constraints, those that are used
     bool has_choice_ = false;                                    // others could be used in their place
+    std::vector<double> units_;                                  // of all rows, what they could be where it starts
     std::vector<bool> held_;                                     // of each velocity whether they leave it none
     double size_ = 0.0;                                          // of the scene as it starts, if it has constraints [m]
     std::vector<double> first_pivots_;                           // of these, where the scene starts

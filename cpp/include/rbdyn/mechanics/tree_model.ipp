@@ -390,7 +390,7 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
     mode.slip.resize(at(first_loose()) + loose_.size(), 1);
     if (contacts() > 0) mode.slip.push_back(0);
     if (has_choice_) {
-        mode.slip.resize(place_of_rows() + at(conditions_->constraint_rows()) + 1, 0);
+        mode.slip.resize(place_of_rows() + at(conditions_->constraint_rows()) + 2, 0);
         for (const int r : rows_) mode.slip[place_of_rows() + at(r)] = 1;
     }
     mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);

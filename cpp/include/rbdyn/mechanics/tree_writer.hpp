@@ -62,8 +62,8 @@ public:
     /// The constraints that have rows which are not used and are not zero for good.
     std::vector<int> loose() const;
     /// How far the rows that are used are from depending on each other: the determinant of J M^-1 J^T over the product
-    /// of its diagonal, 1 if they do nothing to each other.
-    S independence() const;
+    /// of units of its diagonal.
+    S independence(const std::vector<double>& units) const;
     /// The guards of watched functions.
     void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
 
@@ -133,10 +133,10 @@ private:
     const std::vector<int>& rows_;
     const std::vector<signed char> states_, resistance_states_, joint_states_;
     std::vector<Touching<S>> touching_;
-    std::vector<Friction> friction_;                     // of each contact
-    std::vector<Turning> turning_;                       // each resistance
-    std::vector<Pressed> pressed_;                       // each rough joint
-    std::vector<S> q_, v_, values_, pivots_, diagonal_;  // of J M^-1 J^T
+    std::vector<Friction> friction_;  // of each contact
+    std::vector<Turning> turning_;    // each resistance
+    std::vector<Pressed> pressed_;    // each rough joint
+    std::vector<S> q_, v_, values_, pivots_;
     int drives_ = -1, surfaces_ = -1;
     std::vector<Moving<S>> moving_;
 };

@@ -228,8 +228,6 @@ RBDYN_INLINE std::vector<Expression> TreeWriter::laws() {
         for (std::size_t i = 0; i < b.size(); ++i)
             for (std::size_t j = 0; j < (sliding.empty() ? i + 1 : b.size()); ++j)
                 a[i][j] = tree.between(responses[i], pushes[j]);
-        diagonal_.clear();
-        for (std::size_t i = 0; i < b.size(); ++i) diagonal_.push_back(a[i][i]);
         std::vector<S> found, pivots;
         if (sliding.empty()) {
             found = solve_definite<S>(std::move(a), std::move(b), &pivots);
