@@ -14,6 +14,7 @@
 #include "rbdyn/mechanics/tree_model.ipp"
 #include "rbdyn/mechanics/tree_observables.ipp"
 #include "rbdyn/mechanics/tree_rails.ipp"
+#include "rbdyn/mechanics/tree_rows.ipp"
 #include "rbdyn/mechanics/tree_slip_directions.ipp"
 #include "rbdyn/mechanics/tree_state.ipp"
 #include "rbdyn/mechanics/tree_writer.ipp"

@@ -223,3 +223,71 @@ def test_the_search_goes_where_a_slow_damped_motion_does(wave, off):
     slow = solve_ivp(lambda t, q: -np.sin(wave * q) - 0.01 * q, (0, 100), [start], rtol=1e-9, atol=1e-12)
     (found,) = rb.equilibria(scene)
     assert abs(found.coordinates[0] - slow.y[0, -1]) < 1e-9
+
+
+@pytest.mark.parametrize("on_cart", [False, True])
+@pytest.mark.parametrize(
+    ("off", "pushes"),
+    [(lambda z: -(z**2), False), (lambda z: -(z**3), False), (lambda z: -(z**4), False), (lambda z: 0.5 * z, True)],
+)
+def test_a_rail_that_pushes_with_nothing_leaves_open_what_is_off_it(off, pushes, on_cart):
+    # U = x^2 + off(z) [V], z > 0 is where the bead may go: no minimum of V for the first three, along the rail one
+    for place in (0.0, 0.3):
+        scene, more = rb.Scene(), {}
+        if on_cart:
+            cart = scene.add(rb.RigidBody(1.0, [0.1] * 3), rb.Prismatic([0, 1, 0]))
+            scene.connect(rb.Spring(1.0), cart, [0, 0, 0])
+            more = {"parent": cart}
+        rail = rb.Rail(rb.Line([1, 0, 0]), side="+", up=[0, 0, 1])
+        bead = scene.add(rb.Particle(1.0), rail, parameter=place + 0.1, **more)
+        scene.apply(rb.Potential(lambda r, u=place: -((r[0] - u) ** 2) - (r[0] - u) * r[2] - off(r[2])), bead)
+        (rest,) = rb.equilibria(scene)
+        assert rest.coordinates[-1] == pytest.approx(place, abs=1e-15)
+        assert (rest.stable, rest.decided) == (pushes, pushes)
+
+
+def test_a_catenary_of_links_hangs_as_its_forces_say():
+    # a closed chain: the horizontal force H is the same all along, a link's slope is what hangs below it over H
+    count, span = 20, 0.6
+    length, first = 1.0 / count, math.acos(span)
+    scene, links = rb.Scene(gravity=[0, 0, -9.8125]), []
+    link = rb.RigidBody(length, [1e-9, length**3 / 12, length**3 / 12], com=[length / 2, 0, 0])
+    for k in range(count):
+        angle = first if k == 0 else -2 * first if k == count // 2 else 0.0
+        more = {"parent": links[-1]} if links else {}
+        joint = rb.Revolute([0, 1, 0], at=[length if links else 0, 0, 0])
+        links.append(scene.add(link, joint, angle=angle, **more))
+    scene.constrain(rb.Ball(), links[-1].point([length, 0, 0]), [span, 0, 0])
+    scene.assemble()
+    (rest,) = rb.equilibria(scene)
+    low, high = 1e-3, 1e3
+    weights = count / 2 - 0.5 - np.arange(count)
+    while (middle := 0.5 * (low + high)) not in (low, high):
+        wide = np.cos(np.arctan2(weights, middle)).sum() * length > span
+        low, high = (low, middle) if wide else (middle, high)
+    assert rest.stable
+    assert np.allclose(np.cumsum(rest.coordinates), np.arctan2(weights, middle), rtol=0, atol=1e-12)
+    # modes are M^-1 K of any coordinates: by finite differences of the angles of the links to the horizontal
+    squares = rb.normal_modes(scene, at=rest).squares
+    assert len(squares) == count - 2
+    assert np.allclose(squares, catenary_modes(weights, middle, length, 9.8125), rtol=1e-6)
+
+
+def catenary_modes(weights, horizontal, length, gravity):
+    """Squares of the frequencies of a chain of thin links, in the angles of the links, ends held."""
+    count = len(weights)
+    angles = np.arctan2(weights, horizontal)
+    mass = length
+    # forces of the pins, from the weight of half a chain over H = m g middle: L = T - V - F.(end - span)
+    pull = mass * gravity * horizontal
+    after = np.arange(count)[::-1]
+    cosines = np.cos(angles[:, None] - angles[None, :])
+    masses = mass * length**2 * (np.minimum(after[:, None], after[None, :]) + 0.5) * cosines
+    np.fill_diagonal(masses, mass * length**2 * (after + 1 / 3))
+    # second derivatives of the potential with the pull at the end and its vertical part
+    stiff = np.diag(length * (pull * np.cos(angles) + mass * gravity * weights * np.sin(angles)))
+    rows = np.vstack([-np.sin(angles), np.cos(angles)])
+    _, _, right = np.linalg.svd(rows)
+    basis = right[2:].T
+    inverse = np.linalg.inv(np.linalg.cholesky(basis.T @ masses @ basis))
+    return np.linalg.eigvalsh(inverse @ (basis.T @ stiff @ basis) @ inverse.T)

@@ -146,6 +146,7 @@ public:
     double nothing(std::size_t row) const { return 1e-26 * extents_[row]; }
     /// Of each row the square of all it could be, did its parts not cancel.
     double extent(std::size_t row) const { return extents_[row]; }
+    const std::vector<double>& extents() const { return extents_; }
     std::vector<std::vector<double>> matrix() const {
         std::vector<std::vector<double>> a(responses_.size(), std::vector<double>(responses_.size()));
         for (std::size_t i = 0; i < a.size(); ++i)

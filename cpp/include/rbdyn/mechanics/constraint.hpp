@@ -1,7 +1,8 @@
 // Constraints of a scene as conditions on the motion of a tree.
 //
 // Each is a number of rows, gap = 0, gap' = on_a . (omega_a, v_a) + on_b . (omega_b, v_b) = 0, and gap'' = 0:
-//     two points          e_k . (a - b), e_k the world's axes
+//     two points          e_k . (a - b), e_k the world's axes, or those of a or b: of three that are not all
+//                         independent some stay so while all turns (redundant.hpp)
 //     a distance          (|a - b|^2 - l^2) / 2
 //     a point on a plane  n . (a - c), n and c fixed in b
 //     a point on a curve  n_1 . (a - f), n_2 . (a - f), f its foot, n_1 and n_2 across the curve there (foot.hpp)
@@ -33,10 +34,12 @@ namespace mechanics {
 /// The rows of one constraint, with what is fixed in its bodies.
 struct Condition {
     enum class Points { none, coincide, distance, plane, curve };
+    enum class Axes { world, of_a, of_b };
 
     std::string name;
     Anchor a, b;
     Points points = Points::coincide;
+    Axes axes = Axes::world;           // of two points
     DoubleDouble length;               // of a distance
     Vector3Of<DoubleDouble> normal{};  // of a plane, axes of b; its point is that of b
     struct RightAngle {
@@ -98,6 +101,10 @@ public:
     /// Whether any contact has friction.
     bool is_rough() const { return is_rough_; }
     bool empty() const { return conditions_.empty() && contacts_.empty(); }
+    /// Which axes the difference of the two points of a constraint is told in.
+    void tell_in(int constraint, Condition::Axes axes) {
+        conditions_[static_cast<std::size_t>(constraint)].axes = axes;
+    }
 
     /// All rows where the tree is.
     template <class S>
@@ -107,22 +114,18 @@ public:
             const Ends<S> ends(tree, c, all);
             if (c.points == Condition::Points::coincide)
                 for (int k = 0; k < 3; ++k) {
-                    Vector3Of<S> e = none<S>();
-                    e[k] = S(1.0);
-                    rows.push_back(pushing(ends, e, ends.arm_b, ends.relative_bias[k]));
+                    const Vector3Of<S> e = ends.axis(c.axes, k);
+                    if (c.axes == Condition::Axes::world)
+                        rows.push_back(pushing(ends, e, ends.arm_b, ends.relative_bias[k]));
+                    else
+                        rows.push_back(c.axes == Condition::Axes::of_b ? across_b(ends, e) : across_a(ends, e));
                 }
             if (c.points == Condition::Points::distance)
                 rows.push_back(pushing(ends, ends.apart, ends.arm_b,
                                        S(dot<S>(ends.apart, ends.relative_bias) +
                                          dot<S>(ends.relative_velocity, ends.relative_velocity))));
-            if (c.points == Condition::Points::plane) {
-                // where a is, as a point of b
-                const Vector3Of<S> arm = ends.arm_b + ends.apart, n = ends.b.to_world(exactly<S>(c.normal)),
-                                   sliding = ends.velocity_a - ends.b.velocity_at(arm);
-                const S bias = dot<S>(
-                    n, Vector3Of<S>(ends.bias_a - ends.b.bias_at(arm) - cross<S>(ends.b.omega, sliding) * S(2.0)));
-                rows.push_back(pushing(ends, n, arm, bias));
-            }
+            if (c.points == Condition::Points::plane)
+                rows.push_back(across_b(ends, ends.b.to_world(exactly<S>(c.normal))));
             if (c.points == Condition::Points::curve) {
                 const Moving<S>& foot = foot_of<S>(tree, c, all);
                 for (std::size_t k = 1; k < 3; ++k)
@@ -164,7 +167,9 @@ public:
         for (const Condition& c : conditions_) {
             const Ends<S> ends(tree, c, all);
             if (c.points == Condition::Points::coincide)
-                for (int k = 0; k < 3; ++k) gaps.push_back(ends.apart[k]);
+                for (int k = 0; k < 3; ++k)
+                    gaps.push_back(c.axes == Condition::Axes::world ? ends.apart[k]
+                                                                    : dot<S>(ends.axis(c.axes, k), ends.apart));
             if (c.points == Condition::Points::distance) {
                 const S length = exactly<S>(c.length);
                 gaps.push_back((dot<S>(ends.apart, ends.apart) - length * length) * S(0.5));
@@ -249,6 +254,17 @@ private:
             relative_bias = bias_a;
             if (c.b.body >= 0) relative_bias = relative_bias - b.bias_at(arm_b);
         }
+
+        /// One of the axes that the difference of two points is told in.
+        Vector3Of<S> axis(Condition::Axes of, int k) const {
+            if (of != Condition::Axes::world) {
+                const AxesOf<S>& own = of == Condition::Axes::of_a ? a.axes : b.axes;
+                return k == 0 ? own.e1 : k == 1 ? own.e2 : own.e3;
+            }
+            Vector3Of<S> e = none<S>();
+            e[k] = S(1.0);
+            return e;
+        }
     };
 
     template <class S>
@@ -263,6 +279,28 @@ private:
         row.on_a.moment = cross<S>(ends.arm_a, n);
         row.on_b.force = -n;
         row.on_b.moment = -cross<S>(arm_b, n);
+        return row;
+    }
+
+    /// n . (a - b) of a direction n that turns with b.
+    template <class S>
+    static Row<S> across_b(const Ends<S>& ends, const Vector3Of<S>& n) {
+        // where a is, as a point of b
+        const Vector3Of<S> arm = ends.arm_b + ends.apart, sliding = ends.velocity_a - ends.b.velocity_at(arm);
+        const S bias =
+            dot<S>(n, Vector3Of<S>(ends.bias_a - ends.b.bias_at(arm) - cross<S>(ends.b.omega, sliding) * S(2.0)));
+        return pushing(ends, n, arm, bias);
+    }
+    /// The same of one that turns with a.
+    template <class S>
+    static Row<S> across_a(const Ends<S>& ends, const Vector3Of<S>& n) {
+        // where b is, as a point of a
+        const Vector3Of<S> arm = ends.arm_a - ends.apart,
+                           sliding = ends.a.velocity_at(arm) - (ends.velocity_a - ends.relative_velocity);
+        const S bias = dot<S>(n, Vector3Of<S>(ends.a.bias_at(arm) - (ends.bias_a - ends.relative_bias) -
+                                              cross<S>(ends.a.omega, sliding) * S(2.0)));
+        Row<S> row = pushing(ends, n, ends.arm_b, bias);
+        row.on_a.moment = cross<S>(arm, n);
         return row;
     }
 

@@ -103,6 +103,10 @@ RBDYN_INLINE Conditions::Conditions(const Scene& scene, const Tree& tree,
         // held to the world without a place of it: where it starts
         if (c.b.body < 0 && !std::holds_alternative<Vector3>(held.b))
             c.b.point = tree.point<DoubleDouble>(c.a, start).place;
+        // welded to a body without a point of it: there, too
+        if (std::holds_alternative<Weld>(held.constraint) && std::holds_alternative<BodyHandle>(held.b) &&
+            c.b.body >= 0)
+            c.b.point = b.to_body(tree.point<DoubleDouble>(c.a, start).place - b.place);
         const auto across = [&](const Wide& axis) {
             // two directions across an axis of b, as a has them now
             const Wide world = b.to_world(axis);

@@ -1,4 +1,5 @@
-// Whether rows of constraints that are not used are redundant for good.
+// Whether rows of constraints that are not used are redundant for good, and along which axes rows are told so that
+// those that are used stay independent.
 //
 // Rows that depend on the others where a scene starts may do so only there: bars in one line, a rod across a rail. They
 // are redundant for good if their gaps stay as they are along every motion that the used rows allow. Those allow a
@@ -36,5 +37,18 @@ struct Opening {
 [[gnu::cold]] std::optional<Opening> opening(const Tree& tree, const Conditions& conditions,
                                              const std::vector<int>& rows, double t, const std::vector<DoubleDouble>& x,
                                              double size, double tolerance);
+
+/// Of each velocity of a joint whether the rows that are used leave it none, here and where else they can be followed
+/// to.
+[[gnu::cold]] std::vector<bool> held_velocities(const Tree& tree, const Conditions& conditions,
+                                                const std::vector<int>& rows, double t,
+                                                const std::vector<DoubleDouble>& x, double size, double tolerance);
+
+/// The same conditions with the points of those of which some rows depend on others told in axes in which what depends
+/// on what stays the same when the scene moves, if there are such: the world's, those of b, those of a; else in those
+/// in which it changes least. Two ball joints of a lid depend on each other along its axis, which turns with what
+/// carries it. `rows`: those used, at x, closed; `size`: of the scene [m].
+[[gnu::cold]] Conditions steadiest(const Tree& tree, const Conditions& conditions, const std::vector<int>& rows,
+                                   double t, const std::vector<DoubleDouble>& x, double size, double tolerance);
 
 }  // namespace rbdyn::inline RBDYN_FORM::mechanics

@@ -220,6 +220,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
                 std::copy(before.slip.begin() + first_loose(), before.slip.end(), mode.slip.begin() + first_loose());
             settle_loose(as_it_was, mode, t, x, begins ? nullptr : &happenings);
         } else {
+            if (has_choice_) renew_rows(mode, t, x);
             joints_.empty() ? choose(mode, t, x, {}) : settle_joints(as_it_was, mode, t, x, {});
         }
         if (!begins && mode.impossible.empty()) tell_joints(before, mode, happenings);

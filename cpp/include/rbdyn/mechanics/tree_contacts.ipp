@@ -29,7 +29,7 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE std::vector<int> TreeModel::rows_in(const Mode& mode) const {
-    std::vector<int> rows = rows_;
+    std::vector<int> rows = used_rows(mode);
     for (int k = 0; k < contacts(); ++k)
         if (mode.slip[at(k)] == pushes || mechanics::contact_state::slides(mode.slip[at(k)]))
             rows.push_back(conditions_->normal_row(k));

@@ -38,13 +38,14 @@ inline constexpr double nearest_start = 1e-6, loosest = 1e-9;
 /// Of the square of all a row could be: what counts as none of it where a scene starts.
 inline constexpr double nothing = 1e-14;
 
-/// Finds where the first of some constraints opens.
+/// Finds where the first of some constraints opens, the rows that are used closed.
 class Loosening : public Locator {
 public:
     Loosening(std::shared_ptr<const mechanics::Tree> tree, std::shared_ptr<const mechanics::Conditions> conditions,
-              std::vector<int> which, double loosest_gap, int samples)
+              std::vector<int> rows, std::vector<int> which, double loosest_gap, int samples)
         : tree_(std::move(tree)),
           conditions_(std::move(conditions)),
+          rows_(std::move(rows)),
           which_(std::move(which)),
           loosest_(loosest_gap),
           samples_(samples) {}
@@ -70,14 +71,23 @@ private:
     bool is_open(const Piece& piece, double tau) const {
         std::vector<double> x(static_cast<std::size_t>(piece.variables));
         piece.state(tau, x);
-        const auto all = mechanics::closing::moving<double>(*tree_, piece.at(tau).hi, x);
-        return std::any_of(which_.begin(), which_.end(),
-                           [&](int k) { return !(conditions_->gap(*tree_, k, all) <= loosest_); });
+        const double t = piece.at(tau).hi;
+        const auto opens = [&](const std::vector<double>& at) {
+            const auto all = mechanics::closing::moving<double>(*tree_, t, at);
+            return std::any_of(which_.begin(), which_.end(),
+                               [&](int k) { return !(conditions_->gap(*tree_, k, all) <= loosest_); });
+        };
+        if (!opens(x)) return false;
+        // what the rows that are used leave open within a step is the error of the step
+        std::vector<DoubleDouble> closed(x.begin(), x.end());
+        mechanics::closing::normalize<DoubleDouble>(*tree_, closed);
+        mechanics::close(*tree_, *conditions_, rows_, t, closed, 3);
+        return opens(mechanics::closing::nearest(closed));
     }
 
     std::shared_ptr<const mechanics::Tree> tree_;
     std::shared_ptr<const mechanics::Conditions> conditions_;
-    std::vector<int> which_;
+    std::vector<int> rows_, which_;  // the rows that are used, and the constraints with others
     double loosest_;
     int samples_;
 };
@@ -169,7 +179,7 @@ RBDYN_INLINE std::vector<DoubleDouble> TreeModel::onto_constraints(double t, std
                     (starts ? " m; scene.assemble() finds a start that does from a rough one"
                             : " m; change the other bodies of the loop, too"));
     const std::vector<DoubleDouble> given = x;
-    mechanics::close(*tree_, *conditions_, rows_, t, x);
+    mechanics::close(*tree_, *conditions_, has_choice_ ? rows_at(all) : rows_, t, x);
     // the velocities that were given, where it now is
     std::vector<double> before = mechanics::closing::nearest(x);
     for (int k = tree_->positions(); k < variables(); ++k) before[at(k)] = static_cast<double>(given[at(k)]);
@@ -209,6 +219,13 @@ RBDYN_INLINE void TreeModel::choose_rows() {
     double widest = 0.0;
     for (const double gap : mechanics::open_by(*tree_, *conditions_, all)) widest = std::max(widest, gap);
     loosest_ = std::max(tree_loops::loosest * size, 4.0 * widest);
+    if (rows_.size() < every.size()) {
+        auto told = mechanics::steadiest(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
+        if (told.all() != conditions_->all()) {
+            conditions_ = std::make_shared<const mechanics::Conditions>(std::move(told));
+            choose_at(x);
+        }
+    }
     if (rows_.size() < every.size())
         if (const auto o = mechanics::opening(*tree_, *conditions_, rows_, 0.0, x, size, loosest_))
             throw InvalidInput(
@@ -219,6 +236,11 @@ RBDYN_INLINE void TreeModel::choose_rows() {
                 "cannot move with a Weld or a Fixed joint");
     const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, all);
     mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &first_pivots_);
+    held_ = mechanics::held_velocities(*tree_, *conditions_, rows_, 0.0, x, size, loosest_);
+    size_ = size;
+    units_ = mechanics::closing::Responses(*tree_, *conditions_, every, all).extents();
+    has_choice_ =
+        contacts() == 0 && joints_.empty() && !mechanics::dependences(*tree_, *conditions_, rows_, all).empty();
 }
 
 RBDYN_INLINE void TreeModel::require_finite_drives(double t) const {
@@ -253,8 +275,11 @@ RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::spa
     }
 }
 
-RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const {
-    if (!first_pivots_.empty()) tree.guard_pivots(write, first_pivots_);
+RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree, const Mode& mode,
+                                         const RecordedFor& state) const {
+    if (!first_pivots_.empty())
+        tree.guard_pivots(write, used_rows(mode) == rows_ ? first_pivots_ : pivots_of(mode, state.t, state.x));
+    if (has_choice_) guard_rows(write, tree, mode);
     const std::vector<int> loose = tree.loose();
     if (loose.empty()) return;
     const bool drives = std::any_of(tree_->nodes().begin(), tree_->nodes().end(), [](const mechanics::Node& n) {
@@ -263,7 +288,8 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
     // where nothing but drives moves a piece may be as long as the motion
     const int samples = !drives ? 1 : variables() > 0 ? 16 : 1024;
     Guard guard{.kind = EventKind::singular, .name = "gaps of constraints"};
-    guard.locator = std::make_shared<const tree_loops::Loosening>(tree_, conditions_, loose, loosest_, samples);
+    guard.locator =
+        std::make_shared<const tree_loops::Loosening>(tree_, conditions_, used_rows(mode), loose, loosest_, samples);
     write.outside(std::move(guard), drives);
 }
 
@@ -293,10 +319,11 @@ RBDYN_INLINE std::optional<Acting> TreeModel::acting_near_singular(const Mode& m
 
 RBDYN_INLINE double TreeModel::independence(const Mode& mode, double t, std::span<const double> x) const {
     double least = 1.0;
-    if (first_pivots_.empty() || mode.equations == nullptr || rows_in(mode) != rows_) return least;
+    const std::vector<int> used = used_rows(mode);
+    if (first_pivots_.empty() || mode.equations == nullptr || rows_in(mode) != used) return least;
     std::vector<double> pivots;
-    const mechanics::closing::Responses responses(*tree_, *conditions_, rows_, moving(t, x));
-    mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(rows_.size(), 0.0), &pivots);
+    const mechanics::closing::Responses responses(*tree_, *conditions_, used, moving(t, x));
+    mechanics::solve_definite<double>(responses.matrix(), std::vector<double>(used.size(), 0.0), &pivots);
     for (std::size_t j = 0; j < pivots.size(); ++j) least = std::min(least, pivots[j] / responses.extent(j));
     return least > 0.0 ? std::sqrt(least) : 0.0;
 }

@@ -442,13 +442,36 @@ private:
 
     /// Chooses the rows that are used. Refuses what the others would lose when the scene moves.
     void choose_rows();
+
+    // --- rows that are chosen anew (tree_rows.ipp) ---
+
+    /// Where in a mode it is said which rows of constraints are used, and behind them when others are looked for and
+    /// how often that was in vain; of scenes in which rows may be chosen.
+    std::size_t place_of_rows() const { return at(first_loose()); }
+    /// The rows of constraints that are used in a mode.
+    std::vector<int> used_rows(const Mode& mode) const;
+    /// Those that are most independent where bodies are.
+    std::vector<int> rows_at(const std::vector<mechanics::Moving<double>>& all) const;
+    /// log10 of det(J M^-1 J^T) of some over the product of their units.
+    double independence_of(const std::vector<int>& rows, const std::vector<mechanics::Moving<double>>& all) const;
+    /// Takes others where those of a mode have come near to depending on each other, if others have not, and decides
+    /// where that is looked at again.
+    void renew_rows(Mode& mode, double t, std::span<const double> x) const;
+    /// What is left of each of the rows of a mode beside those before it.
+    std::vector<double> pivots_of(const Mode& mode, double t, std::span<const double> x) const;
+    /// Variables that share a scale. What constraints hold in all places has rounding of its own, and is measured by
+    /// the rest.
+    std::vector<VariableGroup> groups_in(const mechanics::Tree& tree, bool is_constrained) const;
+    /// Tells where other rows are looked for.
+    void guard_rows(EquationsWriter& write, const mechanics::TreeWriter& tree, const Mode& mode) const;
     /// How far the bodies and the ends of constraints are from each other [m].
     double size_of(const std::vector<mechanics::Moving<double>>& all) const;
     /// Guards what the used rows alone do not hold, and their independence.
     /// What acts where constraints all but lose rank: of the nearest state that satisfies them to 32 digits, for forces
     /// there are known to the rounding of the state over the square of the distance. None elsewhere.
     std::optional<Acting> acting_near_singular(const Mode& mode, double t, std::span<const double> x) const;
-    void guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree) const;
+    void guard_loops(EquationsWriter& write, const mechanics::TreeWriter& tree, const Mode& mode,
+                     const RecordedFor& state) const;
     /// Why no motion goes on where a constraint opens.
     std::string opened(double t, std::span<const double> x) const;
     /// Why no motion goes on where the coordinate of a driven joint, or its rate, jumps from one mode to the next;
@@ -539,6 +562,10 @@ private:
     std::vector<mechanics::LooseRail> loose_;
     std::vector<std::shared_ptr<const mechanics::Tree>> trees_;  // by which of the loose beads fly
     std::vector<int> rows_;                                      // of the constraints, those that are used
+    bool has_choice_ = false;                                    // others could be used in their place
+    std::vector<double> units_;                                  // of all rows, what they could be where it starts
+    std::vector<bool> held_;                                     // of each velocity whether they leave it none
+    double size_ = 0.0;                                          // of the scene as it starts, if it has constraints [m]
     std::vector<double> first_pivots_;                           // of these, where the scene starts
     double loosest_ = 0.0;  // the gap that constraints with other rows may have [m]
     StateMap map_;

@@ -109,7 +109,8 @@ RBDYN_INLINE std::shared_ptr<const SceneModel> TreeModel::with_numbers(const Sce
                                                                        const GivenNumbers& numbers) const {
     const auto model = std::make_shared<TreeModel>(scene, numbers);
     // what holds bodies together may depend on how they lie as they start
-    if (model->rows_ == rows_ && model->conditions_->all() == conditions_->all()) model->share(*this);
+    if (model->rows_ == rows_ && model->has_choice_ == has_choice_ && model->conditions_->all() == conditions_->all())
+        model->share(*this);
     return model;
 }
 
@@ -167,6 +168,7 @@ RBDYN_INLINE std::vector<std::string> TreeModel::guards() const {
     std::set<std::string> known;
     std::vector<double> x = start(0.0);
     for (const Guard& guard : begin(0.0, x).equations->guards) {
+        if (guard.kind == EventKind::singular && guard.name.empty()) continue;
         const bool is_loop = guard.kind == EventKind::singular && guard.contact < 0;
         std::string line = (is_loop && guard.least < 0.0 ? "rank of " + guard.name + " (singular)"
                             : is_loop                    ? guard.name + ", where no motion goes on"
@@ -387,6 +389,10 @@ RBDYN_INLINE Mode TreeModel::undecided() const {
     mode.slip.resize(at(first_joint()) + joints_.size(), mechanics::joint_state::open);
     mode.slip.resize(at(first_loose()) + loose_.size(), 1);
     if (contacts() > 0) mode.slip.push_back(0);
+    if (has_choice_) {
+        mode.slip.resize(place_of_rows() + at(conditions_->constraint_rows()) + 2, 0);
+        for (const int r : rows_) mode.slip[place_of_rows() + at(r)] = 1;
+    }
     mode.memory.assign(place_of_joint(static_cast<int>(joints_.size())), 0.0);
     mode.memory[0] = -std::numeric_limits<double>::infinity();
     return mode;
@@ -415,7 +421,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
             if (x[i] != reached[i]) rest[i] = 0.0;
     };
     std::vector<int> flipped;
-    bool touches = false, rubs = false, has_changed = false, is_loose = false;
+    bool touches = false, rubs = false, has_changed = false, is_loose = false, is_dependent = false;
     int jumps = mode.jumps;
     std::vector<double> was;
     for (const int index : fired) {
@@ -430,6 +436,10 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
         }
         if (loosens(guard)) {
             is_loose = true;
+            continue;
+        }
+        if (guard.kind == EventKind::singular && guard.output >= 0) {
+            is_dependent = true;
             continue;
         }
         if (guard.kind == EventKind::singular) {
@@ -457,6 +467,7 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
     Mode after = mode;
     after.jumps = jumps;
     leave_standing(after);
+    if (is_dependent) renew_rows(after, t, x);
     if (touches || (rubs && contacts() > 0)) {
         forget();
         touch(mode, after, fired, t, x, rest, happenings);
@@ -639,10 +650,10 @@ RBDYN_INLINE std::unique_ptr<Structure> TreeModel::record(const Mode& mode, cons
                         cusps(*rail->curve, i, tree_->node(i).q);
                 for (const mechanics::Foot& f : tree_->feet()) cusps(f.curve, f.held.body, f.q);
             }
-            guard_loops(write, tree);
+            guard_loops(write, tree, mode, state);
             tree.watch(write, scene_.watches());
             write.acting(values.subspan(at(n)));
-            return in_mode.groups(!kept_rows(mode).empty());
+            return groups_in(in_mode, !kept_rows(mode).empty());
         });
     if (!result) return result;
     result->equations.drives = tree.drives();

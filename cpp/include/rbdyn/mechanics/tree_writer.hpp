@@ -61,6 +61,9 @@ public:
     int surfaces() const { return surfaces_; }
     /// The constraints that have rows which are not used and are not zero for good.
     std::vector<int> loose() const;
+    /// How far the rows that are used are from depending on each other: the determinant of J M^-1 J^T over the product
+    /// of units of its diagonal.
+    S independence(const std::vector<double>& units) const;
     /// The guards of watched functions.
     void watch(EquationsWriter& write, const std::vector<Scene::Watch>& watches) const;
 

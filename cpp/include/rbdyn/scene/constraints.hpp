@@ -28,7 +28,8 @@ struct Rod {
     void validate() const;
 };
 
-/// Two bodies keep the pose to each other that they start with.
+/// Two bodies keep the pose to each other that they start with. Where b is a body, not a point of one, that is all of
+/// it; points of both coincide.
 struct Weld {
     bool operator==(const Weld&) const = default;
     void validate() const {}

@@ -61,6 +61,7 @@ public:
         std::vector<double> force, metric, effort, size;
         SquareMatrix jacobian;
         bool pushed = true;  // rails that only push do so
+        bool idle = false;   // one of them does with nothing, within rounding: off it all may be otherwise
         bool is_finite() const {
             const auto all_finite = [](const std::vector<double>& v) {
                 return std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); });

@@ -103,6 +103,9 @@ private:
     /// A zero where the formula of the force changes.
     void add_corner(double u, double half);
     bool is_pushed(double u);
+    /// Whether a rail that holds one side pushes with nothing, within rounding: what the bead does off it is not looked
+    /// at here.
+    bool may_leave(double u);
 
     // --- intervals ---
 

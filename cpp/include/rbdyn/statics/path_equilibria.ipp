@@ -70,6 +70,8 @@ RBDYN_INLINE std::vector<Equilibrium> PathEquilibria::find() {
             e.periods = {2.0 * std::numbers::pi * std::sqrt(-forces_.inertia(p.u) / p.slope)};
         result.push_back(std::move(e));
     }
+    for (Equilibrium& e : result)
+        if (e.stable && may_leave(e.coordinates[0])) e.stable = e.decided = false;
     if (forces_.is_on_hinge() && round_ > 0.0)
         for (Equilibrium& e : result) turn_back(e);
     std::sort(result.begin(), result.end(),
@@ -338,6 +340,13 @@ RBDYN_INLINE bool PathEquilibria::is_pushed(double u) {
     if (!forces_.one_sided()) return true;
     const Piece& p = pieces_.about(u, 1.0);
     return p.output[PathForces::push][0] >= -p.noise();
+}
+
+RBDYN_INLINE bool PathEquilibria::may_leave(double u) {
+    if (!forces_.one_sided()) return false;
+    const Piece& p = pieces_.about(u, 1.0);
+    const auto& push = p.output[PathForces::push];
+    return push[0] <= p.noise() + 8.0 * epsilon * std::abs(u * push[1]);
 }
 
 RBDYN_INLINE void PathEquilibria::find_held() {

@@ -257,6 +257,7 @@ RBDYN_INLINE Judgement judged(Forces& forces, std::vector<double> q, const std::
             is_decided = e.decided && along != AlongNull::indifferent;
         }
     }
+    if (e.stable && s.idle) e.stable = e.decided = is_decided = false;
     // without a potential the modes are not those of the symmetric part
     if (stiffness.twist <= stiffness.rounding)
         for (const double square : squares)

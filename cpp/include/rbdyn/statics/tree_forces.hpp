@@ -89,6 +89,8 @@ private:
     std::vector<double> in_all(const std::vector<double>& motion) const;
     /// Velocities that follow from a motion in the freedoms.
     Wide velocities(const std::vector<Wide>& rows, const Wide& motion) const;
+    /// The forces of the constraints that balance Q of what follows.
+    Wide holding(const std::vector<Wide>& rows, const Wide& q) const;
     /// Q of the freedoms.
     Wide reduced(const std::vector<Wide>& rows, const Wide& q) const;
     Wide forces(const Wide& x) const;

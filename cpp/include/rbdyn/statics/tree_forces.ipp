@@ -23,6 +23,7 @@
 #include "rbdyn/mechanics/assemble.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/joint/spherical.hpp"
+#include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/statics/path_forces.hpp"
 
@@ -48,6 +49,14 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
         throw InvalidInput(
             "equilibria: the constraints of this scene cannot be closed from where it starts; scene.assemble() finds a "
             "start that satisfies them");
+    if (rows_.size() < every.size()) {
+        constexpr double tolerance = 1e-9;  // of gaps, in sizes of the scene
+        conditions_ =
+            mechanics::steadiest(tree(), conditions_, rows_, 0.0, x, acting_.size(), tolerance * acting_.size());
+        rows_ = mechanics::independent_rows(
+            tree(), conditions_, every,
+            mechanics::closing::moving<double>(tree(), 0.0, mechanics::closing::nearest(x)));
+    }
     start_ = mechanics::closing::nearest(x);
     start_.resize(at(tree().positions()));
     choose(moving(x));
@@ -118,9 +127,22 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
             s.size.push_back(turns >= 0 && k - node.v >= turns ? 1.0 : std::abs(q[at(node.q + k - node.v)]));
         }
     for (const mechanics::LooseRail& rail : acting_.one_sided()) {
-        const double size = efforts.of(rail.body, {Vector3::Zero(), efforts.all[at(rail.body)].joint.front().move});
-        s.pushed = s.pushed && acting_.push<double>(rail, efforts.all, efforts.bodies[at(rail.body)].force) >=
-                                   -16.0 * std::numeric_limits<double>::epsilon() * size;
+        constexpr double epsilon = std::numeric_limits<double>::epsilon();
+        const auto push = [&](const RestForces::Efforts& e) {
+            return acting_.push<double>(rail, e.all, e.bodies[at(rail.body)].force);
+        };
+        const double pushes = push(efforts);
+        double rounding =
+            16.0 * epsilon * efforts.of(rail.body, {Vector3::Zero(), efforts.all[at(rail.body)].joint.front().move});
+        s.pushed = s.pushed && pushes >= -rounding;
+        // of the place, too
+        for (std::size_t k = 0; k < q.size(); ++k) {
+            if (q[k] == 0.0) continue;
+            std::vector<double> beside = q;
+            beside[k] *= 1.0 + 8.0 * epsilon;
+            rounding += std::abs(push(acting_.efforts(beside)) - pushes);
+        }
+        s.idle = s.idle || pushes <= rounding;
     }
     return s;
 }
@@ -179,28 +201,44 @@ RBDYN_INLINE TreeForces::WideJacobian TreeForces::exact_jacobian() const {
 }
 
 RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
+    // r = Q_l - G_l^T lambda with G_f^T lambda = Q_f, l the freedoms, f what follows: along a motion that the
+    // constraints allow r' is to (Q - G^T lambda)', lambda as it is, what r is to Q; so nothing is closed again beside
+    // the place
     constexpr double part = 0x1p-33;
     const int n = freedoms();
+    const std::vector<Wide> held = rows(bodies_);
+    const auto acting = [&](const Wide& x) {
+        return (*function_)(std::span<const DoubleDouble>(x.data(), at(tree().positions())));
+    };
+    const Wide multipliers = holding(held, acting(place_));
+    const auto left = [&](const Wide& x) {
+        Wide q = acting(x);
+        const std::vector<Wide> there = rows(moving(x));
+        for (std::size_t r = 0; r < there.size(); ++r)
+            for (std::size_t k = 0; k < q.size(); ++k) q[k] -= there[r][k] * multipliers[r];
+        return q;
+    };
     WideMatrix result(n);
     for (int j = 0; j < n; ++j) {
+        Interruption::point();
         // as far as the body that moves most moves by a part of the scene's size
         double most = 0.0;
         for (const Carried& c : carried(j))
             most = std::max({most, rounded(c.twist.move).norm() / acting_.size(), rounded(c.twist.turn).norm()});
         const double step = most > 0.0 ? std::exp2(std::floor(std::log2(part / most))) : part;
-        std::vector<double> way;
-        for (const DoubleDouble& v : basis_[at(j)]) way.push_back(step * static_cast<double>(v));
         const auto shifted = [&](double sign) {
-            Wide there(place_.begin(), place_.begin() + tree().positions());
-            std::vector<double> changes = way;
-            for (double& c : changes) c *= sign;
-            mechanics::closing::move<DoubleDouble>(tree(), 0.0, changes, there);
+            Wide there = place_;
+            std::vector<double> way;
+            for (const DoubleDouble& v : basis_[at(j)]) way.push_back(sign * step * static_cast<double>(v));
+            mechanics::closing::move<DoubleDouble>(tree(), 0.0, way, there);
             mechanics::closing::normalize<DoubleDouble>(tree(), there);
-            const Wide on = closed(std::move(there));
-            return on.empty() ? Wide(at(n), std::numeric_limits<double>::quiet_NaN()) : forces(on);
+            return left(there);
         };
-        const Wide ahead = shifted(1.0), back = shifted(-1.0);
-        for (int i = 0; i < n; ++i) result(i, j) = (ahead[at(i)] - back[at(i)]) * DoubleDouble(0.5 / step);
+        Wide change = shifted(1.0);
+        const Wide back = shifted(-1.0);
+        for (std::size_t k = 0; k < change.size(); ++k) change[k] = (change[k] - back[k]) * DoubleDouble(0.5 / step);
+        const Wide along = reduced(held, change);
+        for (int i = 0; i < n; ++i) result(i, j) = along[at(i)];
     }
     return result;
 }
@@ -208,8 +246,24 @@ RBDYN_INLINE WideMatrix TreeForces::jacobian_of_differences() const {
 RBDYN_INLINE std::vector<TreeForces::Carried> TreeForces::carried(int freedom) const {
     std::vector<Carried> result;
     if (!rows_.empty()) {
-        const auto all = tree().moving<DoubleDouble>(0.0, place_.data(), basis_[at(freedom)].data());
-        for (int i = 0; i < bodies(); ++i) result.push_back({i, {all[at(i)].omega, all[at(i)].velocity}});
+        const Wide& v = basis_[at(freedom)];
+        for (int i = 0; i < bodies(); ++i) {
+            const mechanics::Node& n = tree().node(i);
+            Carried c{i, {}};
+            if (n.parent >= 0) {
+                const Vector3Of<DoubleDouble> arm = bodies_[at(i)].place - bodies_[at(n.parent)].place;
+                c.twist = result[at(n.parent)].twist;
+                c.twist.move += cross<DoubleDouble>(c.twist.turn, arm);
+                // what turns freely does not turn with its parent
+                if (n.joint.attitude() >= 0) c.twist.turn = mechanics::none<DoubleDouble>();
+            }
+            for (int k = 0; k < n.joint.velocities(); ++k) {
+                const mechanics::Twist<DoubleDouble>& own = bodies_[at(i)].joint[at(k)];
+                c.twist.turn += own.turn * v[at(n.v + k)];
+                c.twist.move += own.move * v[at(n.v + k)];
+            }
+            result.push_back(c);
+        }
         return result;
     }
     const auto& nodes = tree().nodes();
@@ -365,18 +419,22 @@ RBDYN_INLINE TreeForces::Wide TreeForces::velocities(const std::vector<Wide>& ro
     return v;
 }
 
-RBDYN_INLINE TreeForces::Wide TreeForces::reduced(const std::vector<Wide>& rows, const Wide& q) const {
-    Wide result;
-    for (const int k : leading_) result.push_back(q[at(k)]);
-    if (rows.empty()) return result;
+RBDYN_INLINE TreeForces::Wide TreeForces::holding(const std::vector<Wide>& rows, const Wide& q) const {
     std::vector<Wide> a;
     Wide b, pivots, driven;
+    if (rows.empty()) return b;
     for (const int k : following_) {
         a.emplace_back();
         for (const Wide& row : rows) a.back().push_back(row[at(k)]);
         b.push_back(q[at(k)]);
     }
-    const Wide multipliers = mechanics::solve_in_order<DoubleDouble>(std::move(a), std::move(b), pivots, driven);
+    return mechanics::solve_in_order<DoubleDouble>(std::move(a), std::move(b), pivots, driven);
+}
+
+RBDYN_INLINE TreeForces::Wide TreeForces::reduced(const std::vector<Wide>& rows, const Wide& q) const {
+    Wide result;
+    for (const int k : leading_) result.push_back(q[at(k)]);
+    const Wide multipliers = holding(rows, q);
     for (std::size_t i = 0; i < result.size(); ++i)
         for (std::size_t r = 0; r < rows.size(); ++r) result[i] -= rows[r][at(leading_[i])] * multipliers[r];
     return result;
