@@ -214,7 +214,9 @@ def test_periods_of_beads_keep_their_digits_beside_stiff_springs(ratio):
     square = 2 * k / (1 + 2 * k + (1 + 4 * k * k).sqrt())
     (state,) = rb.equilibria(scene)
     assert state.stable and state.decided
-    assert state.periods[0] == pytest.approx(2 * math.pi / math.sqrt(float(square)), rel=1e-15 if ratio < 1e16 else 1e-13)
+    assert state.periods[0] == pytest.approx(
+        2 * math.pi / math.sqrt(float(square)), rel=1e-15 if ratio < 1e16 else 1e-13
+    )
 
 
 @pytest.mark.parametrize("fibre", [1e-6, 1e-7, 1e-8])
