@@ -42,7 +42,7 @@ a ball joint, quaternion (w, x, y, z); position [m] and attitude of a free body,
             R"(Whether U has a strict maximum there, or friction holds it. False where it is indifferent; turns about `axes`
 are left aside.)")
         .def_readonly("decided", &Equilibrium::decided,
-                      "Whether `stable` is known: not where rounding hides all that forces do nearby.")
+                      "Whether `stable` is known: not where rounding hides what forces do nearby, or it is not proven.")
         .def_readonly(
             "interval", &Equilibrium::interval,
             R"(The coordinates of one bead, hinge or slide between which all is equilibrium, or None: what friction holds
@@ -108,8 +108,9 @@ One body on a ball joint: those found from `near`, or from its start, and from a
 first. A heavy body has two, its centre of mass below and above the point that is held, free to turn about the vertical
 (`axes`): the attitudes given are those reached without such a turn.
 More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
-to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
-rails it is one among others. So for bodies joined to bodies and constraints, which hold there; their coordinates are those
+to none, one near it; given `near`, all coordinates in order of addition, the nearest of those, stable or not, that searches
+from there and from places about it lead to: by the sum of squares of the differences [m, rad], without whole turns that
+change nothing. On rough rails it is one among others. So for bodies joined to bodies and constraints, which hold there; their coordinates are those
 a scene starts with: of a joint with a parent relative to it.
 An empty list: none was found. Raises InvalidInput for a scene without bodies or with contacts, with forces or torques that
 depend on time or are called back, or with rails or joints that are driven.)");

@@ -2695,7 +2695,7 @@ class Equilibrium:
     @property
     def decided(self) -> bool:
         """
-        Whether `stable` is known: not where rounding hides all that forces do nearby.
+        Whether `stable` is known: not where rounding hides what forces do nearby, or it is not proven.
         """
     @property
     def interval(self) -> tuple[float, float] | None:
@@ -4326,8 +4326,9 @@ def equilibria(scene: Scene, near: numpy.typing.ArrayLike | None = None) -> list
     first. A heavy body has two, its centre of mass below and above the point that is held, free to turn about the vertical
     (`axes`): the attitudes given are those reached without such a turn.
     More freedoms: at most one, that in which a slow and damped motion from the start of the scene ends, or where that leads
-    to none, the nearest; given `near`, all coordinates in order of addition, the one nearest to that, stable or not. On rough
-    rails it is one among others. So for bodies joined to bodies and constraints, which hold there; their coordinates are those
+    to none, one near it; given `near`, all coordinates in order of addition, the nearest of those, stable or not, that searches
+    from there and from places about it lead to: by the sum of squares of the differences [m, rad], without whole turns that
+    change nothing. On rough rails it is one among others. So for bodies joined to bodies and constraints, which hold there; their coordinates are those
     a scene starts with: of a joint with a parent relative to it.
     An empty list: none was found. Raises InvalidInput for a scene without bodies or with contacts, with forces or torques that
     depend on time or are called back, or with rails or joints that are driven.

@@ -2,7 +2,8 @@
 
 Potentials with a minimum, a maximum or an inflection of known order at a known place, of any scale; forces with known
 zeros of known orders, their signs in exact fractions; rods on torsion springs as near to their critical stiffness as
-1e-10. Prints what is missed, false, or judged wrongly; exits with their number.
+1e-10; valleys of two freedoms, bent, at whose floor the potential goes as a power. Prints what is missed, false, or
+judged wrongly; exits with their number.
 """
 
 import math
@@ -89,7 +90,49 @@ def upright_rod(random):
     return f"rod of {mass} kg, {length} m at 1 + {e} of its critical stiffness", scene, expected, slack
 
 
+def valley(random):
+    """U = -(a (x - s y - t y^2)^2 + c y^m) of two slides: the field's sign, a minimum of -U if m is even and c > 0.
+
+    Of a state that is found near the origin: certain only of the truth, and up to a fourth power certain of it where it
+    is met exactly, and a minimum found from the start; rounding hides some higher ones.
+    """
+    power = int(random.integers(2, 9))
+    stiff = 2.0 ** random.uniform(-10, 10)
+    floor = random.choice([-1.0, 1.0]) * stiff * 10.0 ** random.uniform(-6, 1)
+    shear, bend = random.uniform(-1, 1), random.uniform(-1, 1)
+    start = random.choice([0.0, 1.0]) * random.uniform(-0.2, 0.2, 2)
+
+    def made(x, y):
+        scene = rb.Scene()
+        one = scene.add(rb.RigidBody(2.0, [0.1] * 3), rb.Prismatic([1, 0, 0]), displacement=x)
+        two = scene.add(rb.RigidBody(1.0, [0.1] * 3), rb.Prismatic([0, 1, 0]), parent=one, displacement=y)
+        potential = rb.Potential(
+            lambda r: -(stiff * (r[0] - shear * r[1] - bend * r[1] ** 2) ** 2 + floor * r[1] ** power)
+        )
+        scene.apply(potential, two)
+        return scene
+
+    stable = power % 2 == 0 and floor > 0.0
+    text = f"{stiff} (x - {shear} y - {bend} y^2)^2 + {floor} y^{power} from {start}"
+    found = [*rb.equilibria(made(*start)), *rb.equilibria(made(*start), near=[0, 0])]
+    near = [state for state in found if np.abs(state.coordinates).max() < 1e-3]
+    if len(near) < 1:
+        return f"{text}: the origin is not found near itself"
+    for state in near:
+        if state.decided and state.stable != stable:
+            return f"{text}: stable is {state.stable} at {state.coordinates}, and certain"
+    if power > 4:
+        return None
+    if not near[-1].decided or np.abs(near[-1].coordinates).max() > 1e-12:
+        return f"{text}: not decided where it is met exactly"
+    if stable and len(near) < 2:
+        return f"{text}: the minimum is not found from the start"
+    return None
+
+
 def wrong(kind, random):
+    if kind is valley:
+        return valley(random)
     text, scene, expected, slack = kind(random)
     found = rb.equilibria(scene)
     if len(found) != len(expected):
@@ -104,7 +147,7 @@ def wrong(kind, random):
     return None
 
 
-KINDS = [one_power, wells, marginal, upright_rod]
+KINDS = [one_power, wells, marginal, upright_rod, valley]
 
 
 def main(scenes=2000, seed=1):

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <variant>
@@ -20,7 +19,7 @@
 #include "rbdyn/statics/ball_equilibria.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
-#include "rbdyn/statics/normal_modes.hpp"
+#include "rbdyn/statics/nearest_rest.hpp"
 #include "rbdyn/statics/path_equilibria.hpp"
 #include "rbdyn/statics/path_forces.hpp"
 #include "rbdyn/statics/search.hpp"
@@ -31,21 +30,12 @@ namespace rbdyn::inline RBDYN_FORM {
 namespace statics {
 
 /// The one state of rest that a search leads to, if it leads to any.
-inline std::vector<Equilibrium> nearest(Forces& forces, const std::vector<double>& near) {
+inline std::vector<Equilibrium> nearest(TreeForces& forces, const std::vector<double>& near) {
     const std::vector<double> start = near.empty() ? forces.start() : forces.place(near);
     std::vector<double> q = start;
     if (near.empty() && settle(forces, q) && relax(forces, q)) return {judged(forces, std::move(q), start).equilibrium};
-    q = start;
-    if (!relax(forces, q)) return {};
-    return {judged(forces, std::move(q), start).equilibrium};
-}
-
-/// Of small oscillations, where masses are not those of single freedoms, the longest first [s].
-inline std::vector<double> periods(const Scene& scene, const Equilibrium& e) {
-    std::vector<double> result;
-    for (const double square : normal_modes(scene, e).squares)
-        if (square > 0.0) result.push_back(2.0 * std::numbers::pi / std::sqrt(square));
-    return result;
+    if (auto found = NearestRest(forces, start).find()) return {judged(forces, std::move(*found), start).equilibrium};
+    return {};
 }
 
 }  // namespace statics
@@ -79,13 +69,9 @@ RBDYN_INLINE std::vector<Equilibrium> equilibria(const Scene& scene, const std::
     }
     statics::TreeForces forces(now);
     require(forces.freedoms() > 0, user, "number of freedoms", forces.freedoms(), "something can move");
-    std::vector<Equilibrium> found =
-        is_alone && std::holds_alternative<Spherical>(first.joint)
-            ? statics::BallEquilibria(now, near.empty() ? forces.start() : forces.place(near)).find()
-            : statics::nearest(forces, near);
-    for (Equilibrium& e : found)
-        if (!e.periods.empty() && !forces.has_own_masses()) e.periods = statics::periods(now, e);
-    return found;
+    return is_alone && std::holds_alternative<Spherical>(first.joint)
+               ? statics::BallEquilibria(now, near.empty() ? forces.start() : forces.place(near)).find()
+               : statics::nearest(forces, near);
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -28,7 +28,7 @@ struct Equilibrium {
     /// Directions in the world of axes about which one body alone may be turned, and all stay at rest: a heavy body on
     /// a ball joint about the vertical. The coordinates are those of the one that the least turn leads to.
     std::vector<Vector3> axes = {};
-    /// Whether `stable` is known: not where all that forces do nearby is within their rounding.
+    /// Whether `stable` is known: not where what forces do nearby is within their rounding, or is not proven.
     bool decided = true;
 
     bool operator==(const Equilibrium&) const = default;

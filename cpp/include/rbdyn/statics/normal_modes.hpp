@@ -7,6 +7,7 @@
 // Source: Golub and Van Loan, "Matrix Computations", 4th ed., sec. 8.7.2: M = L L^T, L^-1 K L^-T y = square y.
 #pragma once
 
+#include <optional>
 #include <ostream>
 #include <vector>
 
@@ -23,11 +24,21 @@ struct SmallMotion {
     WideMatrix mass;       // M, symmetric and positive
     WideMatrix stiffness;  // K
     bool is_even = false;  // K is the same all around, and does not know the rounding of where the rest is said to be
+    std::optional<SquareMatrix> sizes = std::nullopt;  // what the entries of K are sums of, where that is known
 };
+
+/// Modes as they come out of M and K.
+struct SmallModes {
+    std::vector<double> squares, rounding;  // in ascending order, and below which size each of them is none
+    SquareMatrix shapes;                    // columns s, s.M s = 1
+};
+
+/// Throws InvalidInput where the stiffness is not symmetric: the forces have no potential, and no such modes.
+SmallModes small_modes(const SmallMotion& motion);
 
 struct NormalModes {
     /// omega^2 in ascending order [1/s^2]; negative: the rest is unstable, x grows as exp(sqrt(-square) t). What is
-    /// zero within rounding of the largest is zero: nothing pushes back there.
+    /// zero within the rounding of what it is made of is zero: nothing pushes back there.
     std::vector<double> squares;
     /// omega, in the same order [rad/s]; not a number where the square is negative.
     std::vector<double> frequencies;

@@ -24,6 +24,7 @@
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
 #include "rbdyn/statics/path_forces.hpp"
+#include "rbdyn/statics/pinned_rest.hpp"
 #include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
@@ -48,32 +49,29 @@ RBDYN_INLINE WideMatrix cholesky(const WideMatrix& m) {
     return l;
 }
 
-/// What a scene says of a place of rest.
-RBDYN_INLINE SmallMotion small_motion(const TreeForces& forces) {
-    TreeForces::WideJacobian slope = forces.wide_jacobian();
-    SmallMotion result{forces.wide_mass(), std::move(slope.entries), slope.is_constant};
-    for (int i = 0; i < forces.freedoms(); ++i)
-        for (int j = 0; j < forces.freedoms(); ++j) result.stiffness(i, j) = -result.stiffness(i, j);
-    return result;
-}
-
 /// The place of an equilibrium. Throws InvalidInput where it is none.
-inline std::vector<double> place_of_rest(Forces& forces, const std::vector<double>& coordinates,
+inline std::vector<double> place_of_rest(TreeForces& forces, const std::vector<double>& coordinates,
                                          const std::string& user) {
     std::vector<double> q = forces.place(coordinates);
     const Forces::State s = forces.at_rest(q);
     if (!s.is_finite()) throw InvalidInput(user + ": at the equilibrium " + forces.not_finite(q) + " is not finite");
     // places are known to rounding, and users write some digits of them
     constexpr double near = 1e-6;
-    for (std::size_t i = 0; i < s.force.size(); ++i)
-        require(std::abs(s.force[i]) <= near * s.effort[i], user, "generalized force of freedom " + std::to_string(i),
+    const std::vector<double> sizes = forces.force_sizes(forces.wide(q));
+    for (std::size_t i = 0; i < s.force.size(); ++i) {
+        // and nothing is what is rounding
+        double slack = s.effort[i] + 64.0 * std::numeric_limits<double>::epsilon() / near * sizes[i];
+        for (std::size_t j = 0; j < s.size.size(); ++j)
+            slack += std::abs(s.jacobian(static_cast<int>(i), static_cast<int>(j))) * s.size[j];
+        require(std::abs(s.force[i]) <= near * slack, user, "generalized force of freedom " + std::to_string(i),
                 s.force[i], "at an equilibrium there is none; take one of equilibria(scene)");
+    }
     return q;
 }
 
 }  // namespace statics
 
-RBDYN_INLINE NormalModes normal_modes(const SmallMotion& motion) {
+RBDYN_INLINE SmallModes small_modes(const SmallMotion& motion) {
     const int n = motion.mass.size();
     const WideMatrix l = statics::cholesky(motion.mass);
     // L^-1 K L^-T: first all columns of K, then all rows of that
@@ -110,25 +108,47 @@ RBDYN_INLINE NormalModes normal_modes(const SmallMotion& motion) {
     std::iota(order.begin(), order.end(), 0);
     const auto value = [&](int mode) { return e.values[static_cast<std::size_t>(mode)]; };
     std::sort(order.begin(), order.end(), [&](int i, int j) { return value(i) - value(j) < 0.0; });
-    NormalModes result{{}, {}, Matrix(n, n)};
+    constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    SmallModes result{{}, {}, SquareMatrix(n)};
     for (int k = 0; k < n; ++k) {
         Interruption::point();
         const int mode = order[static_cast<std::size_t>(k)];
-        const double square = std::abs(value(mode).hi) <= rounding ? 0.0 : value(mode).hi;
-        result.squares.push_back(square);
-        result.frequencies.push_back(square < 0.0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(square));
         // L^-T y
         std::vector<DoubleDouble> shape(static_cast<std::size_t>(n));
-        double largest = 0.0;
         for (int i = n - 1; i >= 0; --i) {
             DoubleDouble x = e.vectors(i, mode);
             for (int j = i + 1; j < n; ++j) x -= l(j, i) * shape[static_cast<std::size_t>(j)];
             x /= l(i, i);
             shape[static_cast<std::size_t>(i)] = x;
-            if (std::abs(x.hi) > std::abs(largest)) largest = x.hi;
+            result.shapes(i, k) = x.hi;
         }
+        result.squares.push_back(value(mode).hi);
+        // a slow mode does not know the rounding of the stiffness of others that it does not strain
+        double own = rounding;
+        if (motion.sizes && !motion.is_even) {
+            own = e.error;
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j)
+                    own += 16.0 * epsilon * std::abs(result.shapes(i, k) * result.shapes(j, k)) * (*motion.sizes)(i, j);
+        }
+        result.rounding.push_back(own);
+    }
+    return result;
+}
+
+RBDYN_INLINE NormalModes normal_modes(const SmallMotion& motion) {
+    const SmallModes modes = small_modes(motion);
+    const int n = modes.shapes.size();
+    NormalModes result{{}, {}, Matrix(n, n)};
+    for (int k = 0; k < n; ++k) {
+        const auto mode = static_cast<std::size_t>(k);
+        const double square = std::abs(modes.squares[mode]) <= modes.rounding[mode] ? 0.0 : modes.squares[mode];
+        result.squares.push_back(square);
+        result.frequencies.push_back(square < 0.0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(square));
+        double largest = 0.0;
         for (int i = 0; i < n; ++i)
-            result.shapes(i, k) = std::copysign(1.0, largest) * shape[static_cast<std::size_t>(i)].hi;
+            if (std::abs(modes.shapes(i, k)) >= std::abs(largest)) largest = modes.shapes(i, k);
+        for (int i = 0; i < n; ++i) result.shapes(i, k) = std::copysign(1.0, largest) * modes.shapes(i, k);
     }
     return result;
 }

@@ -1,23 +1,27 @@
-// What the forces of a scene do along the one direction in which its stiffness says nothing.
+// What the forces of a scene do along a direction in which its stiffness says nothing.
 //
-// A step s along the direction, all other freedoms relaxed by the stiffness at the zero (the reduction of Lyapunov and
-// Schmidt; Golubitsky and Schaeffer, "Singularities and Groups in Bifurcation Theory I", Springer 1985, ch. VII),
-// leaves a force g(s) along it. It goes as s^m from the smallest steps on at which it is more than rounding: stable if
-// m is odd and g against s, as for a path (path_zero.hpp).
+// A step s along the direction, all stiff modes relaxed (the reduction of Lyapunov and Schmidt; Golubitsky and
+// Schaeffer, "Singularities and Groups in Bifurcation Theory I", Springer 1985, ch. VII), leaves a force g(s) along it,
+// the slope of U on the way. It is taken in 32 digits, and goes as s^m from the smallest steps on at which it is more
+// than what doubles make of its terms: stable if m is odd and g against s, as for a path (path_zero.hpp). Other flat
+// directions stay as they are: what goes down on one way is not stable, whatever others do; what goes up on all that
+// are tried need not be.
 #pragma once
 
 #include <vector>
 
-#include "rbdyn/basics/dense.hpp"
 #include "rbdyn/basics/form.hpp"
-#include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/pinned_rest.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
 enum class AlongNull { indifferent, stable, unstable, not_decided };
 
-/// `e`: of the stiffness, metric one; `null`: the direction's index; `stiff`: which of the others there are.
-AlongNull along_null(Forces& forces, const std::vector<double>& q, const SymmetricEigen& e, int null,
-                     const std::vector<bool>& stiff);
+/// `direction`: in terms of the modes.
+AlongNull along_null(TreeForces& forces, const PinnedRest& rest, const std::vector<double>& direction);
+
+/// In all flat modes together.
+AlongNull along_flat(TreeForces& forces, const PinnedRest& rest);
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

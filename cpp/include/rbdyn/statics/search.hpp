@@ -19,6 +19,7 @@
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
@@ -35,10 +36,10 @@ struct Stiffness {
 
 /// Downhill from q, in place, as a slow and damped motion goes: steps (|K| + damping)^-1 Q with the absolute values of
 /// the eigenvalues of the stiffness K, taken if the forces do work on the way. Whether that came to an end.
-bool settle(Forces& forces, std::vector<double>& q);
+bool settle(TreeForces& forces, std::vector<double>& q);
 
 /// The zero of the forces near q, in place; whether there is one.
-bool relax(Forces& forces, std::vector<double>& q);
+bool relax(TreeForces& forces, std::vector<double>& q);
 
 /// A turn of one body about an axis of the world through a point.
 struct FreeTurn {
@@ -57,6 +58,6 @@ struct Judgement {
     std::vector<double> place;
     bool is_decided = false;
 };
-Judgement judged(Forces& forces, std::vector<double> q, const std::vector<double>& start);
+Judgement judged(TreeForces& forces, std::vector<double> q, const std::vector<double>& start);
 
 }  // namespace rbdyn::inline RBDYN_FORM::statics

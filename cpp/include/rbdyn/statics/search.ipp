@@ -13,12 +13,15 @@
 #include <vector>
 
 #include "rbdyn/basics/dense.hpp"
+#include "rbdyn/basics/double_double.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/basics/vector.hpp"
 #include "rbdyn/rotation/quaternion.hpp"
 #include "rbdyn/statics/equilibrium.hpp"
 #include "rbdyn/statics/forces.hpp"
 #include "rbdyn/statics/null_direction.hpp"
+#include "rbdyn/statics/pinned_rest.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::statics {
 
@@ -73,7 +76,7 @@ RBDYN_INLINE Stiffness::Stiffness(const Forces::State& s) : symmetric(s.jacobian
     rounding = 64.0 * std::numeric_limits<double>::epsilon() * n * largest;
 }
 
-RBDYN_INLINE bool settle(Forces& forces, std::vector<double>& q) {
+RBDYN_INLINE bool settle(TreeForces& forces, std::vector<double>& q) {
     const int n = forces.freedoms();
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
     // radians in which a step of this search may turn a body
@@ -115,7 +118,66 @@ RBDYN_INLINE bool settle(Forces& forces, std::vector<double>& q) {
     return false;
 }
 
-RBDYN_INLINE bool relax(Forces& forces, std::vector<double>& q) {
+namespace searching {
+
+// freedoms of a scene whose modes are taken in 32 digits: of more, those in doubles have to do
+inline constexpr int most_wide = 120;
+
+/// The small motions near q, the zero pinned down, if the forces have a potential.
+inline std::optional<PinnedRest> pinned_if_even(TreeForces& forces, const std::vector<double>& q,
+                                                const Stiffness& stiffness) {
+    if (forces.freedoms() > most_wide || !(stiffness.twist <= stiffness.rounding)) return std::nullopt;
+    try {
+        return pinned(forces, q);
+    } catch (const InvalidInput&) {
+        // in 32 digits they have none, or the masses are singular
+        return std::nullopt;
+    }
+}
+
+}  // namespace searching
+
+/// Whether Newton's method from q comes to a zero at once: one at which the forces do not vanish to higher order.
+inline bool contracts(TreeForces& forces, const std::vector<double>& q) {
+    const Forces::State s = forces.at_rest(q);
+    const std::size_t n = s.force.size();
+    const std::vector<double> sizes = forces.force_sizes(forces.wide(q));
+    TreeForces::Wide place = forces.wide(q);
+    const auto misfit = [&](const TreeForces::Wide& f) {
+        double most = 0.0;
+        for (std::size_t i = 0; i < n; ++i) most = std::max(most, std::abs(f[i].hi) / std::sqrt(s.metric[i]));
+        return most;
+    };
+    double noise = 0.0;
+    for (std::size_t i = 0; i < n; ++i) noise = std::max(noise, 0x1p-70 * sizes[i] / std::sqrt(s.metric[i]));
+    constexpr int most_steps = 4;
+    for (int iteration = 0; iteration < most_steps && !place.empty(); ++iteration) {
+        const TreeForces::Wide f = forces.force_at(place);
+        if (misfit(f) <= noise) return true;
+        std::vector<double> left;
+        for (const DoubleDouble& x : f) left.push_back(-x.hi);
+        place = forces.stepped(place, solve(s.jacobian, left).x);
+    }
+    return false;
+}
+
+/// The zero of the forces near q by the modes in 32 digits, in place; whether there is one, beside the largest forces
+/// on the way.
+inline bool approach(TreeForces& forces, std::vector<double>& q, const std::vector<double>& most) {
+    const Forces::State s = forces.at_rest(q);
+    if (!s.is_finite()) return false;
+    const auto rest = searching::pinned_if_even(forces, q, Stiffness(s));
+    if (!rest || !rest->is_found) return false;
+    const TreeForces::Wide f = forces.force_at(rest->place);
+    const std::vector<double> sizes = forces.force_sizes(rest->place);
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+        if (!(std::abs(f[i].hi) <= std::max(64.0 * std::numeric_limits<double>::epsilon() * sizes[i], 1e-13 * most[i])))
+            return false;
+    q = forces.nearest(rest->place);
+    return forces.at_rest(q).pushed;
+}
+
+RBDYN_INLINE bool relax(TreeForces& forces, std::vector<double>& q) {
     constexpr double epsilon = std::numeric_limits<double>::epsilon();
     const int n = forces.freedoms();
     const auto at = [](int i) { return static_cast<std::size_t>(i); };
@@ -172,7 +234,8 @@ RBDYN_INLINE bool relax(Forces& forces, std::vector<double>& q) {
         // the forces die away to a zero of higher order, the steps with them
         found = damping == 0.0 && taken < 1e-20 * gone && faded;
     }
-    if (!found) return false;
+    // squares of slow modes are lost beside those of stiff ones, and of flat ones beside any
+    if (!found) return approach(forces, q, most);
     for (int iteration = 0; iteration < 4; ++iteration) {
         LinearSolution step = solve(now.jacobian, now.force);
         for (double& x : step.x) x = -x;
@@ -223,8 +286,8 @@ RBDYN_INLINE std::optional<FreeTurn> free_turn(Forces& forces, const std::vector
     return result;
 }
 
-RBDYN_INLINE Judgement judged(Forces& forces, std::vector<double> q, const std::vector<double>& start) {
-    const Forces::State s = forces.at_rest(q);
+RBDYN_INLINE Judgement judged(TreeForces& forces, std::vector<double> q, const std::vector<double>& start) {
+    Forces::State s = forces.at_rest(q);
     const Stiffness stiffness(s);
     Equilibrium e;
     for (int i = 0; i < forces.bodies(); ++i) {
@@ -237,31 +300,40 @@ RBDYN_INLINE Judgement judged(Forces& forces, std::vector<double> q, const std::
         const double half = std::atan2(free->axis.dot(Vector3(way.x, way.y, way.z)), way.w);
         q = forces.turned(std::move(q), i, free->axis, free->point, -2.0 * half);
     }
-    e.coordinates = forces.coordinates(q);
-    const SymmetricEigen modes = symmetric_eigen(stiffness.symmetric);
-    const std::vector<double>& squares = modes.values;
-    const auto undecided = static_cast<std::size_t>(
-        std::count_if(squares.begin(), squares.end(), [&](double x) { return std::abs(x) <= stiffness.rounding; }));
-    bool is_decided = undecided == e.axes.size() && undecided < squares.size();
-    e.stable = is_decided && squares.front() >= -stiffness.rounding;
-    // a direction that goes down is enough; else one in which nothing is said so far may be looked at further
-    if (squares.front() >= -stiffness.rounding && undecided > e.axes.size() && undecided < squares.size()) {
-        e.decided = false;
-        if (undecided == 1 && stiffness.twist <= stiffness.rounding) {
-            std::vector<bool> stiff;
-            for (const double square : squares) stiff.push_back(std::abs(square) > stiffness.rounding);
-            const auto null = std::find(stiff.begin(), stiff.end(), false) - stiff.begin();
-            const AlongNull along = along_null(forces, q, modes, static_cast<int>(null), stiff);
-            e.stable = along == AlongNull::stable;
-            e.decided = along != AlongNull::not_decided;
-            is_decided = e.decided && along != AlongNull::indifferent;
+    bool is_decided = false;
+    if (auto rest = searching::pinned_if_even(forces, q, stiffness)) {
+        if (rest->is_found) q = forces.nearest(rest->place);
+        const std::vector<double>& squares = rest->modes.squares;
+        const auto flat = static_cast<std::size_t>(std::ranges::count(rest->flat, true));
+        bool falls = false;
+        for (std::size_t k = 0; k < squares.size(); ++k) {
+            if (rest->flat[k]) continue;
+            falls = falls || squares[k] < 0.0;
+            if (squares[k] > 0.0) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(squares[k]));
         }
+        std::sort(e.periods.rbegin(), e.periods.rend());
+        // what the second derivatives do not say the forces nearby may, where no turn is to be left aside
+        AlongNull along = AlongNull::not_decided;
+        if (rest->is_found && !falls && flat > 0 && e.axes.empty()) along = along_flat(forces, *rest);
+        const bool is_told = falls || flat == e.axes.size();
+        e.stable = rest->is_found && !falls && (is_told ? flat < squares.size() : along == AlongNull::stable);
+        e.decided = rest->is_found && (is_told || along != AlongNull::not_decided);
+        is_decided = e.decided && flat < squares.size() && along != AlongNull::indifferent;
+    } else {
+        // the symmetric part, in doubles
+        const std::vector<double> squares = symmetric_eigenvalues(stiffness.symmetric);
+        const auto hidden = static_cast<std::size_t>(
+            std::ranges::count_if(squares, [&](double x) { return std::abs(x) <= stiffness.rounding; }));
+        const bool is_simple = contracts(forces, q);
+        e.decided = is_decided = is_simple && (squares.front() < -stiffness.rounding || hidden == e.axes.size());
+        e.stable = e.decided && squares.front() >= -stiffness.rounding && hidden < squares.size();
+        // without a potential the modes are not those of the symmetric part
+        if (stiffness.twist <= stiffness.rounding)
+            for (const double square : squares)
+                if (square > stiffness.rounding) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(square));
     }
     if (e.stable && s.idle) e.stable = e.decided = is_decided = false;
-    // without a potential the modes are not those of the symmetric part
-    if (stiffness.twist <= stiffness.rounding)
-        for (const double square : squares)
-            if (square > stiffness.rounding) e.periods.push_back(2.0 * std::numbers::pi / std::sqrt(square));
+    e.coordinates = forces.coordinates(q);
     return {std::move(e), std::move(q), is_decided};
 }
 

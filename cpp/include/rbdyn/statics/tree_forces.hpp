@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/expression/function.hpp"
 #include "rbdyn/expression/program.hpp"
+#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/constraint.hpp"
 #include "rbdyn/mechanics/moving.hpp"
 #include "rbdyn/mechanics/tree.hpp"
@@ -41,8 +43,7 @@ public:
     bool turns(int body) const override { return rows_.empty() && tree().node(body).joint.attitude() >= 0; }
     int first(int body) const override { return tree().node(body).v; }
     int displacements(int body) const override { return tree().node(body).joint.attitude(); }
-    /// Whether each freedom has a mass of its own: the metric is all there is of the masses.
-    bool has_own_masses() const;
+    bool has_constraints() const { return !rows_.empty(); }
 
     std::vector<double> start() const override { return start_; }
     std::vector<double> place(const std::vector<double>& coordinates) const override;
@@ -57,6 +58,8 @@ public:
     std::vector<double> moved(std::vector<double> q, const std::vector<double>& step) const override;
     double largest_turn(const std::vector<double>& step) const override;
     std::vector<double> difference(const std::vector<double>& to, const std::vector<double>& from) const override;
+    /// The root of the sum of squares of displacements [m], parameters and angles [rad] between two places.
+    double distance(const std::vector<double>& to, const std::vector<double>& from) const;
     State at_rest(const std::vector<double>& q) override;
     std::string not_finite(const std::vector<double>& q) const override;
 
@@ -67,19 +70,43 @@ public:
     };
     WideJacobian wide_jacobian() const;
     WideMatrix wide_mass() const;
+
+    /// Places of 32 digits: positions on the constraints, empty where these cannot be closed.
+    using Wide = std::vector<DoubleDouble>;
+    Wide wide(const std::vector<double>& q) const { return closed(Wide(q.begin(), q.end())); }
+    std::vector<double> nearest(const Wide& place) const;
+    /// A small step from a place that look_at() was asked for last, or from near it.
+    Wide stepped(const Wide& place, const std::vector<double>& step) const;
+    /// Q near that place, and what it is a sum of.
+    Wide force_at(const Wide& place);
+    std::vector<double> force_sizes(const Wide& place);
+    /// Makes a place the one that the Jacobian and the masses are of.
+    void look_at(const Wide& place);
+    /// What the entries of the Jacobian there are sums of: their rounding in doubles is a few epsilon times that.
+    /// Along constraints nothing is said of it.
+    std::optional<SquareMatrix> jacobian_sizes() const;
+    /// The most that a step moves the point of a body that its joint holds [m], where look_at() was asked for last.
+    double largest_move(const std::vector<double>& step) const;
+    /// The extent of the scene [m].
+    double extent() const { return acting_.size(); }
+    /// Positions that leave their body where it is when a turn is added, or a round of a closed rail, and how much
+    /// that is: only torques that count turns know it.
+    struct Round {
+        int position;
+        double period;
+    };
+    std::vector<Round> rounds() const;
     /// A motion in the freedoms in terms of all velocities, in the order of bodies; turns of what turns freely about
     /// the axes of the body.
     std::vector<double> in_bodies(const std::vector<double>& q, const std::vector<double>& motion) const;
 
 private:
-    using Wide = std::vector<DoubleDouble>;
     using Bodies = std::vector<mechanics::Moving<DoubleDouble>>;
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
     const mechanics::Tree& tree() const { return acting_.tree(); }
 
     /// Positions on the constraints, in 32 digits, and zero velocities behind them; empty if they are not to be closed.
     Wide closed(Wide positions) const;
-    Wide wide(const std::vector<double>& q) const { return closed(Wide(q.begin(), q.end())); }
     Bodies moving(const Wide& x) const;
     /// The rows of the constraints by velocity.
     std::vector<Wide> rows(const Bodies& all) const;
@@ -118,6 +145,9 @@ private:
     WideJacobian exact_jacobian() const;
     WideMatrix jacobian_of_differences() const;
     void record(const std::vector<double>& q);
+    const Function& slope(int position) const;
+    /// Runs a program for what its values are sums of.
+    static RoundingSizes sizes_of(const Program& program, const std::vector<double>& q);
 
     RestForces acting_;
     mechanics::Conditions conditions_;
@@ -130,6 +160,7 @@ private:
     Bodies bodies_;                     // the bodies there,
     std::vector<Wide> basis_;           // and of each freedom all velocities there, where constraints hold
     std::optional<Function> function_;  // Q of all velocities
+    mutable std::map<int, Function> slopes_;
     Program program_;
     std::unique_ptr<JacobianEvaluator> values_;
     std::vector<double> parameters_;

@@ -62,12 +62,6 @@ RBDYN_INLINE TreeForces::TreeForces(const Scene& scene) : acting_(scene) {
     choose(moving(x));
 }
 
-RBDYN_INLINE bool TreeForces::has_own_masses() const {
-    return rows_.empty() && std::ranges::none_of(tree().nodes(), [](const mechanics::Node& n) {
-               return n.parent >= 0 || n.joint.attitude() >= 0 || (!n.is_point && n.joint.velocities() > 1);
-           });
-}
-
 RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
     const int n = freedoms();
     State s;
@@ -81,18 +75,7 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
         s.effort = s.size = s.metric;
         return s;
     }
-    if (!function_ || distinguishes_) record(q);
-    bodies_ = moving(place_);
-    choose(bodies_);
-    basis_.clear();
-    if (!rows_.empty()) {
-        const std::vector<Wide> held = rows(bodies_);
-        for (int i = 0; i < n; ++i) {
-            Wide one(at(n), 0.0);
-            one[at(i)] = 1.0;
-            basis_.push_back(velocities(held, one));
-        }
-    }
+    look_at(Wide(place_));
     for (const DoubleDouble& f : forces(place_)) s.force.push_back(static_cast<double>(f));
     const RestForces::Efforts efforts = acting_.efforts(q);
     if (rows_.empty()) {
@@ -147,6 +130,27 @@ RBDYN_INLINE Forces::State TreeForces::at_rest(const std::vector<double>& q) {
     return s;
 }
 
+RBDYN_INLINE void TreeForces::look_at(const Wide& place) {
+    const int n = freedoms();
+    place_ = place;
+    if (!function_ || distinguishes_) record(nearest(place));
+    bodies_ = moving(place_);
+    choose(bodies_);
+    basis_.clear();
+    if (rows_.empty()) return;
+    const std::vector<Wide> held = rows(bodies_);
+    for (int i = 0; i < n; ++i) {
+        Wide one(at(n), 0.0);
+        one[at(i)] = 1.0;
+        basis_.push_back(velocities(held, one));
+    }
+}
+
+RBDYN_INLINE TreeForces::Wide TreeForces::force_at(const Wide& place) {
+    if (distinguishes_) record(nearest(place));
+    return forces(place);
+}
+
 RBDYN_INLINE std::string TreeForces::not_finite(const std::vector<double>& q) const {
     const Wide x = wide(q);
     if (x.empty()) return "the place itself, where the constraints cannot be closed,";
@@ -191,7 +195,7 @@ RBDYN_INLINE TreeForces::WideJacobian TreeForces::exact_jacobian() const {
         auto found = slopes.find(c.position);
         if (found == slopes.end()) {
             Interruption::point();
-            const Function derivative = function_->derivative(c.position);
+            const Function& derivative = slope(c.position);
             result.is_constant = result.is_constant && derivative.constants().has_value();
             found = slopes.emplace(c.position, derivative(place)).first;
         }
@@ -446,6 +450,12 @@ RBDYN_INLINE TreeForces::Wide TreeForces::forces(const Wide& x) const {
     return reduced(rows_.empty() ? std::vector<Wide>{} : rows(moving(x)), q);
 }
 
+RBDYN_INLINE const Function& TreeForces::slope(int position) const {
+    auto found = slopes_.find(position);
+    if (found == slopes_.end()) found = slopes_.emplace(position, function_->derivative(position)).first;
+    return found->second;
+}
+
 RBDYN_INLINE void TreeForces::record(const std::vector<double>& q) {
     const int positions = tree().positions();
     const auto follow = [&](Recorder& into) {
@@ -460,6 +470,7 @@ RBDYN_INLINE void TreeForces::record(const std::vector<double>& q) {
     parameters_.clear();
     if (rows_.empty()) values_ = std::make_unique<JacobianEvaluator>(program_);
     const recording::WideFolding all_digits;
+    slopes_.clear();
     function_ = Function::record_growing([&](Recorder& growing) {
         return std::pair{follow(growing).along, positions};
     });

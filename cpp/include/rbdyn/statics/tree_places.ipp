@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <variant>
 #include <vector>
 
@@ -137,12 +138,35 @@ RBDYN_INLINE std::vector<double> TreeForces::moved(std::vector<double> q, const 
     return q;
 }
 
+RBDYN_INLINE std::vector<double> TreeForces::nearest(const Wide& place) const {
+    std::vector<double> q = mechanics::closing::nearest(place);
+    q.resize(at(tree().positions()));
+    return q;
+}
+
+RBDYN_INLINE TreeForces::Wide TreeForces::stepped(const Wide& place, const std::vector<double>& step) const {
+    const Wide v = velocities(rows(moving(place)), Wide(step.begin(), step.end()));
+    Wide there(place.begin(), place.begin() + tree().positions());
+    mechanics::closing::move<DoubleDouble>(tree(), 0.0, mechanics::closing::nearest(v), there);
+    for (const mechanics::Node& n : tree().nodes())
+        if (const mechanics::RailLaw* rail = n.joint.rail()) {
+            const Domain d = rail->curve->domain();
+            there[at(n.q)] = std::clamp<DoubleDouble>(there[at(n.q)], d.begin, d.end);
+        }
+    for (int i = 0; i < 2; ++i) mechanics::closing::normalize<DoubleDouble>(tree(), there);
+    return closed(std::move(there));
+}
+
 RBDYN_INLINE double TreeForces::largest_turn(const std::vector<double>& step) const {
     double most = 0.0;
     const std::vector<double> v = in_all(step);
     for (const mechanics::Node& n : tree().nodes()) {
         const double* own = v.data() + n.v;
-        if (const int turns = n.joint.attitude(); turns >= 0) {
+        if (const mechanics::RailLaw* rail = n.joint.rail()) {
+            // once round a closed rail
+            if (const double period = rail->curve->period(); period > 0.0)
+                most = std::max(most, 2.0 * std::numbers::pi / period * std::abs(own[0]));
+        } else if (const int turns = n.joint.attitude(); turns >= 0) {
             most = std::max(most, std::hypot(own[turns], own[turns + 1], own[turns + 2]));
         } else if (n.joint.as<mechanics::UniversalLaw>() != nullptr) {
             most = std::max({most, std::abs(own[0]), std::abs(own[1])});
@@ -151,6 +175,51 @@ RBDYN_INLINE double TreeForces::largest_turn(const std::vector<double>& step) co
         }
     }
     return most;
+}
+
+RBDYN_INLINE double TreeForces::largest_move(const std::vector<double>& step) const {
+    std::vector<Vector3> moves(at(bodies()), Vector3::Zero());
+    for (int i = 0; i < freedoms(); ++i)
+        if (step[at(i)] != 0.0)
+            for (const Carried& c : carried(i)) moves[at(c.body)] += step[at(i)] * rounded(c.twist.move);
+    double most = 0.0;
+    for (const Vector3& move : moves) most = std::max(most, move.norm());
+    return most;
+}
+
+RBDYN_INLINE std::vector<TreeForces::Round> TreeForces::rounds() const {
+    std::vector<Round> result;
+    constexpr double turn = 2.0 * std::numbers::pi;
+    for (const mechanics::Node& n : tree().nodes()) {
+        if (const mechanics::RailLaw* rail = n.joint.rail()) {
+            if (const double period = rail->curve->period(); period > 0.0) result.push_back({n.q, period});
+        } else if (n.joint.attitude() >= 0) {
+            continue;
+        } else if (n.joint.as<mechanics::UniversalLaw>() != nullptr) {
+            result.push_back({n.q, turn});
+            result.push_back({n.q + 1, turn});
+        } else if (const int k = mechanics::turning_velocity(n.joint); k >= 0) {
+            result.push_back({n.q + k, turn});
+        }
+    }
+    return result;
+}
+
+RBDYN_INLINE double TreeForces::distance(const std::vector<double>& to, const std::vector<double>& from) const {
+    double sum = 0.0;
+    for (int i = 0; i < bodies(); ++i) {
+        const mechanics::Node& n = tree().node(i);
+        const int turns = n.joint.attitude(), moves = turns >= 0 ? turns : n.joint.positions();
+        for (int k = 0; k < moves; ++k) {
+            const double way = to[at(n.q + k)] - from[at(n.q + k)];
+            sum += way * way;
+        }
+        if (turns < 0) continue;
+        const Quaternion p = attitude(to, i) * conjugate(attitude(from, i));
+        const double angle = 2.0 * std::atan2(Vector3(p.x, p.y, p.z).norm(), std::abs(p.w));
+        sum += angle * angle;
+    }
+    return std::sqrt(sum);
 }
 
 RBDYN_INLINE std::vector<double> TreeForces::difference(const std::vector<double>& to,

@@ -1,0 +1,186 @@
+// Definitions of rbdyn/statics/pinned_rest.hpp.
+#pragma once
+
+#include "rbdyn/statics/pinned_rest.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/basics/interruption.hpp"
+#include "rbdyn/statics/normal_modes.hpp"
+#include "rbdyn/statics/tree_forces.hpp"
+
+namespace rbdyn::inline RBDYN_FORM::statics {
+
+RBDYN_INLINE SmallMotion small_motion(const TreeForces& forces) {
+    TreeForces::WideJacobian slope = forces.wide_jacobian();
+    SmallMotion result{forces.wide_mass(), std::move(slope.entries), slope.is_constant,
+                       slope.is_constant ? std::nullopt : forces.jacobian_sizes()};
+    for (int i = 0; i < forces.freedoms(); ++i)
+        for (int j = 0; j < forces.freedoms(); ++j) result.stiffness(i, j) = -result.stiffness(i, j);
+    return result;
+}
+
+namespace pinning {
+
+/// p of (1 - 1/p)^p = what a step leaves of the force; none where it is no such power.
+inline std::optional<double> order(double left) {
+    // of 1.1 and of 50
+    if (!(left > 0.072 && left < 0.364)) return std::nullopt;
+    double low = 1.0, high = 60.0;
+    for (int i = 0; i < 60; ++i) {
+        const double p = 0.5 * (low + high);
+        (std::pow(1.0 - 1.0 / p, p) < left ? low : high) = p;
+    }
+    // most are whole numbers, and the way to the zero is then told to rounding
+    return std::abs(low - std::round(low)) < 1e-2 ? std::round(low) : low;
+}
+
+}  // namespace pinning
+
+RBDYN_INLINE PinnedRest pinned(TreeForces& forces, const std::vector<double>& q) {
+    const auto at = [](int i) { return static_cast<std::size_t>(i); };
+    const int n = forces.freedoms();
+    PinnedRest rest;
+    rest.place = forces.wide(q);
+    double softened = 0.0;      // the largest square met of a mode that is flat in the end
+    double longest_leap = 0.0;  // of all steps to zeros of higher order
+    const auto is_far = [&](const TreeForces::Wide& to, const TreeForces::Wide& from) {
+        for (std::size_t i = 0; i < q.size(); ++i)
+            if (std::abs((to[i] - from[i]).hi) > 1e-8 * std::abs(from[i].hi) + 1e-14) return true;
+        return false;
+    };
+    constexpr int most_rounds = 30, most_steps = 40, most_whole = 6;
+    for (int round = 0; round < most_rounds && !rest.place.empty(); ++round) {
+        forces.look_at(rest.place);
+        rest.modes = small_modes(small_motion(forces));
+        rest.flat.assign(at(n), false);
+        const std::vector<double> sizes = forces.force_sizes(rest.place);
+        const auto is_stiff = [&](int k) { return std::abs(rest.modes.squares[at(k)]) > rest.modes.rounding[at(k)]; };
+        const auto along = [&](const TreeForces::Wide& f, int k) {
+            DoubleDouble sum = 0.0;
+            for (int i = 0; i < n; ++i) sum += DoubleDouble(rest.modes.shapes(i, k)) * f[at(i)];
+            return sum.hi;
+        };
+        const auto taken = [&](const std::vector<double>& ways) {
+            std::vector<double> step(at(n));
+            for (int k = 0; k < n; ++k)
+                for (int i = 0; i < n; ++i) step[at(i)] += ways[at(k)] * rest.modes.shapes(i, k);
+            return step;
+        };
+        // what 32 digits leave, where constraints are closed to fewer
+        const double digits = forces.has_constraints() ? 0x1p-76 : 0x1p-94;
+        double stiffest = 0.0;
+        for (const double square : rest.modes.squares) stiffest = std::max(stiffest, std::abs(square));
+        // soft modes are looked at where the others are relaxed: the way to a flat zero may be a bent valley
+        constexpr double soft = 1e-3;
+        const auto is_soft = [&](int k) { return std::abs(rest.modes.squares[at(k)]) <= soft * stiffest; };
+        std::vector<double> first(at(n)), second(at(n));
+        std::vector<bool> open(at(n));
+        bool is_moved = false;
+        TreeForces::Wide place = rest.place;
+        for (int iteration = 0, whole = 0; iteration < most_steps && whole < most_whole && !place.empty();
+             ++iteration) {
+            Interruption::point();
+            const TreeForces::Wide f = forces.force_at(place);
+            std::vector<double> ways(at(n)), force(at(n));
+            bool is_done = true, is_relaxed = true;
+            double softly = 0.0;
+            for (int k = 0; k < n; ++k) {
+                force[at(k)] = along(f, k);
+                if (!std::isfinite(force[at(k)])) return rest;
+                double rounding = 0.0;
+                for (int i = 0; i < n; ++i) rounding += std::abs(rest.modes.shapes(i, k)) * sizes[at(i)];
+                open[at(k)] = is_stiff(k) && std::abs(force[at(k)]) > digits * rounding;
+                if (!open[at(k)]) continue;
+                is_done = false;
+                ways[at(k)] = force[at(k)] / rest.modes.squares[at(k)];
+                if (is_soft(k)) softly = std::max(softly, std::abs(force[at(k)]));
+            }
+            if (is_done) {
+                // what the modes say is said of where they are taken
+                is_moved = is_far(place, rest.place);
+                rest.is_found = !is_moved;
+                rest.place = place;
+                break;
+            }
+            for (int k = 0; k < n; ++k)
+                if (open[at(k)] && !is_soft(k) && std::abs(force[at(k)]) > 1e-6 * softly) is_relaxed = false;
+            if (softly == 0.0) is_relaxed = true;
+            if (is_relaxed) {
+                // the modes are those of where the stiff ones are relaxed
+                if (whole == 0 && iteration > 0 && softly > 0.0) {
+                    rest.place = place;
+                    is_moved = true;
+                    break;
+                }
+                if (whole == 0) first = force;
+                if (whole == 1) second = force;
+                ++whole;
+            } else {
+                for (int k = 0; k < n; ++k)
+                    if (is_soft(k)) ways[at(k)] = 0.0;
+            }
+            place = forces.stepped(place, taken(ways));
+        }
+        if (rest.is_found) break;
+        if (is_moved) continue;
+        if (place.empty()) return rest;
+        std::vector<double> ways(at(n));
+        double leap = 0.0;
+        for (int k = 0; k < n; ++k) {
+            const double square = rest.modes.squares[at(k)];
+            if (!is_stiff(k)) continue;
+            ways[at(k)] = first[at(k)] / square;
+            if (!open[at(k)]) continue;
+            const auto power = pinning::order(second[at(k)] / first[at(k)]);
+            if (!power) continue;
+            ways[at(k)] *= *power;
+            leap = std::max(leap, std::abs(ways[at(k)]));
+            softened = std::max(softened, std::abs(square));
+        }
+        if (leap == 0.0) return rest;
+        rest.place = forces.stepped(rest.place, taken(ways));
+        // at a zero of all coordinates leaps go on for ever
+        rest.is_found = leap <= 0x1p-60 * longest_leap;
+        longest_leap = std::max(longest_leap, leap);
+        if (!rest.is_found) continue;
+        forces.look_at(rest.place);
+        rest.modes = small_modes(small_motion(forces));
+        break;
+    }
+    for (int k = 0; k < n && !rest.flat.empty(); ++k)
+        rest.flat[at(k)] = std::abs(rest.modes.squares[at(k)]) <= std::max(rest.modes.rounding[at(k)], 1e-3 * softened);
+    // steps to a zero of all coordinates leave some of them beside nothing
+    constexpr double beside = 1e-9;
+    const auto misfit = [&](const TreeForces::Wide& place) {
+        const TreeForces::Wide f = forces.force_at(place);
+        double most = 0.0;
+        for (int k = 0; k < n; ++k) {
+            double force = 0.0;
+            for (int i = 0; i < n; ++i) force += rest.modes.shapes(i, k) * f[at(i)].hi;
+            most = std::max(most, std::abs(force));
+        }
+        return most;
+    };
+    const auto is_beside = [&](std::size_t i) {
+        return rest.place[i].hi != 0.0 && std::abs(rest.place[i].hi) <= beside;
+    };
+    // all of them, then one after the other
+    for (std::size_t from = 0; from <= q.size() && rest.is_found; ++from) {
+        TreeForces::Wide other = rest.place;
+        for (std::size_t i = 0; i < q.size(); ++i)
+            if ((from == 0 || i == from - 1) && is_beside(i)) other[i] = 0.0;
+        if (other != rest.place && misfit(other) <= misfit(rest.place)) rest.place = std::move(other);
+    }
+    return rest;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM::statics
