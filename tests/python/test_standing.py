@@ -155,6 +155,116 @@ def test_what_is_carried_by_a_driven_plate_does_not_stand():
     assert abs(run[ball].position(2.0)[2] - 0.9) < 1e-12
 
 
+def smooth_stack(draw, tilt, is_pressed):
+    """Boxes of decimal sizes, each on both ends of what it shares with the one below, smooth, perhaps pressed in time.
+
+    What each end bears follows from moments, from the top down: at a load `top` on the uppermost box."""
+    up, along = np.array([-math.sin(tilt), math.cos(tilt), 0.0]), np.array([math.cos(tilt), math.sin(tilt), 0.0])
+    scene, boxes, touch, ends = rb.Scene(gravity=-G * up), [], [], []
+    x = height = 0.0
+    for k in range(int(draw.integers(2, 5))):
+        w, h, m = (
+            round(draw.uniform(0.2, 1.0), 2),
+            round(draw.uniform(0.1, 0.6), 2),
+            round(10 ** draw.uniform(-1, 1.5), 2),
+        )
+        x = 0.0 if k == 0 else round(x + draw.uniform(-0.3, 0.3) * w, 3)
+        place = x * along + (height + h / 2) * up
+        box = scene.add(rb.shapes.box(m, [w, h, 0.3]), rb.Planar([1, 0, 0], [0, 1, 0]), position=place[:2], angle=tilt)
+        height += h
+        ends.append([])
+        for side in (-1, 1):
+            corner = box.point([side * w / 2, -h / 2, 0])
+            mine = x + side * w / 2
+            if k == 0:
+                touch.append(scene.contact(corner, rb.Plane(up)))
+                ends[k].append(mine)
+                continue
+            below, x0, w0, h0, _ = boxes[k - 1]
+            theirs = x0 + side * w0 / 2
+            if side * mine <= side * theirs:
+                touch.append(scene.contact(corner, below.plane([0, 1, 0], [0, h0 / 2, 0])))
+            else:
+                surface = box.plane([0, -1, 0], [0, -h / 2, 0])
+                touch.append(scene.contact(below.point([side * w0 / 2, h0 / 2, 0]), surface))
+            ends[k].append(min(side * mine, side * theirs) * side)
+        boxes.append((box, x, w, h, m))
+    a, w = (round(draw.uniform(1, 50), 1), round(draw.uniform(0.5, 5), 1)) if is_pressed else (0.0, 1.0)
+    if is_pressed:
+        scene.apply(rb.Force(lambda t, *_: [-a * (1 + np.sin(w * t)) * u for u in up]), boxes[-1][0])
+
+    def bears(top):
+        forces, acts = [], [(boxes[-1][1], top)]
+        for (_, x, _, _, m), (left, right) in zip(boxes[::-1], ends[::-1], strict=True):
+            acts = [*acts, (x, m * G)]
+            on_right = sum(f * (at - left) for at, f in acts) / (right - left)
+            on_left = sum(f for _, f in acts) - on_right
+            acts = [(left, on_left), (right, on_right)]
+            forces = [on_left, on_right, *forces]
+        return np.array(forces)
+
+    return scene, [box for box, *_ in boxes], touch, bears, a
+
+
+@pytest.mark.parametrize("is_pressed", [False, True])
+@pytest.mark.parametrize("is_askew", [False, True])
+def test_a_smooth_stack_stays_to_the_bit_where_statics_says_that_it_stands_and_tips_where_not(is_askew, is_pressed):
+    """Nothing holds it along the floor, and nothing pushes it: what its places are rounded by does not, for 1e5 s."""
+    stands = tips = 0
+    for seed in range(50):
+        draw = np.random.default_rng([seed, is_askew, is_pressed])
+        tilt = draw.uniform(-3, 3) if is_askew else 0.0
+        scene, boxes, touch, bears, a = smooth_stack(draw, tilt, is_pressed)
+        least = min(bears(0.0).min(), bears(2 * a).min())
+        if least > 0:
+            until = 2e3 if is_pressed else 1e5
+            for options in ({}, {"rtol": 1e-12}):
+                run = rb.simulate(scene, until, **options)
+                assert not len(run.events)
+                for box in boxes:
+                    assert (run[box].position(until) == run[box].position(0.0)).all(), seed
+                    assert run[box].angle(until) == run[box].angle(0.0), seed
+            forces = [np.linalg.norm(run[c].force(0.0)) for c in touch]
+            assert np.abs(forces - bears(a)).max() < 1e-12 * bears(a).max(), seed
+            stands += 1
+        elif bears(a).min() < 0:
+            run = rb.simulate(scene, 0.1, rtol=1e-12)
+            assert max(abs(run[box].angle(0.1) - run[box].angle(0.0)) for box in boxes) > 1e-3 * 0.1, seed
+            tips += 1
+    assert stands > 30 and tips > 2
+
+
+@pytest.mark.parametrize("slope", [1e-13, 1e-12, 1e-10])
+def test_a_smooth_stack_slides_down_the_least_slope_that_is_no_rounding(slope):
+    scene, boxes, *_ = smooth_stack(np.random.default_rng(1), 0.0, False)
+    scene.gravity = [slope * G, -G, 0]
+    run = rb.simulate(scene, 0.25, rtol=1e-12)
+    for box in boxes:
+        way = run[box].position(0.25)[0] - run[box].position(0.0)[0]
+        assert way == pytest.approx(0.5 * slope * G * 0.0625, rel=1e-2)
+
+
+def test_a_force_that_comes_later_moves_one_box_of_a_smooth_stack():
+    scene = rb.Scene(gravity=[0, -9.81, 0])
+    boxes = []
+    for k in range(2):
+        box = scene.add(
+            rb.shapes.box(1.0 + k, [0.4, 0.2, 0.3]),
+            rb.Planar([1, 0, 0], [0, 1, 0]),
+            position=[0.027 * k, 0.1 + 0.2 * k],
+        )
+        below = boxes[-1].plane([0, 1, 0], [0, 0.1, 0]) if k else rb.Plane([0, 1, 0])
+        for x in (-0.2, 0.2):
+            scene.contact(box.point([x, -0.1, 0]), below)
+        boxes.append(box)
+    scene.apply(rb.Force(lambda t, *_: [np.where(t > 3, 0.125 * (t - 3), 0.0), 0, 0]), boxes[1])
+    run = rb.simulate(scene, 4.0, rtol=1e-12)
+    assert all((run[box].position(3.0) == run[box].position(0.0)).all() for box in boxes)
+    # the integral of t / 16 twice
+    assert abs(run[boxes[1]].position(4.0)[0] - 0.027 - 1 / 96) < 1e-14
+    assert abs(run[boxes[0]].position(4.0)[0]) < 1e-14
+
+
 def feet_of(scene, body, corners, friction=None, up=(0, 0, 1)):
     return [scene.contact(body.point(c), rb.Plane(up), friction=friction) for c in corners]
 

@@ -20,7 +20,9 @@ public:
     explicit RoundingSizes(const Program& program);
 
     /// Values and their sizes at (t, x).
-    void operator()(double t, std::span<const double> x);
+    void operator()(double t, std::span<const double> x) { (*this)(t, x, {}); }
+    /// The same where each variable is known to the rounding of a size of its own, if that is larger than itself.
+    void operator()(double t, std::span<const double> x, std::span<const double> known);
 
     /// Of an output.
     double size(int index) const { return sizes_[static_cast<std::size_t>(program_->output(index))]; }

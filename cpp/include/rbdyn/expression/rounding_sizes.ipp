@@ -3,6 +3,7 @@
 
 #include "rbdyn/expression/rounding_sizes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -15,11 +16,12 @@ namespace rbdyn::inline RBDYN_FORM {
 RBDYN_INLINE RoundingSizes::RoundingSizes(const Program& program)
     : Evaluator<double>(program), sizes_(static_cast<std::size_t>(program.slots()), 0.0) {}
 
-RBDYN_INLINE void RoundingSizes::operator()(double t, std::span<const double> x) {
+RBDYN_INLINE void RoundingSizes::operator()(double t, std::span<const double> x, std::span<const double> known) {
     Evaluator<double>::operator()(t, x);
     const double* s = slots_.data();
     const double* w = scalars_.data();
     for (int i = 0; i <= program_->time_slot(); ++i) of(i) = std::abs(s[i]);
+    for (std::size_t i = 0; i < known.size(); ++i) sizes_[i] = std::max(sizes_[i], known[i]);
     for (const Instruction& i : program_->instructions()) {
         const auto own = [&](int slot) { return std::abs(s[slot]); };
         const auto passed = [&](int slot, double slope) {

@@ -21,6 +21,11 @@ struct Complementary {
 Complementary solve_complementary(const std::vector<std::vector<double>>& a, const std::vector<double>& b,
                                   const std::vector<double>& noise);
 
+/// The same. Where z is one of many, the least of them among what is zero in w, if that is positive: what comes alike
+/// bears alike.
+Complementary solve_evenly(const std::vector<std::vector<double>>& a, const std::vector<double>& b,
+                           const std::vector<double>& noise);
+
 }  // namespace mechanics
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 #include "rbdyn/mechanics/accelerate.hpp"
@@ -82,6 +83,54 @@ RBDYN_INLINE Complementary solve_complementary(const std::vector<std::vector<dou
     refresh();
     for (const std::size_t i : active) result.w[i] = 0.0;
     return result;
+}
+
+RBDYN_INLINE Complementary solve_evenly(const std::vector<std::vector<double>>& a, const std::vector<double>& b,
+                                        const std::vector<double>& noise) {
+    Complementary found = solve_complementary(a, b, noise);
+    std::vector<std::size_t> level;
+    bool is_one_of_many = false;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        double size = std::abs(b[i]);
+        for (std::size_t j = 0; j < b.size(); ++j) size += std::abs(a[i][j] * found.z[j]);
+        if (found.z[i] <= 0.0 && !(b[i] < 0.0 && std::abs(found.w[i]) <= noise[i] + 1e-13 * size)) continue;
+        level.push_back(i);
+        is_one_of_many = is_one_of_many || found.z[i] <= 0.0;
+    }
+    if (!is_one_of_many) return found;
+    // conjugate gradients from zero go to the least solution there is
+    const std::size_t n = level.size();
+    const auto times = [&](const std::vector<double>& z) {
+        std::vector<double> sum(n, 0.0);
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t j = 0; j < n; ++j) sum[i] += a[level[i]][level[j]] * z[j];
+        return sum;
+    };
+    const auto dot = [&](const std::vector<double>& u, const std::vector<double>& v) {
+        return std::inner_product(u.begin(), u.end(), v.begin(), 0.0);
+    };
+    std::vector<double> left, z(n, 0.0);
+    for (const std::size_t i : level) left.push_back(-b[i]);
+    std::vector<double> way = left;
+    const double whole = dot(left, left);
+    double square = whole;
+    for (std::size_t step = 0; step < 2 * n && square > 1e-30 * whole; ++step) {
+        const std::vector<double> bent = times(way);
+        const double length = square / dot(way, bent);
+        for (std::size_t i = 0; i < n; ++i) {
+            z[i] += length * way[i];
+            left[i] -= length * bent[i];
+        }
+        const double next = dot(left, left);
+        for (std::size_t i = 0; i < n; ++i) way[i] = left[i] + next / square * way[i];
+        square = next;
+    }
+    if (!(square <= 1e-24 * whole) || !std::ranges::all_of(z, [](double one) { return one > 0.0; })) return found;
+    for (std::size_t i = 0; i < n; ++i) {
+        found.z[level[i]] = z[i];
+        found.w[level[i]] = 0.0;
+    }
+    return found;
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM::mechanics

@@ -7,8 +7,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <vector>
@@ -46,6 +48,112 @@ RBDYN_INLINE bool TreeModel::follows_together(const Mode& mode) const {
     const bool all_lose = std::ranges::all_of(conditions_->contacts(),
                                               [](const mechanics::ContactLaw& c) { return c.restitution < 1.0; });
     return joints_.empty() && resistances() == 0 && (!leaves_out() || (all_fly && all_lose));
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::reached(const std::vector<int>& closed,
+                                                 const std::vector<int>& landing) const {
+    const bool is_joined = std::ranges::any_of(tree_->nodes(), [](const mechanics::Node& n) { return n.parent >= 0; });
+    if (is_joined || !rows_.empty() || !joints_.empty()) return closed;
+    std::vector<bool> moves(at(bodies()), false), is_reached(at(contacts()), false);
+    const auto reach = [&](int k) {
+        is_reached[at(k)] = true;
+        for (const int i : {conditions_->contacts()[at(k)].a.body, conditions_->contacts()[at(k)].b.body})
+            if (i >= 0) moves[at(i)] = true;
+    };
+    std::ranges::for_each(landing, reach);
+    for (bool goes_on = true; goes_on;) {
+        goes_on = false;
+        for (const int k : closed) {
+            const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
+            if (is_reached[at(k)] ||
+                std::ranges::none_of(std::array{c.a.body, c.b.body}, [&](int i) { return i >= 0 && moves[at(i)]; }))
+                continue;
+            reach(k);
+            goes_on = true;
+        }
+    }
+    std::vector<int> result;
+    std::ranges::copy_if(closed, std::back_inserter(result), [&](int k) { return is_reached[at(k)]; });
+    return result;
+}
+
+RBDYN_INLINE std::vector<int> TreeModel::collapsing(const Mode& before, const Mode& after, double t,
+                                                    std::span<double> x, std::span<const double> rest,
+                                                    const std::vector<int>& closed, Strokes& strokes) const {
+    constexpr int most = 1000;
+    const auto rates = [&](const std::vector<mechanics::Moving<double>>& all) {
+        const auto rows = conditions_->rows<double>(*tree_, all);
+        std::vector<double> u;
+        for (int k = 0; k < contacts(); ++k)
+            u.push_back(mechanics::Conditions::rate(rows[at(conditions_->normal_row(k))], all));
+        return u;
+    };
+    std::vector<double> y(x.begin(), x.end());
+    auto all = moving(t, y);
+    std::vector<double> u = rates(all);
+    const std::vector<double> gaps = fine_gaps(t, x, rest);
+    // what touches at this very instant
+    double first = 0.0;
+    std::vector<int> near;
+    for (int k = 0; k < contacts(); ++k)
+        if (!conditions_->contacts()[at(k)].is_gone && gaps[at(k)] <= 1e-13 * size_of(k, all)) near.push_back(k);
+    for (const int k : near) first = std::max(first, -u[at(k)]);
+    std::erase_if(near, [&](int k) {
+        return after.slip[at(k)] == flies && gaps[at(k)] > 16.0 * epsilon * (size_of(k, all) + first * std::abs(t));
+    });
+    std::vector<bool> strikes(at(contacts()), false);
+    // how fast each came last, what part that was of the time before, and how much that part has changed
+    struct Series {
+        double speed = 0.0, ratio = 0.0, change = 1.0;
+        int turn = 0;
+        bool is_geometric() const { return ratio < 1.0 && change <= 1e-9 * (1.0 - ratio); }
+    };
+    std::vector<Series> series(at(contacts()));
+    Strokes last;
+    for (int turn = 0;; ++turn) {
+        const auto slow = [&](int k) { return slowest_bounce * std::max(speed_of(k, all), first); };
+        // without friction geometric series end in zero, however slowly
+        const auto goes_on = [&](int k) {
+            const Series& one = series[at(k)];
+            return !conditions_->is_rough() && one.is_geometric() &&
+                   turn - one.turn <= 2 * static_cast<int>(near.size());
+        };
+        std::vector<int> struck;
+        bool comes = false, are_geometric = true;
+        for (const int k : near) {
+            if (u[at(k)] <= slow(k)) struck.push_back(k);
+            comes = comes || u[at(k)] < -slow(k);
+            are_geometric = are_geometric &&
+                            (std::abs(u[at(k)]) <= 32.0 * slow(k) || goes_on(k) || (u[at(k)] > 0.0 && !strikes[at(k)]));
+        }
+        if (!comes || are_geometric) {
+            // what is thrown back for good has not come to rest
+            std::vector<int> group;
+            for (const int k : near) {
+                if (!strikes[at(k)]) continue;
+                if (!are_geometric && u[at(k)] > 32.0 * slow(k)) return {};
+                if (after.slip[at(k)] == flies) group.push_back(k);
+            }
+            if (group.size() < 2) return {};
+            std::ranges::stable_partition(group, [&](int k) { return std::ranges::find(closed, k) != closed.end(); });
+            std::ranges::copy(y, x.begin());
+            if (turn > 0) strokes.stuck = last.stuck;
+            return group;
+        }
+        if (turn == most) return {};
+        for (const int k : struck) {
+            if (u[at(k)] >= -slow(k)) continue;
+            Series& one = series[at(k)];
+            const double ratio = one.speed > 0.0 ? -u[at(k)] / one.speed : 0.0;
+            one = {-u[at(k)], ratio, one.ratio > 0.0 ? std::abs(ratio - one.ratio) : 1.0, turn};
+        }
+        last = Strokes();
+        const std::vector<double> impulses = strike(before, t, y, struck, last);
+        if (!last.impossible.empty()) return {};
+        for (const int k : struck) strikes[at(k)] = strikes[at(k)] || impulses[at(k)] > 0.0;
+        all = moving(t, y);
+        u = rates(all);
+    }
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::fine_gaps(double t, std::span<const double> x,

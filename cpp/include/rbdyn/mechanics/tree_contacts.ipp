@@ -263,7 +263,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_smooth(double t, std::span<do
         noise.push_back(1e-14 * speed_of(k, all));
     }
     const auto a = coupling(all, struck);
-    const auto found = mechanics::solve_complementary(a, b, noise);
+    const auto found = mechanics::solve_evenly(a, b, noise);
     // the constraints keep their velocities; the contacts' impulses change those of the rest
     std::vector<int> used = rows_;
     std::vector<double> asked(used.size(), 0.0);
@@ -563,6 +563,20 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         const bool is_near = !joints_.empty() && is_close() && rate(all, k) <= 1e-13 * speed_of(k, all);
         if (is_closed || has_fired || is_there || is_near) closed.push_back(k);
     }
+    // what impulses do not reach goes on as it did, whatever rounding makes of it; what flies along with what it
+    // touches, pressed by nothing, is struck with it
+    std::vector<int> hit;
+    if (!events.landing.empty()) {
+        std::vector<int> all_that_touch = closed;
+        for (int k = 0; k < contacts(); ++k)
+            if (std::ranges::find(closed, k) == closed.end() && !conditions_->contacts()[at(k)].is_gone &&
+                std::abs(touching_of(k).gap) <= 1e-13 * size_of(k, all) &&
+                std::abs(rate(all, k)) <= 1e-13 * speed_of(k, all))
+                all_that_touch.push_back(k);
+        hit = reached(all_that_touch, events.landing);
+        for (const int k : hit)
+            if (std::ranges::find(closed, k) == closed.end()) closed.push_back(k);
+    }
     if (!fired.empty() && !joints_change && events.none()) return choose(after, t, x, {});
     const std::vector<int>& landing = events.landing;
     after.impossible = lies_flat(closed, all, no_tilt);
@@ -582,7 +596,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
                 strike_alone(t, x, rest, closed.front(), all, row_of(closed.front()));
             known.assign(x.begin(), x.end());
         } else {
-            impulses = strike(mode, t, x, closed, strokes);
+            impulses = strike(mode, t, x, hit, strokes);
         }
         if (!strokes.impossible.empty()) {
             after.impossible = strokes.impossible;
@@ -601,11 +615,13 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             return size;
         };
         std::erase_if(at_rest, [&](int k) {
+            if (std::ranges::find(hit, k) == hit.end()) return false;
             const double e = conditions_->contacts()[at(k)].restitution, size = struck_size(k);
             const double u = is_alone ? -e * rate(all, k) : rate(motion, k);
             const bool bounces = impulses[at(k)] <= 0.0 || e > 0.0;
-            // what comes back as fast as its own restitution says is no rounding of others
-            const double back = -e * rate(all, k);
+            // what comes back as fast as its own restitution says is no rounding of others; what was closed has not
+            // come
+            const double back = mode.slip[at(k)] == flies ? -e * rate(all, k) : 0.0;
             const bool opens = bounces && (u > 1e-13 * size || (back > 8.0 * epsilon * size && u > 0.5 * back));
             if (opens) after.slip[at(k)] = flies;
             return opens;
@@ -617,6 +633,8 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         // what bounces alone, its flights long yet, goes on
         const bool goes_on = is_alone && goes_on_bouncing(closed.front(), t, flight, -rate(all, closed.front()), all);
         if (!goes_on) group = accumulating(after, t, x, rest, closed, remaining);
+        if (group.empty() && after.impossible.empty() && flight <= 8.0 * epsilon * std::abs(t))
+            group = collapsing(mode, after, t, x, rest, closed, strokes);
         after.memory[0] = t;
         if (!group.empty()) {
             // what is left of their bounces is less than rounding: none of them moves any more
@@ -656,7 +674,8 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     }
     hold(after, t, x, rest);
     const auto closes = [&](int k) { return after.slip[at(k)] != flies && mode.slip[at(k)] == flies; };
-    if (!group.empty() || std::any_of(closed.begin(), closed.end(), closes)) quiet(after, t, x, rest);
+    if (!landing.empty() || !group.empty() || std::any_of(closed.begin(), closed.end(), closes))
+        quiet(after, t, x, rest);
     const auto is_in = [](const std::vector<int>& list, int k) {
         return std::find(list.begin(), list.end(), k) != list.end();
     };

@@ -306,6 +306,13 @@ private:
     /// than the rounding of the time.
     bool goes_on_bouncing(int contact, double t, double flight, double speed,
                           const std::vector<mechanics::Moving<double>>& all) const;
+    /// The contacts that strike each other by turns, ever slower, in flights that take no time: as a smooth column of
+    /// balls does. All of these impacts are taken at once, by the same law; none if they end otherwise. First those
+    /// that are among `closed`.
+    std::vector<int> collapsing(const Mode& before, const Mode& after, double t, std::span<double> x,
+                                std::span<const double> rest, const std::vector<int>& closed, Strokes& strokes) const;
+    /// Of closed contacts those that impulses at some of them reach, through the bodies they join.
+    std::vector<int> reached(const std::vector<int>& closed, const std::vector<int>& landing) const;
     /// The gaps of contacts, of a state in 32 digits.
     std::vector<double> fine_gaps(double t, std::span<const double> x, std::span<const double> rest) const;
     /// Moves a state so that contacts touch, to 32 digits.

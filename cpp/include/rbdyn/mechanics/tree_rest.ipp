@@ -115,7 +115,18 @@ RBDYN_INLINE bool TreeModel::is_balanced(const Mode& mode, double t, std::span<c
                 if (i >= 0) touches[at(i)] = true;
     // what nothing touches is none of this: how near it is to standing still is for its equations to say
     if (!std::all_of(touches.begin(), touches.end(), [](bool one) { return one; })) return false;
-    return has_no_rates(mode, t, x);
+    // surfaces of bodies are as level as the places of what they stand on are rounded, also where an angle is near zero
+    std::vector<double> known(x.size(), 0.0);
+    const auto all = moving(t, x);
+    for (int i = 0; i < bodies(); ++i) {
+        const mechanics::Node& n = tree_->node(i);
+        const int turns = n.joint.attitude();
+        for (int k = 0; k < n.joint.positions(); ++k)
+            if (turns >= 0 ? k >= turns
+                           : at(k) < all[at(i)].joint.size() && all[at(i)].joint[at(k)].turn != Vector3::Zero())
+                known[at(n.q + k)] = 1.0;
+    }
+    return has_no_rates(mode, t, x, known);
 }
 
 RBDYN_INLINE bool TreeModel::is_held_in_time(const Mode& mode, double t, std::span<const double> x) const {

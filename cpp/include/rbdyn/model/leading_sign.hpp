@@ -40,8 +40,9 @@ inline constexpr double deepest_dip = 32.0;
 /// of its terms elsewhere on its way. Not told of equations that call back.
 bool only_dips(const Mode& mode, double t, std::span<const double> x, int output, double size = 0.0);
 
-/// Whether all rates of a mode at (t, x) are zero but for rounding. Not told of equations that call back.
-bool has_no_rates(const Mode& mode, double t, std::span<const double> x);
+/// Whether all rates of a mode at (t, x) are zero but for rounding. `known`: the sizes to whose rounding the variables
+/// are known, where these are larger than themselves. Not told of equations that call back.
+bool has_no_rates(const Mode& mode, double t, std::span<const double> x, std::span<const double> known);
 
 /// Whether neither rates nor guards of a mode depend on time where the state is x. Not told of equations that call
 /// back.

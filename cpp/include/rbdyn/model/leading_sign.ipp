@@ -126,12 +126,12 @@ RBDYN_INLINE bool only_dips(const Mode& mode, double t, std::span<const double> 
     return g[2] > 0.0 && g[1] * g[1] <= 4.0 * g[2] * deepest_dip * rounding;
 }
 
-RBDYN_INLINE bool has_no_rates(const Mode& mode, double t, std::span<const double> x) {
+RBDYN_INLINE bool has_no_rates(const Mode& mode, double t, std::span<const double> x, std::span<const double> known) {
     const Program& program = mode.equations->program;
     if (program.has_calls()) return false;
     RoundingSizes f(program);
     f.set_parameters(mode.parameters);
-    f(t, x);
+    f(t, x, known);
     for (std::size_t i = 0; i < x.size(); ++i) {
         const int rate = static_cast<int>(i);
         if (!(std::abs(f.output(rate)) <= 64.0 * std::numeric_limits<double>::epsilon() * f.size(rate))) return false;

@@ -121,7 +121,8 @@ private:
 
     static void skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result);
 
-    /// A bounce so near to the limit of its contact's that rounding decides how many there are.
+    /// A bounce so near to the limit of its contact's, or of several that bounce by turns, that rounding decides how
+    /// many there are.
     static bool is_last_bounce(const std::vector<Event>& events, std::size_t i, double start);
 
     static bool same_mode(const Mode& a, const Mode& b);

@@ -400,10 +400,11 @@ RBDYN_INLINE bool AccuracyCheck::is_last_bounce(const std::vector<Event>& events
     constexpr double near = 1e-12;
     if (i >= events.size()) return false;
     const Event& impact = events[i];
-    for (; i < events.size() && events[i].kind == EventKind::impact && events[i].contact == impact.contact; ++i) {
+    // of several that bounce by turns any may be the last
+    for (; i < events.size() && events[i].kind == EventKind::impact && events[i].contact >= 0; ++i) {
     }
-    return i < events.size() && events[i].kind == EventKind::accumulation && events[i].contact == impact.contact &&
-           events[i].time - impact.time <= near * (impact.time - start);
+    return impact.contact >= 0 && i < events.size() && events[i].kind == EventKind::accumulation &&
+           events[i].contact >= 0 && events[i].time - impact.time <= near * (impact.time - start);
 }
 
 RBDYN_INLINE void AccuracyCheck::skip_graze(const std::vector<Event>& ours, std::size_t& i, Comparison& result) {
