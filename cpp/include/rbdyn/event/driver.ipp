@@ -324,7 +324,7 @@ RBDYN_INLINE bool Driver::change(Record& record, const std::vector<int>& fired, 
     const bool all_touch = std::all_of(fired.begin(), fired.end(), [&](int index) {
         return before->guards[static_cast<std::size_t>(index)].contact >= 0;
     });
-    if (all_touch && (EventSearch::follows_bounces(model_) || now_.mode.jumps == after.jumps))
+    if (all_touch && (model_.follows_bounces(after) || now_.mode.jumps == after.jumps))
         for (std::size_t g = 0; g < handled.size(); ++g)
             handled[g] = handled[g] || opens(*before, fired, after.equations->guards[g]);
     now_.mode = std::move(after);
@@ -428,7 +428,7 @@ RBDYN_INLINE void Driver::store(Record& record, const Piece& piece, double lengt
 
 RBDYN_INLINE void Driver::note(Record& record, const Happening& h, Instant t) {
     const Instant at = h.later > 0.0 ? t + h.later : t;
-    record.note({at.hi, h.kind, h.subject, h.name, h.direction, h.impulse, h.contact, h.push, at, h.note});
+    record.note({at.hi, h.kind, h.subject, h.name, h.direction, h.impulse, h.contact, h.push, at, h.note, 1, h.unsure});
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -34,6 +34,7 @@ struct Event {
     Instant instant;                          // the time to more digits than a double holds
     std::string note = {};                    // what else is to be said of it; empty if nothing
     std::int64_t count = 1;                   // where only the last is kept: of those of its kind, name and subject
+    double unsure = 0.0;  // what its time and the motion after it are short of, relative, that no two runs differ by
 };
 
 /// The order of two events of one instant.

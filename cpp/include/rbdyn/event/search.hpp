@@ -82,14 +82,6 @@ public:
     /// whether one of them stops the run.
     bool settle(Record& record, const Mode& mode, Instant t, std::span<const double> x, bool fresh);
 
-    /// Whether bounces of contacts are followed by digits beyond doubles: not where they are summed to first order.
-    static bool follows_bounces(const HybridModel& model) {
-        Event ends{};
-        ends.kind = EventKind::accumulation;
-        ends.contact = 0;
-        return model.unsure(ends) == 0.0;
-    }
-
 private:
     static std::size_t at(int k) { return static_cast<std::size_t>(k); }
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -165,7 +157,7 @@ private:
     // --- gaps lower than their rounding in doubles (search_low.ipp) ---
 
     /// Whether a guard is the gap of a contact, followed so, that has not just left its surface.
-    bool is_gap(const Guard& guard, std::size_t g) const;
+    bool is_gap(const Mode& mode, const Guard& guard, std::size_t g) const;
     /// The value of a guard on the piece, by the digits that the state has beyond doubles.
     double fine_value(const Mode& mode, const Guard& guard, double tau);
     /// The first coefficient of a gap that is low where the piece begins; none: it is not.

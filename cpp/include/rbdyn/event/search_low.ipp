@@ -21,9 +21,9 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE bool EventSearch::is_gap(const Guard& guard, std::size_t g) const {
+RBDYN_INLINE bool EventSearch::is_gap(const Mode& mode, const Guard& guard, std::size_t g) const {
     return guard.contact >= 0 && guard.kind == EventKind::land && guard.output >= 0 && !handled(g) &&
-           follows_bounces(model_);
+           model_.follows_bounces(mode);
 }
 
 RBDYN_INLINE bool EventSearch::begins_touching(const Mode& mode, const Guard& guard, bool fresh) const {

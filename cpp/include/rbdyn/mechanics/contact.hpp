@@ -118,6 +118,11 @@ struct ContactLaw {
     Vector3Of<DoubleDouble> tangents[2] = {};  // of a plane: two directions along it, axes of b
 
     bool is_rough() const { return !mu_static.is_zero(); }
+    /// Friction without bound, where what sticks would have to be pulled: it slides as with ever larger coefficients,
+    /// whose motions tend to one, by one over the coefficient. This one is as near to it as rounding.
+    static constexpr double unbounded = 0x1p46;
+    bool never_slips() const { return !std::isfinite(static_cast<double>(mu_dynamic)); }
+    double sliding() const { return never_slips() ? unbounded : static_cast<double>(mu_dynamic); }
 
     /// What has the sign of the gap, and up to twice its size: of a ball on a plane by the normal as it was given,
     /// which no root has rounded. What slides far along a plane is held to it by no more digits than its normal has.

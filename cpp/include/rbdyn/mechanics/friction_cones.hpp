@@ -39,6 +39,11 @@ struct ConeForces {
 ConeForces solve_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
                        const std::vector<Cone>& cones);
 
+/// The same, where cones may be all of a half space: if what these hold would have to be pulled, the limit of ever
+/// wider ones, in which it slides.
+ConeForces solve_any_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                           std::vector<Cone> cones);
+
 /// Forces that hold all contacts at rest while those that slide do; not solved if there are none, whatever their cones.
 ConeForces held_by(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
                    const std::vector<Cone>& cones);

@@ -13,6 +13,7 @@
 
 #include "rbdyn/basics/dense.hpp"
 #include "rbdyn/mechanics/cone_program.hpp"
+#include "rbdyn/mechanics/contact.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::mechanics {
 
@@ -218,6 +219,23 @@ RBDYN_INLINE ConeForces solve_cones(const Square& a, const std::vector<double>& 
     // what is symmetric and has no exact solution has none
     result.is_solved = result.is_solved && left <= 1e-9 && !is_symmetric;
     return result;
+}
+
+RBDYN_INLINE ConeForces solve_any_cones(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,
+                                        std::vector<Cone> cones) {
+    ConeForces found = solve_cones(a, b, noise, cones);
+    const auto is_endless = [](const Cone& cone) { return !cone.is_line && !std::isfinite(cone.mu); };
+    const auto slips = [&](std::size_t i) {
+        const auto f = static_cast<std::size_t>(cones[i].first);
+        return is_endless(cones[i]) && found.states[i] == ConeState::slides &&
+               std::hypot(found.rate[f + 1], found.rate[f + 2]) > 1e3 * (noise[f + 1] + noise[f + 2]);
+    };
+    bool is_right = found.is_solved;
+    for (std::size_t i = 0; i < cones.size() && is_right; ++i) is_right = !slips(i);
+    if (is_right || std::none_of(cones.begin(), cones.end(), is_endless)) return found;
+    for (Cone& cone : cones)
+        if (is_endless(cone)) cone.mu = ContactLaw::unbounded;
+    return solve_cones(a, b, noise, cones);
 }
 
 RBDYN_INLINE ConeForces held_by(const Square& a, const std::vector<double>& b, const std::vector<double>& noise,

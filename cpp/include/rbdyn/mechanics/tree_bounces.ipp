@@ -43,11 +43,15 @@ RBDYN_INLINE bool TreeModel::goes_on_bouncing(int contact, double t, double flig
 
 RBDYN_INLINE bool TreeModel::follows_together(const Mode& mode) const {
     // joints that turn back in a flight begin it anew, and so does what slides meanwhile
-    const bool all_fly = std::all_of(mode.slip.begin(), mode.slip.begin() + contacts(),
-                                     [](signed char state) { return state == flies; });
+    bool none_slides = true;
+    for (int k = 0; k < contacts(); ++k) {
+        const signed char state = mode.slip[at(k)];
+        const bool is_smooth = !leaves_out() && !is_rough(k);
+        none_slides = none_slides && (state == flies || is_smooth || mechanics::contact_state::is_held(state));
+    }
     const bool all_lose = std::ranges::all_of(conditions_->contacts(),
                                               [](const mechanics::ContactLaw& c) { return c.restitution < 1.0; });
-    return joints_.empty() && resistances() == 0 && (!leaves_out() || (all_fly && all_lose));
+    return joints_.empty() && resistances() == 0 && none_slides && (!leaves_out() || all_lose);
 }
 
 RBDYN_INLINE std::vector<int> TreeModel::reached(const std::vector<int>& closed,
@@ -192,7 +196,7 @@ RBDYN_INLINE void TreeModel::meet(double t, std::span<double> x, std::span<doubl
 
 RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double t, std::span<const double> x,
                                                       std::span<const double> rest, const std::vector<int>& closed,
-                                                      double& remaining) const {
+                                                      double came, LeftOut& left) const {
     // those that bounce, then those that are as near as that and would strike next
     std::vector<int> bouncing, group;
     const auto is_struck = [&](int k) { return std::find(closed.begin(), closed.end(), k) != closed.end(); };
@@ -240,20 +244,24 @@ RBDYN_INLINE std::vector<int> TreeModel::accumulating(const Mode& after, double 
         if (!is_coarse && (u <= 0.0 || !falls)) continue;
         if (u <= 0.0 || !falls) return {};
         const double next = 2.0 * u / -w[i];
-        const double e = conditions_->contacts()[at(k)].restitution, last = t - after.memory[0];
+        const double e = conditions_->contacts()[at(k)].restitution;
         const bool is_shortest = is_coarse ? height <= lowest(k) || next <= 64.0 * epsilon * std::abs(t)
                                            : next <= 2.0 * epsilon * std::abs(t) ||
                                                  (e > 0.0 ? e : 1.0) * u <= slowest_bounce * speed_of(k, all);
         if (!is_coarse && !is_shortest) continue;
         if (!is_shortest) return {};
-        // bounces get shorter by the coefficient of restitution, or as the last one did
+        // bounces get shorter by the coefficient of restitution, or as this impact has made speeds
         const bool is_known = e > 0.0 && e < 1.0;
-        const double ratio = is_known ? e : last > 0.0 ? next / last : 1.0;
+        const double ratio = is_known ? e : came > 0.0 ? u / came : 1.0;
         // those that do not are no bounces once they are far below rounding
         if (is_coarse && ratio >= 1.0 && height > 1e-3 * lowest(k) && next > 64.0 * epsilon * std::abs(t)) return {};
-        remaining = std::max(remaining, next / (1.0 - (is_known ? e : std::min(ratio, 0.9))));
+        const double sum = next / (1.0 - (ratio < 1.0 ? ratio : 0.9));
+        // where this impact tells nothing it may be any time of that size
+        if (!(ratio < 1.0)) left.unsure = std::max(left.unsure, sum);
+        left.time = std::max(left.time, sum);
         group.push_back(k);
     }
+    left.is_summed = is_coarse;
     const bool is_any = std::any_of(group.begin(), group.end(), is_struck);
     return is_any ? group : std::vector<int>();
 }

@@ -118,7 +118,12 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
             const auto f = static_cast<std::size_t>(touched.cones[i].first);
             const bool is_fired =
                 std::find(fired.doubtful.begin(), fired.doubtful.end(), candidates[i]) != fired.doubtful.end();
-            if (!is_fired || forces.force[f] > 1e-8 * largest) continue;
+            // friction without bound may be all of it
+            const bool is_unbounded =
+                !touched.cones[i].is_line && conditions_->contacts()[at(candidates[i])].never_slips();
+            const double own =
+                is_unbounded ? std::hypot(forces.force[f], forces.force[f + 1], forces.force[f + 2]) : forces.force[f];
+            if (!is_fired || own > 1e-8 * largest) continue;
             forces.states[i] = ConeState::open;
             for (std::size_t j = f; j < f + (touched.cones[i].is_line ? 1U : 3U); ++j) forces.force[j] = 0.0;
         }
@@ -126,9 +131,9 @@ RBDYN_INLINE void TreeModel::settle_breaking(const Mode& before, Mode& mode, dou
     while (true) {
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             const mechanics::ContactLaw& c = conditions_->contacts()[at(candidates[i])];
-            touched.cones[i].mu = breaks(candidates[i]) ? c.mu_dynamic : c.mu_static;
+            touched.cones[i].mu = breaks(candidates[i]) ? c.sliding() : static_cast<double>(c.mu_static);
         }
-        found = mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
+        found = mechanics::solve_any_cones(touched.matrix, b, noise, touched.cones);
         std::vector<int> more;
         mechanics::ConeForces held = found;
         bool is_slip = is_over;

@@ -287,10 +287,11 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
         // what never slips does not as the motion begins, whatever turns then
         std::vector<int> never;
         for (const int k : at_rest)
-            if (std::isinf(conditions_->contacts()[at(k)].mu_dynamic) && !is_in(strokes.stuck, k)) never.push_back(k);
+            if (conditions_->contacts()[at(k)].never_slips() && !is_in(strokes.stuck, k)) never.push_back(k);
         if (!never.empty()) stop(t, x, never, never);
         Fired fired;
         fired.stuck = strokes.stuck;
+        fired.stuck.insert(fired.stuck.end(), never.begin(), never.end());
         for (const int k : at_rest)
             if (is_in(kept.held, k)) fired.stuck.push_back(k);
         settle(as_it_was, mode, t, x, at_rest, fired);
@@ -314,7 +315,7 @@ RBDYN_INLINE Mode TreeModel::decided_anew(const Mode& before, std::span<const do
 
 RBDYN_INLINE void TreeModel::require_no_slip(int contact, double slip, bool is_stuck) const {
     const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
-    if (is_stuck || !is_rough(contact) || std::isfinite(static_cast<double>(c.mu_dynamic))) return;
+    if (is_stuck || !is_rough(contact) || !c.never_slips()) return;
     require(false, c.name, "slip as the scene starts [m/s]", slip,
             "where no friction lets it slide it rolls or stands as the scene starts (v + omega x r is that of what it "
             "touches): give velocities that do, or a coefficient that it slides with, as in Coulomb(math.inf, 0.2)");

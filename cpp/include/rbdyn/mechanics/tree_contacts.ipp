@@ -193,8 +193,8 @@ RBDYN_INLINE void TreeModel::set_exactly(const Mode& mode, std::span<const int> 
     projection.apply(x, rest, 0.0, t);
 }
 
-RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
-                                  const std::vector<int>& stuck, const friction::JointLaw* law) const {
+RBDYN_INLINE std::vector<int> TreeModel::stop(double t, std::span<double> x, const std::vector<int>& of,
+                                              const std::vector<int>& stuck, const friction::JointLaw* law) const {
     const auto all = moving(t, x);
     const auto every = conditions_->rows<double>(*tree_, all);
     auto constraints = constraints_of(every);
@@ -203,6 +203,7 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
         if (x[at(tree_->positions() + joints_[at(i)].v)] == 0.0)
             constraints.push_back(every[at(conditions_->joint_row(i))]);
     std::vector<mechanics::Row<double>> rows, acting;
+    std::vector<int> stopped;
     for (const int k : of) {
         const mechanics::ContactLaw& c = conditions_->contacts()[at(k)];
         const auto touching = c.touching<double>(*tree_, all);
@@ -218,6 +219,7 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
             acting.back() = along(touching.normal - slip * (mu / speed));
             continue;
         }
+        stopped.push_back(k);
         const auto [first, second] = friction::across(touching.normal);
         for (const Vector3& axis : {first, second}) {
             rows.push_back(along(axis));
@@ -229,6 +231,7 @@ RBDYN_INLINE void TreeModel::stop(double t, std::span<double> x, const std::vect
     const friction::Coupled coupled(*tree_, all, constraints, rows, acting, law);
     const std::vector<double> changes = coupled.changes(mechanics::solve_any(coupled.matrix(), asked));
     for (int k = 0; k < tree_->velocities(); ++k) x[at(tree_->positions() + k)] += changes[at(k)];
+    return stopped;
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::strike(const Mode& before, double t, std::span<double> x,
@@ -584,7 +587,7 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
     std::vector<int> at_rest = closed, group;
     std::vector<double> impulses(at(contacts()), 0.0);
     Strokes strokes;
-    double remaining = 0.0;
+    LeftOut left;
     const bool is_alone = closed.size() == 1 && landing.size() == 1 && rows_.empty() && resistances() == 0 &&
                           joints_.empty() && !conditions_->is_rough() &&
                           rate(all, closed.front()) < -1e-14 * speed_of(closed.front(), all);
@@ -632,7 +635,11 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (are_low && after.impossible.empty()) meet(t, x, rest, closed);
         // what bounces alone, its flights long yet, goes on
         const bool goes_on = is_alone && goes_on_bouncing(closed.front(), t, flight, -rate(all, closed.front()), all);
-        if (!goes_on) group = accumulating(after, t, x, rest, closed, remaining);
+        if (!goes_on) {
+            double came = 0.0;
+            for (const int k : landing) came = std::max(came, -rate(all, k));
+            group = accumulating(after, t, x, rest, closed, came, left);
+        }
         if (group.empty() && after.impossible.empty() && flight <= 8.0 * epsilon * std::abs(t))
             group = collapsing(mode, after, t, x, rest, closed, strokes);
         after.memory[0] = t;
@@ -642,11 +649,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             const std::vector<double> bounced(x.begin(), x.end());
             const Mode struck = after;
             Fired rested;
-            rested.stuck = strokes.stuck;
             const auto come_to_rest = [&](const friction::JointLaw* law) {
                 std::copy(bounced.begin(), bounced.end(), x.begin());
                 after = struck;
-                stop(t, x, at_rest, strokes.stuck, law);
+                rested.stuck = stop(t, x, at_rest, strokes.stuck, law);
                 // what is left of rates is rounding
                 double fastest = 0.0;
                 for (const mechanics::RoughJoint& joint : joints_)
@@ -703,7 +709,10 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
         if (comes && strokes.lowered < 1.0)
             h.note = "restitution lowered to " + text(strokes.lowered * conditions_->contacts()[at(k)].restitution) +
                      ": more would gain energy, or ask what no impulses do";
-        if (last) h.later = remaining;
+        if (last) h.later = left.time;
+        // torques against rolling act while what is left of the bounces goes on, and impacts know none
+        if (last && conditions_->is_rough() && (left.is_summed || !follows_together(mode)))
+            h.unsure = std::max(resistances() > 0 ? 1e-6 : 2e-11, left.unsure / std::abs(t));
         happenings.push_back(std::move(h));
     }
     if (conditions_->is_rough()) tell_friction(mode, after, events, all, moving(t, x), happenings);

@@ -93,16 +93,15 @@ RBDYN_INLINE TreeModel::Touched TreeModel::touched(const Mode& before, double t,
             const bool slid = mechanics::contact_state::slides(before.slip[at(k)]);
             const double speed = one.slip.norm(),
                          last = slid ? mechanics::ContactMemory::of(before.memory, k).least : 0.0;
-            one.slides = speed > std::max(0x1p-43 * speed_of(k, all), last) &&
-                         std::isfinite(static_cast<double>(c.mu_dynamic)) &&
+            // what never slips has rounding of a speed, but where it had to
+            one.slides = speed > std::max((c.never_slips() && !slid ? 1e-9 : 0x1p-43) * speed_of(k, all), last) &&
                          std::find(stopped.begin(), stopped.end(), k) == stopped.end();
             if (one.slides) one.along = one.slip / speed;
         }
         result.rows.push_back(here.row(here.normal, here.normal_rate));
         result.pushes.push_back(result.rows.back());
         if (one.slides) {
-            const double mu = c.mu_dynamic;
-            result.pushes.back() = here.row(Vector3(here.normal - one.along * mu), Vector3(Vector3::Zero()));
+            result.pushes.back() = here.row(Vector3(here.normal - one.along * c.sliding()), Vector3(Vector3::Zero()));
         } else if (resists) {
             for (int i = 1; i < 3; ++i) {
                 result.rows.push_back(here.row(one.axes[i], Vector3(Vector3::Zero())));
@@ -188,6 +187,11 @@ RBDYN_INLINE void TreeModel::settle_rough(const Mode& before, Mode& mode, double
     std::vector<int> breaking;
     for (const int k : fired.breaking)
         if (!shares_load(before)) breaking.push_back(k);
+    // what sticks without bound and would have to be pulled next, for let go it would move into its surface, slides
+    for (const int k : fired.doubtful)
+        if (conditions_->contacts()[at(k)].never_slips() && mechanics::contact_state::is_held(before.slip[at(k)]) &&
+            !shares_load(before) && ends(before, k, t, x))
+            breaking.push_back(k);
     for (std::size_t turn = 0; turn <= candidates.size(); ++turn) {
         settle_breaking(before, mode, t, x, candidates, fired, breaking);
         if (!mode.impossible.empty()) return;
@@ -326,7 +330,7 @@ RBDYN_INLINE std::vector<double> TreeModel::strike_rough(const Mode& before, dou
             double& one = b[static_cast<std::size_t>(touched.cones[i].first)];
             if (one < 0.0) one *= 1.0 + part * conditions_->contacts()[at(struck[i])].restitution;
         }
-        return mechanics::solve_cones(touched.matrix, b, noise, touched.cones);
+        return mechanics::solve_any_cones(touched.matrix, b, noise, touched.cones);
     };
     // whether there are impulses, and P (u+ + u-) / 2 is no more than rounding
     const auto gains_nothing = [&](const mechanics::ConeForces& found, double rounding) {

@@ -104,13 +104,7 @@ public:
     std::string not_finite(const Mode& mode, double t, std::span<const double> x) const override;
     std::string impossible(const Mode& mode, double t, std::span<const double> x) const override;
     bool feel_each_other(int contact, int other, const Mode& mode, double t, std::span<const double> x) const override;
-    /// Of bounces with friction those that are left out are summed to first order in their speed.
-    double unsure(const Event& event) const override {
-        const bool is_left_out = event.kind == EventKind::accumulation && event.contact >= 0 &&
-                                 conditions_->is_rough() && (leaves_out() || !joints_.empty());
-        // torques against rolling act while what is left of the bounces goes on, and impacts know none
-        return !is_left_out ? 0.0 : resistances() > 0 ? 1e-6 : 2e-11;
-    }
+    bool follows_bounces(const Mode& mode) const override { return !conditions_->is_rough() || follows_together(mode); }
 
 private:
     static std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -122,8 +116,7 @@ private:
     static constexpr signed char pushes = mechanics::contact_state::pushes, rests = mechanics::contact_state::rests;
     int contacts() const { return static_cast<int>(conditions_->contacts().size()); }
     bool is_rough(int contact) const { return conditions_->contacts()[at(contact)].is_rough(); }
-    /// Whether of several that bounce the last bounces are left out: where something may slip, or resists rolling. What
-    /// never slips turns about points that are held, as by constraints, and is followed as what is smooth.
+    /// Whether of several that bounce the last bounces may be left out: where something may slip, or resists rolling.
     bool leaves_out() const {
         return resistances() > 0 ||
                std::any_of(conditions_->contacts().begin(), conditions_->contacts().end(),
@@ -293,15 +286,21 @@ private:
                      std::span<double> rest) const;
 
     /// Takes from the velocities what moves contacts, by impulses along their normals, less the friction of those that
-    /// slide, and of joints.
-    void stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck,
-              const friction::JointLaw* law = nullptr) const;
+    /// slide, and of joints. Returns those that do not slide any more.
+    std::vector<int> stop(double t, std::span<double> x, const std::vector<int>& of, const std::vector<int>& stuck,
+                          const friction::JointLaw* law = nullptr) const;
     // --- bounces that get ever shorter (tree_bounces.ipp) ---
 
+    /// The bounces that are not followed.
+    struct LeftOut {
+        double time = 0.0;       // s: the sum of those to come
+        double unsure = 0.0;     // s: by how much it may be another
+        bool is_summed = false;  // to first order in their speed, from where that is the rounding of places
+    };
     /// The contacts that bounce on after an impact, if doubles cannot tell any of these bounces from rest: they are as
-    /// short as the rounding of the time. `remaining` [s]: the sum of those to come.
+    /// short as the rounding of the time. `came` [m/s]: the speed of the fastest that has struck.
     std::vector<int> accumulating(const Mode& after, double t, std::span<const double> x, std::span<const double> rest,
-                                  const std::vector<int>& closed, double& remaining) const;
+                                  const std::vector<int>& closed, double came, LeftOut& left) const;
     /// Whether a contact that came with a speed and strikes alone, after a flight, has bounces left that are longer
     /// than the rounding of the time.
     bool goes_on_bouncing(int contact, double t, double flight, double speed,
@@ -319,7 +318,8 @@ private:
     void meet(double t, std::span<double> x, std::span<double> rest, const std::vector<int>& of) const;
     static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     /// Whether several contacts that bounce by turns, or together, are followed as far as one is: with friction only
-    /// where nothing else touches meanwhile, and each of them loses speed.
+    /// where nothing slides meanwhile, and each of them loses speed. What sticks is a point to turn about, held as by
+    /// constraints.
     bool follows_together(const Mode& mode) const;
     // heights, in sizes, below which gaps are followed to 32 digits: from there to the rounding of doubles it is as far
     // as the square root of that

@@ -205,8 +205,7 @@ RBDYN_INLINE bool TreeModel::hold_by_friction(const Mode& before, Mode& mode, do
         const signed char state = mode.slip[at(one.contact)];
         const auto f = static_cast<std::size_t>(touched.cones[i].first);
         // one.along is none where it does not slide
-        const double mu = conditions_->contacts()[at(one.contact)].mu_dynamic;
-        const Vector3 along = std::isfinite(mu) ? Vector3(one.at.normal - one.along * mu) : one.at.normal;
+        const Vector3 along = one.at.normal - one.along * conditions_->contacts()[at(one.contact)].sliding();
         if (state == pushes || slides(state)) {
             rows.push_back(every[at(conditions_->normal_row(one.contact))]);
             acting.push_back(one.at.row(along, Vector3(Vector3::Zero())));

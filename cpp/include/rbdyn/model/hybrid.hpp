@@ -42,6 +42,7 @@ struct Happening {
     Vector3 push = Vector3::Zero();  // of a contact, the impulse on its first side [N s]
     double later = 0.0;              // s: how much later than the instant it was found at it happens
     std::string note = {};           // what else is to be said of it
+    double unsure = 0.0;             // what its time is short of, relative, that no two runs differ by
 };
 
 /// What a slope is of.
@@ -109,8 +110,9 @@ public:
         return false;
     }
 
-    /// What the time of an event and the motion after it are short of, relative, that no two runs differ by.
-    virtual double unsure(const Event& /*event*/) const { return 0.0; }
+    /// Whether bounces of contacts that end a mode, or begin with it, are followed by digits beyond doubles: not where
+    /// they are summed to first order.
+    virtual bool follows_bounces(const Mode& /*mode*/) const { return true; }
 
     /// Of the constraint that is nearest to depending on the others, how near: the sine of the angle between them, so
     /// to speak. What a state is off by is over that in forces. 1: no constraints lose rank.

@@ -67,7 +67,7 @@ RBDYN_INLINE Comparison AccuracyCheck::operator()(const Record& run, const Recor
         const Event &a = ours[i], &b = theirs[j];
         const double error = std::abs(a.instant - b.instant) /
                              std::max(b.instant - Instant{start, 0.0}, std::numeric_limits<double>::min());
-        differences_.push_back({a.time, std::max(error, model_.unsure(a)), -1});
+        differences_.push_back({a.time, std::max(error, a.unsure), -1});
         if (StrikeOfTwo::is_one(a)) strikes.push_back({&a, &b});
         ++alike;
     }
