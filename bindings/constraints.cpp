@@ -75,8 +75,10 @@ void bind_constraints(py::module_& m) {
         rod, [](const Rod& r) { return py::make_tuple(r.length); },
         [](const py::tuple& d) { return Rod{d[0].cast<double>()}; });
 
-    py::class_<Weld> weld(m, "Weld", R"(Two bodies keep the pose to each other that they start with, wherever their origins are; points that are given for both
-coincide. Its force and torque are at a's point.)");
+    py::class_<Weld> weld(
+        m, "Weld",
+        R"(Two bodies keep the pose to each other that they start with, wherever their origins are; points given for
+both coincide. Its force and torque are at a's point.)");
     weld.def(py::init<>()).def("__repr__", [](const Weld&) { return "Weld()"; });
     as_data(
         weld, [](const Weld&) { return py::tuple(); }, [](const py::tuple&) { return Weld{}; });

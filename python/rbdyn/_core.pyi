@@ -1588,8 +1588,8 @@ class Rod:
         """
 class Weld:
     """
-    Two bodies keep the pose to each other that they start with, wherever their origins are; points that are given for both
-    coincide. Its force and torque are at a's point.
+    Two bodies keep the pose to each other that they start with, wherever their origins are; points given for
+    both coincide. Its force and torque are at a's point.
     """
     def __eq__(self, arg0: typing.Any) -> bool:
         ...
