@@ -1,4 +1,4 @@
-"""Coulomb(inf) is the limit of ever larger coefficients: where sticking would have to be pulled, it slides, unpressed.
+"""Coulomb(inf) is the limit of ever larger coefficients where sticking would have to be pulled: it slides, unpressed.
 
 Then the force acts along the surface alone, whatever it needs to be for what touches to stay there, and the centre of
 mass moves across the surface as if nothing touched: its height is a parabola, and the tilt is what that makes of it.

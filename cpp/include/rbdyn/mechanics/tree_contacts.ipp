@@ -212,9 +212,9 @@ RBDYN_INLINE std::vector<int> TreeModel::stop(double t, std::span<double> x, con
         acting.push_back(rows.back());
         if (!c.is_rough()) continue;
         const Vector3 slip = touching.slip();
-        const double speed = slip.norm(), mu = c.mu_dynamic;
-        const bool is_stuck = std::find(stuck.begin(), stuck.end(), k) != stuck.end() || !std::isfinite(mu) ||
-                              speed <= 0x1p-40 * speed_of(k, all);
+        const double speed = slip.norm(), mu = c.sliding();
+        const bool is_stuck =
+            std::find(stuck.begin(), stuck.end(), k) != stuck.end() || speed <= 0x1p-40 * speed_of(k, all);
         if (!is_stuck) {
             acting.back() = along(touching.normal - slip * (mu / speed));
             continue;
@@ -649,10 +649,16 @@ RBDYN_INLINE void TreeModel::touch(const Mode& mode, Mode& after, std::span<cons
             const std::vector<double> bounced(x.begin(), x.end());
             const Mode struck = after;
             Fired rested;
+            // friction without bound stops what it is not pushed along by
+            std::vector<int> stuck = strokes.stuck;
+            for (const int k : at_rest)
+                if (conditions_->contacts()[at(k)].never_slips() &&
+                    (strokes.pushed.empty() || strokes.pushed[at(k)].isZero(0.0)))
+                    stuck.push_back(k);
             const auto come_to_rest = [&](const friction::JointLaw* law) {
                 std::copy(bounced.begin(), bounced.end(), x.begin());
                 after = struck;
-                rested.stuck = stop(t, x, at_rest, strokes.stuck, law);
+                rested.stuck = stop(t, x, at_rest, stuck, law);
                 // what is left of rates is rounding
                 double fastest = 0.0;
                 for (const mechanics::RoughJoint& joint : joints_)
