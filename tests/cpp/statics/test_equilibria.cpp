@@ -641,7 +641,8 @@ TEST(Equilibria, a_rail_that_only_pushes_pulls_no_bead_that_is_joined_to_another
     for (const Equilibrium& e : equilibria(scene, {0.1, 0.1})) EXPECT_GT(std::abs(e.coordinates[0]), 1.0);
     for (const Equilibrium& e : equilibria(scene, {3.0, 0.1})) EXPECT_NEAR(e.coordinates[0], std::numbers::pi, 1e-9);
     EXPECT_EQ(equilibria(scene, {3.0, 0.1}).size(), 1u);
-    EXPECT_EQ(equilibria(scene, {0.1, 0.1}).size(), 0u);
+    // the one that it has, however far
+    EXPECT_EQ(equilibria(scene, {0.1, 0.1}).size(), 1u);
 }
 
 TEST(Equilibria, at_a_corner_are_stable_where_the_force_leads_back_on_both_sides) {
