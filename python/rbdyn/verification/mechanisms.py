@@ -80,7 +80,7 @@ def four_bar_long(solve: Solve) -> Answers:
     row="Bricard's mechanism: 30 rows of rank 29",
     hard="a singular factorisation",
     source="reference m_bricard, 25 digits",
-    holds=("taylor", "dop853"),
+    holds=STEPS,
 )
 def bricard(solve: Solve) -> Answers:
     """Five rods, six hinges, one constraint too many."""

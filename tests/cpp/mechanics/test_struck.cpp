@@ -131,15 +131,15 @@ TEST(Struck, bounces_that_slide_to_rest_have_the_limit_of_all_of_them) {
                                  .angle = 0.4833705939953929,
                                  .rate = -0.024702683124545488});
     scene.contact(body.point({w / 2, 0, -h / 2}), floor_of_z, {.friction = Coulomb{mu}, .restitution = e});
-    const Trajectory run = simulate(scene, {.until = .55, .error = 1e-9});
-    const double t = run.events().times("accumulation").at(0);
-    EXPECT_NEAR(t, 0.48659918146179687, 1e-10);
-    EXPECT_NEAR(run[body].velocity(t)[0], 0.8920387156633658, 1e-10);
-    EXPECT_NEAR(run[body].velocity(t)[2], -2.3918465729811706, 4e-10);
-    EXPECT_NEAR(run[body].rate(t), 9.084964559163716, 4e-10);
-    // what the runs share is told
-    EXPECT_GE(*run.error(), 2e-11);
-    EXPECT_THROW((void)simulate(scene, {.until = .55, .error = 1e-12}), AccuracyError);
+    for (const double error : {1e-9, 1e-12}) {
+        const Trajectory run = simulate(scene, {.until = .55, .error = error});
+        const double t = run.events().times("accumulation").at(0);
+        EXPECT_NEAR(t, 0.48659918146179687, 0.5 * error);
+        EXPECT_NEAR(run[body].velocity(t)[0], 0.8920387156633658, error);
+        EXPECT_NEAR(run[body].velocity(t)[2], -2.3918465729811706, 2.0 * error);
+        EXPECT_NEAR(run[body].rate(t), 9.084964559163716, 9.0 * error);
+        EXPECT_LE(*run.error(), error);
+    }
 }
 
 TEST(Struck, what_has_come_to_rest_holds_by_its_static_cone) {
