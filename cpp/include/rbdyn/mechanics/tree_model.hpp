@@ -355,9 +355,13 @@ private:
     bool ends(const Mode& mode, int contact, double t, std::span<const double> x) const;
     /// Whether a contact would have to pull, or friction to leave its cone, at a state.
     bool pulls(const Mode& mode, double t, std::span<const double> x) const;
-    /// What follows guards of contacts.
+
+    // --- what follows guards of contacts (tree_touch.ipp) ---
+
+    struct Encounter;
     void touch(const Mode& mode, Mode& after, std::span<const int> fired, double t, std::span<double> x,
                std::span<double> rest, std::vector<Happening>& happenings) const;
+
     // --- rolling and pivoting (tree_rolling.ipp) ---
 
     int resistances() const { return static_cast<int>(conditions_->resistances().size()); }

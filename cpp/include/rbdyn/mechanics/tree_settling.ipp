@@ -1,0 +1,134 @@
+// Definitions of rbdyn/mechanics/tree_model.hpp: which contacts that have come to rest push, and which open: those
+// with 0 <= N, gap'' >= 0, one of each pair zero (C. Glocker, Set-Valued Force Laws, 2001).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rbdyn/basics/double_double_functions.hpp"
+#include "rbdyn/mechanics/complementarity.hpp"
+#include "rbdyn/mechanics/contact_state.hpp"
+#include "rbdyn/mechanics/touched.hpp"
+#include "rbdyn/mechanics/tree_model.hpp"
+#include "rbdyn/model/acting.hpp"
+#include "rbdyn/model/leading_sign.hpp"
+
+namespace rbdyn::inline RBDYN_FORM {
+
+RBDYN_INLINE bool TreeModel::stands(const Mode& mode, int contact, double t, std::span<const double> x) const {
+    const mechanics::TreeState state = look(mode, t, x);
+    const mechanics::ContactLaw& c = conditions_->contacts()[at(contact)];
+    const double size = size_of(contact, state.moving);
+    for (const int i : {c.a.body, c.b.body}) {
+        if (i < 0) continue;
+        const mechanics::TreeState::Body& b = state.bodies[at(i)];
+        const double mass = static_cast<double>(tree_->node(i).mass), force = b.effort.force.norm(),
+                     kinetic = mass * b.velocity.squaredNorm() + state.moving[at(i)].omega.dot(b.spin_momentum);
+        if (b.acceleration.norm() * mass * size + b.spin_rate.norm() > 1e-11 * force * size) return false;
+        if (kinetic > 1e-22 * force * size) return false;
+    }
+    return true;
+}
+
+RBDYN_INLINE void TreeModel::settle(const Mode& before, Mode& mode, double t, std::span<double> x,
+                                    const std::vector<int>& candidates, const Fired& fired) const {
+    if (!joints_.empty())
+        settle_all(before, mode, t, x, candidates, fired);
+    else if (resistances() > 0)
+        settle_resisted(before, mode, t, x, candidates, fired);
+    else if (conditions_->is_rough())
+        settle_rough(before, mode, t, x, candidates, fired);
+    else
+        settle_smooth(mode, t, x, candidates, fired.doubtful);
+}
+
+RBDYN_INLINE void TreeModel::settle_smooth(Mode& mode, double t, std::span<double> x,
+                                           const std::vector<int>& candidates, const std::vector<int>& doubtful) const {
+    const Mode before = mode;
+    for (const int k : candidates) mode.slip[at(k)] = flies;
+    choose(mode, t, x, {}, true);
+    if (candidates.empty()) return;
+    const auto [b, noise] = opening(mode, t, x, candidates);
+    const auto all = moving(t, x);
+    // forces that depend on each other: all are closed if there are such that push everywhere
+    if (doubtful.empty() || shares_load(before)) {
+        std::vector<int> every = rows_;
+        for (const int k : candidates) every.push_back(conditions_->normal_row(k));
+        const bool depends =
+            mechanics::independent_rows(*tree_, *conditions_, every, all, rows_.size()).size() < every.size();
+        if (depends && share_load(before, mode, t, all, candidates, b, noise)) {
+            choose(mode, t, x, {}, true);
+            return;
+        }
+    }
+    const auto found = mechanics::solve_complementary(coupling(all, candidates), b, noise);
+    std::vector<int> pushing = rows_, uncertain;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const int k = candidates[i];
+        const bool is_doubtful = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end() ||
+                                 (found.z[i] <= 0.0 && std::abs(found.w[i]) <= 8.0 * noise[i]);
+        if (is_doubtful)
+            uncertain.push_back(k);
+        else if (found.z[i] > 0.0)
+            pushing.push_back(conditions_->constraint_rows() + k);
+    }
+    // of forces that depend on each other as many push as are independent, the others need none of their own
+    const auto independent = mechanics::independent_rows(*tree_, *conditions_, pushing, all);
+    const auto is_in = [&](const std::vector<int>& rows, int k) {
+        return std::find(rows.begin(), rows.end(), conditions_->constraint_rows() + k) != rows.end();
+    };
+    for (const int k : candidates)
+        if (is_in(pushing, k)) {
+            mode.slip[at(k)] = is_in(independent, k) ? pushes : rests;
+            mechanics::ContactMemory().put(mode.memory, k);
+        }
+    choose(mode, t, x, {}, true);
+    // a force at zero pushes if it grows, and where none is needed for ever; else the contact opens
+    for (const int k : uncertain) {
+        std::vector<int> with = rows_in(mode);
+        with.push_back(conditions_->constraint_rows() + k);
+        if (mechanics::independent_rows(*tree_, *conditions_, with, all).size() < with.size()) {
+            mode.slip[at(k)] = rests;
+            mechanics::ContactMemory().put(mode.memory, k);
+            choose(mode, t, x, {}, true);
+            continue;
+        }
+        Mode closed = mode;
+        closed.slip[at(k)] = pushes;
+        choose(closed, t, x, {}, true);
+        // where nothing moves, what changes a force that is zero is rounding
+        const bool has_fired = std::find(doubtful.begin(), doubtful.end(), k) != doubtful.end();
+        int sign = 1;
+        if (has_fired)
+            sign = ends(closed, k, t, x) ? -1 : 0;
+        else if (const int force = force_of(closed, k); force >= 0)
+            sign = leading_sign(closed, t, x, force);
+        if (sign >= 0 || (!has_fired && stands(closed, k, t, x))) mode = std::move(closed);
+    }
+}
+
+RBDYN_INLINE bool TreeModel::ends(const Mode& mode, int contact, double t, std::span<const double> x) const {
+    const int force = force_of(mode, contact);
+    if (force < 0 || leading_sign(mode, t, x, force, 1) >= 0) return false;
+    // what slides is told by a numerator, which is none
+    const bool is_force = !mechanics::contact_state::slides(mode.slip[at(contact)]);
+    return !only_dips(mode, t, x, force, is_force ? forces_at(contact, look(mode, t, x)) : 0.0);
+}
+
+RBDYN_INLINE bool TreeModel::pulls(const Mode& mode, double t, std::span<const double> x) const {
+    if (contacts() == 0) return false;
+    Evaluator<double> values(mode.equations->program);
+    values.set_parameters(mode.parameters);
+    values(t, x);
+    for (const Guard& guard : mode.equations->guards)
+        if (guard.contact >= 0 && guard.output >= 0 &&
+            (guard.kind == EventKind::detach || guard.kind == EventKind::slip) &&
+            values.output(guard.output) < -1e-13 * values.magnitude(guard.output))
+            return true;
+    return false;
+}
+
+}  // namespace rbdyn::inline RBDYN_FORM
