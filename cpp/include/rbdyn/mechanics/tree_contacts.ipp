@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
-#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"

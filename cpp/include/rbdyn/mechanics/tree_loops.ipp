@@ -1,33 +1,34 @@
-// Definitions of rbdyn/mechanics/tree_model.hpp: loops and driven joints.
+// Definitions of rbdyn/mechanics/tree_model.hpp: loops.
 //
 // Rows that are used hold; the others must hold with them, for good (redundant.hpp). What a run cannot know beforehand
-// ends it by name: a constraint that opens, for driven joints ask for what it does not allow, and a driven joint that
-// jumps or has a corner, for that takes an impulse that nothing gives. Where used rows lose their independence for a
-// moment the motion goes on, on its branch, and the event `singular` tells of it.
+// ends it by name: a constraint that opens, for driven joints ask for what it does not allow. Where used rows lose
+// their independence for a moment the motion goes on, on its branch, and the event `singular` tells of it.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/error.hpp"
 #include "rbdyn/expression/evaluate.hpp"
-#include "rbdyn/expression/rounding_sizes.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/driven.hpp"
+#include "rbdyn/mechanics/loosening.hpp"
 #include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/equations_writer.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 #include "rbdyn/model/rail_singular.hpp"
-#include "rbdyn/scene/rigid_motion.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {
 
@@ -37,107 +38,6 @@ namespace tree_loops {
 inline constexpr double nearest_start = 1e-6, loosest = 1e-9;
 /// Of the square of all a row could be: what counts as none of it where a scene starts.
 inline constexpr double nothing = 1e-14;
-
-/// Finds where the first of some constraints opens, the rows that are used closed.
-class Loosening : public Locator {
-public:
-    Loosening(std::shared_ptr<const mechanics::Tree> tree, std::shared_ptr<const mechanics::Conditions> conditions,
-              std::vector<int> rows, std::vector<int> which, double loosest_gap, int samples)
-        : tree_(std::move(tree)),
-          conditions_(std::move(conditions)),
-          rows_(std::move(rows)),
-          which_(std::move(which)),
-          loosest_(loosest_gap),
-          samples_(samples) {}
-
-    std::optional<double> first(const Piece& piece, bool /*fresh*/) const override {
-        double shut = 0.0;
-        for (int k = 1; k <= samples_; ++k) {
-            double open = piece.length * k / samples_;
-            if (!is_open(piece, open)) {
-                shut = open;
-                continue;
-            }
-            for (int i = 0; i < 60; ++i) {
-                const double middle = 0.5 * (shut + open);
-                (is_open(piece, middle) ? open : shut) = middle;
-            }
-            return open;
-        }
-        return std::nullopt;
-    }
-
-private:
-    bool is_open(const Piece& piece, double tau) const {
-        std::vector<double> x(static_cast<std::size_t>(piece.variables));
-        piece.state(tau, x);
-        const double t = piece.at(tau).hi;
-        const auto opens = [&](const std::vector<double>& at) {
-            const auto all = mechanics::closing::moving<double>(*tree_, t, at);
-            return std::any_of(which_.begin(), which_.end(),
-                               [&](int k) { return !(conditions_->gap(*tree_, k, all) <= loosest_); });
-        };
-        if (!opens(x)) return false;
-        // what the rows that are used leave open within a step is the error of the step
-        std::vector<DoubleDouble> closed(x.begin(), x.end());
-        mechanics::closing::normalize<DoubleDouble>(*tree_, closed);
-        mechanics::close(*tree_, *conditions_, rows_, t, closed, 3);
-        return opens(mechanics::closing::nearest(closed));
-    }
-
-    std::shared_ptr<const mechanics::Tree> tree_;
-    std::shared_ptr<const mechanics::Conditions> conditions_;
-    std::vector<int> rows_, which_;  // the rows that are used, and the constraints with others
-    double loosest_;
-    int samples_;
-};
-
-/// Whether a function of time may become infinite or no number, jump or have a corner.
-inline bool may_break(const Function& f) {
-    for (std::int32_t n = 0; n < f.size(); ++n) switch (f.node(n).operation) {
-            case Operation::divide:
-            case Operation::square_root:
-            case Operation::logarithm:
-            case Operation::log1p:
-            case Operation::artanh:
-            case Operation::power:
-            case Operation::raise:
-            case Operation::norm:
-            case Operation::angle:
-            case Operation::sign:
-            case Operation::select:
-            case Operation::whole:
-            case Operation::call: return true;
-            default: break;
-        }
-    return false;
-}
-
-inline const mechanics::DrivenLaw* driven(const mechanics::Node& n) {
-    const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>();
-    return law != nullptr && !law->way.is_constant() ? law : nullptr;
-}
-
-/// A rail that moves as a function of time says.
-inline const mechanics::RailLaw* moved(const mechanics::Node& n) {
-    const mechanics::RailLaw* law = n.joint.rail();
-    return law != nullptr && law->motion.present() ? law : nullptr;
-}
-/// All numbers of a placement, or of its rate.
-template <class S>
-std::array<S, 12> numbers_of(const RigidPlacement<S>& p) {
-    std::array<S, 12> all{p.row[0][0], p.row[0][1], p.row[0][2], p.row[1][0], p.row[1][1], p.row[1][2],
-                          p.row[2][0], p.row[2][1], p.row[2][2], S(0.0),      S(0.0),      S(0.0)};
-    for (int k = 0; k < 3; ++k) all[static_cast<std::size_t>(9 + k)] = p.displacement[k];
-    return all;
-}
-/// What is no number or infinite of the motion of a rail and its rates; none if nothing is.
-inline std::optional<double> not_finite(const mechanics::RailLaw& rail, double t) {
-    for (const auto& part : {rail.motion.at(t), rail.motion.rate(t), rail.motion.second(t)})
-        for (const double value : numbers_of<double>(part))
-            if (!std::isfinite(value)) return value;
-    return std::nullopt;
-}
 
 }  // namespace tree_loops
 
@@ -243,24 +143,6 @@ RBDYN_INLINE void TreeModel::choose_rows() {
         contacts() == 0 && joints_.empty() && !mechanics::dependences(*tree_, *conditions_, rows_, all).empty();
 }
 
-RBDYN_INLINE void TreeModel::require_finite_drives(double t) const {
-    for (const mechanics::Node& n : tree_->nodes())
-        if (const mechanics::DrivenLaw* law = n.joint.as<mechanics::DrivenLaw>())
-            for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
-                if (!std::isfinite(value))
-                    throw InvalidInput(n.name + ": the motion of its joint, or a rate of it, is " + text(value) +
-                                       " at t = " + text(t) +
-                                       " s; a motion is a finite function of time with finite derivatives, from where "
-                                       "the scene starts");
-    for (const mechanics::Node& n : tree_->nodes())
-        if (const mechanics::RailLaw* rail = tree_loops::moved(n))
-            if (const auto value = tree_loops::not_finite(*rail, t))
-                throw InvalidInput(n.name + ": the motion of its rail, or a rate of it, is " + text(*value) +
-                                   " at t = " + text(t) +
-                                   " s; a motion is a finite function of time with finite derivatives, from where "
-                                   "the scene starts");
-}
-
 RBDYN_INLINE void TreeModel::require_no_end(const Mode& mode, double t, std::span<const double> x) const {
     Evaluator<double> values(mode.equations->program);
     values.set_parameters(mode.parameters);
@@ -283,13 +165,13 @@ RBDYN_INLINE void TreeModel::guard_loops(EquationsWriter& write, const mechanics
     const std::vector<int> loose = tree.loose();
     if (loose.empty()) return;
     const bool drives = std::any_of(tree_->nodes().begin(), tree_->nodes().end(), [](const mechanics::Node& n) {
-        return tree_loops::driven(n) != nullptr || tree_loops::moved(n) != nullptr;
+        return mechanics::driven(n) != nullptr || mechanics::moved(n) != nullptr;
     });
     // where nothing but drives moves a piece may be as long as the motion
     const int samples = !drives ? 1 : variables() > 0 ? 16 : 1024;
     Guard guard{.kind = EventKind::singular, .name = "gaps of constraints"};
     guard.locator =
-        std::make_shared<const tree_loops::Loosening>(tree_, conditions_, used_rows(mode), loose, loosest_, samples);
+        std::make_shared<const mechanics::Loosening>(tree_, conditions_, used_rows(mode), loose, loosest_, samples);
     write.outside(std::move(guard), drives);
 }
 
@@ -341,48 +223,6 @@ RBDYN_INLINE std::string TreeModel::opened(double t, std::span<const double> x) 
            "leaves gaps as they grow has opened it (engine=\"taylor\" closes them after each step)";
 }
 
-RBDYN_INLINE std::string TreeModel::jump_of_drives(const Mode& before, const Mode& after, double t,
-                                                   std::span<const double> x) const {
-    if (before.equations->drives < 0 || after.equations->drives < 0) return {};
-    RoundingSizes was(before.equations->program), is(after.equations->program);
-    was.set_parameters(before.parameters);
-    is.set_parameters(after.parameters);
-    was(t, x);
-    is(t, x);
-    int place = 0;
-    double from = 0.0, to = 0.0;
-    const auto next_jumps = [&] {
-        const int a = before.equations->drives + place, b = after.equations->drives + place;
-        ++place;
-        from = was.output(a);
-        to = is.output(b);
-        const double rounding = 16.0 * epsilon * (was.size(a) + is.size(b));
-        // what differs by the rounding of numbers written with few digits is the same
-        return std::abs(to - from) > std::max(rounding, 1e-9 * std::max(std::abs(from), std::abs(to)));
-    };
-    for (const mechanics::Node& n : tree_->nodes()) {
-        const mechanics::DrivenLaw* law = tree_loops::driven(n);
-        if (law == nullptr) continue;
-        for (const bool rates : {false, true}) {
-            if (!next_jumps()) continue;
-            const std::string unit = std::string(law->turns ? " rad" : " m") + (rates ? "/s" : "");
-            return std::string("the ") + (rates ? "rate" : "coordinate") + " of the driven joint of " + n.name +
-                   " jumps from " + text(from) + " to " + text(to) + unit + ", which takes an impulse" +
-                   (rates ? "" : " that is not finite") + "; a motion has a rate that is continuous";
-        }
-    }
-    for (const mechanics::Node& n : tree_->nodes()) {
-        if (tree_loops::moved(n) == nullptr) continue;
-        for (int k = 0; k < 24; ++k) {
-            if (!next_jumps()) continue;
-            return std::string("the ") + (k < 12 ? "place" : "velocity") + " of the rail of " + n.name +
-                   " jumps, which takes an impulse" + (k < 12 ? " that is not finite" : "") +
-                   "; a motion has a rate that is continuous";
-        }
-    }
-    return {};
-}
-
 RBDYN_INLINE std::string TreeModel::locked(double t, std::span<const double> x) const {
     if (rows_.empty()) return {};
     const auto all = moving(t, x);
@@ -421,13 +261,13 @@ RBDYN_INLINE std::string TreeModel::not_finite(const Mode& mode, double t, std::
     for (const double value : x)
         if (!std::isfinite(value)) return "the state itself";
     for (const mechanics::Node& n : tree_->nodes())
-        if (const mechanics::DrivenLaw* law = tree_loops::driven(n))
+        if (const mechanics::DrivenLaw* law = mechanics::driven(n))
             for (const double value : {law->way(t), law->rate(t), law->rate.rate(t)})
                 if (!std::isfinite(value))
                     return "the motion of the joint of " + n.name + ", or a rate of it, which is " + text(value);
     for (const mechanics::Node& n : tree_->nodes())
-        if (const mechanics::RailLaw* rail = tree_loops::moved(n))
-            if (const auto value = tree_loops::not_finite(*rail, t))
+        if (const mechanics::RailLaw* rail = mechanics::moved(n))
+            if (const auto value = mechanics::not_finite(*rail, t))
                 return "the motion of the rail of " + n.name + ", or a rate of it, which is " + text(*value);
     for (const mechanics::RoughJoint& joint : joints_)
         if (!std::isfinite(joint.drive(t))) return "the drive of the rail of " + joint.name;
@@ -489,40 +329,6 @@ RBDYN_INLINE void TreeWriter::guard_pivots(EquationsWriter& write, const std::ve
         Guard guard{.kind = EventKind::singular, .role = GuardRole::record, .name = owner->name};
         guard.least = -1.0;
         write.guard(std::move(guard), pivots_[j] * (1.0 / (small * first[j])) - 1.0);
-    }
-}
-
-RBDYN_INLINE void TreeWriter::guard_drives(EquationsWriter& write) {
-    const recording::WideFolding all_digits;
-    std::vector<S> outputs;
-    for (const Node& n : tree_.nodes()) {
-        const DrivenLaw* law = tree_loops::driven(n);
-        if (law == nullptr) continue;
-        const S way = law->way(r_.time()), rate = law->rate(r_.time());
-        // never zero, but perhaps no number; and what it distinguishes is guarded with it
-        if (tree_loops::may_break(law->way.function()))
-            write.guard({.kind = EventKind::singular, .name = "the motion of the joint of " + n.name},
-                        way * way + rate * rate + 1.0);
-        outputs.push_back(way);
-        outputs.push_back(rate);
-    }
-    for (const Node& n : tree_.nodes()) {
-        const RailLaw* rail = tree_loops::moved(n);
-        if (rail == nullptr) continue;
-        const auto way = tree_loops::numbers_of<S>(rail->motion.at<S>(r_.time())),
-                   rate = tree_loops::numbers_of<S>(rail->motion.rate<S>(r_.time()));
-        S size(1.0);
-        for (const auto* part : {&way, &rate})
-            for (const S& one : *part) {
-                size += one * one;
-                outputs.push_back(one);
-            }
-        if (tree_loops::may_break(rail->motion.function()))
-            write.guard({.kind = EventKind::singular, .name = "the motion of the rail of " + n.name}, size);
-    }
-    for (const S& value : outputs) {
-        const int place = write.output(value);
-        if (drives_ < 0) drives_ = place;
     }
 }
 

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"
 #include "rbdyn/mechanics/touched.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
-#include "rbdyn/model/acting.hpp"
 #include "rbdyn/model/leading_sign.hpp"
 
 namespace rbdyn::inline RBDYN_FORM {

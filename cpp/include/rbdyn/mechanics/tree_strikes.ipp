@@ -7,15 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <span>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/basics/instant.hpp"
-#include "rbdyn/expression/evaluate.hpp"
 #include "rbdyn/mechanics/closure.hpp"
 #include "rbdyn/mechanics/complementarity.hpp"
 #include "rbdyn/mechanics/contact_state.hpp"

@@ -25,6 +25,12 @@ namespace rbdyn::inline RBDYN_FORM {
 
 namespace mechanics {
 
+/// The direction across a normal that an axis has.
+inline Vector3Of<Expression> unit_along(const Vector3Of<Expression>& axis, const Vector3Of<Expression>& normal) {
+    const Vector3Of<Expression> along = cross<Expression>(axis, normal);
+    return along * (Expression(1.0) / sqrt(dot<Expression>(along, along)));
+}
+
 /// The motion of a tree as expressions: recorded in two turns (model/sliding.hpp), first the laws, then the guards.
 class TreeWriter {
 public:
