@@ -75,3 +75,50 @@ def test_a_ball_that_rolls_for_a_day_stays_on_its_floor():
     assert run.status == "reached end" and not len(run.events)
     for t in (1.0, 1000.0, until):
         assert abs(run[touch].gap(t)) < 1e-12 * 0.1 + 8 * np.finfo(float).eps * 0.2 * until
+
+
+@pytest.mark.parametrize("until", [100.0, 1e4])
+@pytest.mark.parametrize("slope", [0.04424020998586501, 0.2, 0.3])
+@pytest.mark.parametrize("mu", [0.0, 0.1])
+def test_a_box_that_slides_down_a_slope_neither_turns_nor_sinks(mu, slope, until):
+    if np.tan(slope) < mu:
+        pytest.skip("it stands")
+    scene = rb.Scene(gravity=[G * np.sin(slope), 0, -G * np.cos(slope)])
+    body = scene.add(rb.shapes.box(2.0, [1.1, 0.3, 0.3]), rb.Planar(x=[1, 0, 0], y=[0, 0, 1]), position=[0, 0.15])
+    friction = rb.Coulomb(mu) if mu else None
+    touch = [scene.contact(body.point([s, 0, -0.15]), rb.Plane([0, 0, 1]), friction=friction) for s in (-0.55, 0.55)]
+    run = rb.simulate(scene, until, error=1e-9)
+    acceleration = G * (np.sin(slope) - mu * np.cos(slope))
+    for t in until * np.array([0.1, 0.5, 0.9, 1.0]):
+        way = acceleration * t**2 / 2
+        rounding = 1e-12 + 8 * np.finfo(float).eps * way
+        assert abs(run[body].position(t)[0] - way) < 1e-9 * way
+        assert abs(run[body].angle(t)) < rounding
+        assert max(abs(run[c].gap(t)) for c in touch) < rounding
+
+
+@pytest.mark.parametrize("legs", [3, 4])
+@pytest.mark.parametrize("up", [[0, 0, 1], [1, 2, 3]])
+def test_a_rough_table_slides_down_a_slope_in_space(up, legs):
+    up = frame(up)[2]
+    slope, mu, until = 0.3, 0.1, 1000.0
+    scene, body, touch, along = box(up, 0.0, corners=0)
+    scene = rb.Scene(gravity=G * (np.sin(slope) * along - np.cos(slope) * up))
+    body = scene.add(
+        rb.RigidBody(2.0, [0.1, 0.2, 0.25]),
+        position=0.1 * up,
+        attitude=np.column_stack([*frame(up)[:2], up]),
+    )
+    feet = [[-0.2, -0.3, -0.1], [0.2, -0.3, -0.1], [0.2, 0.3, -0.1], [-0.2, 0.3, -0.1]][:legs]
+    touch = [scene.contact(body.point(p), rb.Plane(up), friction=rb.Coulomb(mu)) for p in feet]
+    run = rb.simulate(scene, until, rtol=1e-10)
+    assert run.status == "reached end"
+    acceleration = G * (np.sin(slope) - mu * np.cos(slope))
+    start = run[body].attitude(0.0)
+    for t in until * np.array([0.1, 0.5, 1.0]):
+        way = acceleration * t**2 / 2
+        rounding = 1e-12 + 8 * np.finfo(float).eps * way
+        off = run[body].position(t) - run[body].position(0.0)
+        assert abs(off @ along - way) < 1e-9 * way
+        assert max(abs(run[c].gap(t)) for c in touch) < rounding
+        assert np.abs(run[body].attitude(t) @ start.T - np.eye(3)).max() < rounding

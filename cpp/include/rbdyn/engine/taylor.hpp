@@ -145,8 +145,14 @@ private:
     /// a root, a power or a logarithm has passed its zero, a series that happens to be a polynomial goes on.
     double borne_out_at_end(double length);
     /// A length of a step that only an end limits, at whose end what is held is where it is held: rounded forces leave
-    /// accelerations there, and what they add up to grows like the square of the time.
+    /// accelerations there, and what they add up to grows like the square of the time. Takes it from the series.
     double held_at_end(double length);
+    /// What held_at_end() asks at a place of the expansion: how far it is off; where that is, and its digits, are left
+    /// in end_ and end_low_.
+    Projection::Off off_at(double tau);
+    /// Takes from the series what the projection takes from a state at a place of the expansion, off_at()'s: of
+    /// positions from the coefficients of the square of time, of others from those of time. Returns what these were.
+    std::vector<double> straighten(double tau);
     static bool has_roots(const Program& program);
     /// Whether a guard is on another side at a place than where the step begins, or may be: the step ends before.
     bool passes_guard(double tau) const;

@@ -452,25 +452,50 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
         for (int i = group.first; i < group.first + group.count; ++i)
             if (std::abs(series_->coefficients(i)[order_]) * power[at(order_ - 1)] > nothing * scale) return length;
     }
+    // so little that the square of it is nothing
+    constexpr double little = 0x1p-30;
+    constexpr int most = 60;
+    double shorter = length;
+    for (int i = 0; i < most; ++i) {
+        const double tau = (t_.hi + shorter * unit_ - t_.hi) / unit_;
+        const Projection::Off off = off_at(tau);
+        if (!(off.rounding > 1.0)) return shorter;
+        if (!(off.size > little)) {
+            const std::vector<double> was = straighten(tau);
+            if (!(off_at(0.5 * tau).rounding > 1.0)) return shorter;
+            for (int k = 0; k < n; ++k) series_->row(k)[k < projection_->positions() ? 2 : 1] = was[at(k)];
+        }
+        shorter *= std::clamp(0.7 * std::sqrt(little / off.size), 0x1p-20, 0.5);
+    }
+    return length;
+}
+
+RBDYN_INLINE Projection::Off TaylorEngine::off_at(double tau) {
     end_.resize(x_.size());
     end_low_.resize(x_.size());
-    double shorter = length, last = std::numeric_limits<double>::infinity();
-    for (;;) {
-        const double end = t_.hi + shorter * unit_, tau = (end - t_.hi) / unit_;
-        series::powers(tau, order_, power.data());
-        for (int i = 0; i < n; ++i) {
-            const double increment = series::dot(series_->coefficients(i) + 1, power.data(), order_);
-            const Instant sum = exact_sum(x_[at(i)], increment + low_[at(i)]);
-            end_[at(i)] = sum.hi;
-            end_low_[at(i)] = sum.lo;
-        }
-        const double off = projection_->off(end_, end_low_, end);
-        if (!(off > 1.0)) return shorter;
-        // it does not come from the length of the step
-        if (!(off < 0.5 * last)) return length;
-        last = off;
-        shorter *= std::clamp(0.7 / std::sqrt(off), 0x1p-20, 0.5);
+    std::array<double, max_order> power;
+    series::powers(tau, order_, power.data());
+    for (int i = 0; i < equations_->variables(); ++i) {
+        const double increment = series::dot(series_->coefficients(i) + 1, power.data(), order_);
+        const Instant sum = exact_sum(x_[at(i)], increment + low_[at(i)]);
+        end_[at(i)] = sum.hi;
+        end_low_[at(i)] = sum.lo;
     }
+    return projection_->off(end_, end_low_, t_.hi + tau * unit_);
+}
+
+RBDYN_INLINE std::vector<double> TaylorEngine::straighten(double tau) {
+    const std::vector<double> x = end_, low = end_low_;
+    std::vector<double> was(x.size());
+    projection_->apply(end_, end_low_, tau * unit_, t_.hi + tau * unit_);
+    for (int i = 0; i < equations_->variables(); ++i) {
+        const double change = (end_[at(i)] - x[at(i)]) + (end_low_[at(i)] - low[at(i)]);
+        const bool is_position = i < projection_->positions();
+        double& coefficient = series_->row(i)[is_position ? 2 : 1];
+        was[at(i)] = coefficient;
+        coefficient += change / (is_position ? tau * tau : tau);
+    }
+    return was;
 }
 
 RBDYN_INLINE bool TaylorEngine::has_roots(const Program& program) {

@@ -232,7 +232,8 @@ public:
     void apply(std::span<double> x, std::span<double> low, double step, double t) const override;
 
     /// Of what touches: the largest gap.
-    double off(std::span<const double> x, std::span<const double> low, double t) const override;
+    Off off(std::span<const double> x, std::span<const double> low, double t) const override;
+    int positions() const override { return tree_->positions(); }
 
     void refine(std::vector<DoubleDouble>& x, double t) const override;
 

@@ -165,8 +165,9 @@ RBDYN_INLINE void TreeProjection::apply(std::span<double> x, std::span<double> l
         if (wide[i] != before[i]) projecting::add(x, low, static_cast<int>(i), wide[i] - before[i]);
 }
 
-RBDYN_INLINE double TreeProjection::off(std::span<const double> x, std::span<const double> low, double t) const {
-    if (!(size_ > 0.0)) return 0.0;
+RBDYN_INLINE Projection::Off TreeProjection::off(std::span<const double> x, std::span<const double> low,
+                                                 double t) const {
+    if (!(size_ > 0.0)) return {};
     using Real = long double;
     std::vector<Real> wide(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) wide[i] = static_cast<Real>(x[i]) + static_cast<Real>(low[i]);
@@ -175,7 +176,7 @@ RBDYN_INLINE double TreeProjection::off(std::span<const double> x, std::span<con
     const auto all = closing::moving<Real>(*tree_, t, wide);
     const double gap = closing::largest(closing::chosen(conditions_->gaps<Real>(*tree_, all), closed_));
     const double extent = closing::extent(closing::moving<double>(*tree_, t, {x.begin(), x.end()}));
-    return gap / (0x1p-43 * size_ + 8.0 * std::numeric_limits<double>::epsilon() * extent);
+    return {gap / (0x1p-43 * size_ + 8.0 * std::numeric_limits<double>::epsilon() * extent), gap / size_};
 }
 
 RBDYN_INLINE void TreeProjection::refine(std::vector<DoubleDouble>& x, double t) const {

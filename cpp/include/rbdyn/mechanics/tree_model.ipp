@@ -30,6 +30,37 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
+namespace tree_models {
+
+/// A reaction without what it has along what a smooth joint lets go, where that is rounding: it transmits nothing
+/// there. Of light bodies that are pressed hard that is far more than rounding of their own weight. `effort`: the sizes
+/// of what the reaction is made of.
+inline Wrench<double> across(const mechanics::JointTwists<double>& lets, Wrench<double> reaction,
+                             const Wrench<double>& effort) {
+    constexpr double rounding = 1e-9;
+    std::array<Vector3, 6> moves, turns;
+    std::size_t n_moves = 0, n_turns = 0;
+    const auto take = [](Vector3 way, auto& ways, std::size_t& n, Vector3& part, double most) {
+        for (std::size_t k = 0; k < n; ++k) way -= ways[k] * ways[k].dot(way);
+        const double length = way.norm();
+        if (!(length > 1e-6) || n == 3) return;
+        ways[n] = way / length;
+        const double along = ways[n].dot(part);
+        if (std::abs(along) <= rounding * most) part -= ways[n] * along;
+        ++n;
+    };
+    for (std::size_t k = 0; k < lets.size(); ++k) {
+        const auto& one = lets[k];
+        if (one.turn.isZero(0.0))
+            take(one.move / safe_norm(one.move), moves, n_moves, reaction.force, effort.force.norm());
+        else if (one.move.isZero(0.0))
+            take(one.turn / safe_norm(one.turn), turns, n_turns, reaction.moment, effort.moment.norm());
+    }
+    return reaction;
+}
+
+}  // namespace tree_models
+
 RBDYN_INLINE bool needs_tree(const Scene& scene) {
     if (!scene.constraints().empty() || !scene.contacts().empty()) return true;
     for (const Scene::AppliedLoad& l : scene.loads())
@@ -329,9 +360,12 @@ RBDYN_INLINE void TreeModel::observe(const Mode& mode, double t, std::span<const
         if (is_free || mode.equations == nullptr) continue;
         // what shares its load with contacts is one of many
         const double counts = !joints_.empty() && shares_load(mode) ? 0.0 : 1.0;
-        out.push_back({b.reaction.force * counts, false, 0.0, b.effort.force.norm(), Alike::force});
+        const bool is_smooth = std::none_of(joints_.begin(), joints_.end(),
+                                            [&](const mechanics::RoughJoint& joint) { return joint.body == i; });
+        const Wrench<double> reaction = is_smooth ? tree_models::across(m.joint, b.reaction, b.effort) : b.reaction;
+        out.push_back({reaction.force * counts, false, 0.0, b.effort.force.norm(), Alike::force});
         if (n.is_point || n.joint.as<mechanics::SphericalLaw>() != nullptr) continue;
-        Vector3 moment = b.reaction.moment;
+        Vector3 moment = reaction.moment;
         const auto rubs = std::find_if(joints_.begin(), joints_.end(), [&](const mechanics::RoughJoint& joint) {
             return joint.turns && joint.body == i;
         });

@@ -103,8 +103,15 @@ public:
     /// Moves the state x + low, low its compensation, to where its first integrals are what they were. `step`: the
     /// time since it was moved last [s]; `t`: the time it is at.
     virtual void apply(std::span<double> x, std::span<double> low, double step, double t) const = 0;
-    /// How far the state x + low, at time t, is from there, in parts of what may pass for rounding; 0 if nobody asks.
-    virtual double off(std::span<const double> x, std::span<const double> low, double t) const;
+    /// How far the state x + low, at time t, is from there: in parts of what may pass for rounding, and of the size of
+    /// what is held; zeros if nobody asks.
+    struct Off {
+        double rounding = 0.0, size = 0.0;
+    };
+    virtual Off off(std::span<const double> x, std::span<const double> low, double t) const;
+    /// How many variables, the first, are positions: what rounding leaves of accelerations moves them like the square
+    /// of the time, and the others in proportion to it. Of what is asked how far it is off.
+    virtual int positions() const;
     /// Moves a state of 32 digits to where constraints hold, with as many.
     virtual void refine(std::vector<DoubleDouble>& x, double t) const;
     /// Whether it adds what rounded constants of the equations leave out.

@@ -24,10 +24,12 @@ RBDYN_INLINE double least_share(double wanted, double size) {
 
 RBDYN_INLINE void Projection::refine(std::vector<DoubleDouble>& /*x*/, double /*t*/) const {}
 
-RBDYN_INLINE double Projection::off(std::span<const double> /*x*/, std::span<const double> /*low*/,
-                                    double /*t*/) const {
-    return 0.0;
+RBDYN_INLINE Projection::Off Projection::off(std::span<const double> /*x*/, std::span<const double> /*low*/,
+                                             double /*t*/) const {
+    return {};
 }
+
+RBDYN_INLINE int Projection::positions() const { return 0; }
 
 RBDYN_INLINE bool Projection::makes_up_for_rounding() const { return false; }
 
