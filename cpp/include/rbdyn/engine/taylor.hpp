@@ -147,6 +147,8 @@ private:
     /// A length of a step that only an end limits, at whose end what is held is where it is held: rounded forces leave
     /// accelerations there, and what they add up to grows like the square of the time.
     double held_at_end(double length);
+    /// The state at a place of the expansion, as what is nearest to it and what that is short of it.
+    void add_up(double tau, std::span<double> x, std::span<double> low) const;
     static bool has_roots(const Program& program);
     /// Whether a guard is on another side at a place than where the step begins, or may be: the step ends before.
     bool passes_guard(double tau) const;
