@@ -321,7 +321,8 @@ that promises the error. SciPy and scikit-sundae call a Python function with flo
 
 Errors are of positions (attitudes, angles) and of rates at the end, each relative to its
 own size; where the hoop sticks, and when.
-numbalsoda and scikit-sundae are left out where there are events. MuJoCo and Drake are given bars and hinges, as rbdyn
+numbalsoda and scikit-sundae are left out where there are events, `dop853` where there are contacts. Where the time of
+this library goes is in decisions 22, 23 and 27 (docs/decisions). MuJoCo and Drake are given bars and hinges, as rbdyn
 is; MuJoCo closes loops by stiff springs, Drake has no loops in continuous time.
 """
     (ROOT / "docs" / "peers.md").write_text(text)
