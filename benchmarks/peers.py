@@ -199,7 +199,7 @@ def ensembles():
 
     found = lanes.members_of_n()
     lines = [f"| N, microseconds a member | {' | '.join(f'{e:.0e}' for e in ERRORS)} |", "|---|" + "---|" * len(ERRORS)]
-    lines += [f"| {name} | {' | '.join(f'{us:.0f}' for us in row)} |" for name, row in found.items()]
+    lines += [f"| {name} | {' | '.join(f'{us:.0f}' if us > 0 else '-' for us in row)} |" for name, row in found.items()]
     own = found["rbdyn, side by side"]
     for name, row in found.items():
         if name.startswith("heyoka"):
@@ -308,8 +308,8 @@ Milliseconds of the thread to reach an error, the least of {
     } and more in turns; bold: the least. "-": not reached, or in no
 {LIMIT:g} s. Each library integrates the same equations, its modes and events written by hand; rbdyn is given the scene.
 Nothing is kept but the end. **once**: planning or compilation, not in the other columns: here of the scene, of heyoka
-for each tolerance, of numbalsoda for each system. **error=**: the whole call
-that promises the error. SciPy and scikit-sundae call a Python function with floats.
+for each tolerance, of numbalsoda for each system. **error=**: the whole call that promises the error. SciPy and
+scikit-sundae call a Python function with floats.
 
 ![The quickest way of each library, by scene and error.](peers.svg)
 
