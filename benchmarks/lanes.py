@@ -153,13 +153,19 @@ def batches(exact):
         yield f"heyoka, batch of {width}", go
 
 
+def members_of_n():
+    """Microseconds a member by name, for each of ERRORS; nan: not reached."""
+    least = {}
+    for name, go in batches([float(x) for x in END_OF_N.split()]):
+        found = [go(10.0 ** (-k / 2)) for k in range(14, 32)]
+        least[name] = [min((us for us, miss in found if miss <= error), default=math.nan) for error in ERRORS]
+    return least
+
+
 def main():
     rows()
-    exact = [float(x) for x in END_OF_N.split()]
     print("N, microseconds a member at true errors of " + ", ".join(f"{error:.0e}" for error in ERRORS))
-    for name, go in batches(exact):
-        found = [go(10.0 ** (-k / 2)) for k in range(14, 32)]
-        least = [min((us for us, miss in found if miss <= error), default=math.nan) for error in ERRORS]
+    for name, least in members_of_n().items():
         print(f"  {name:30}" + "".join(f"{us:10.0f}" for us in least), flush=True)
 
 

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 import rbdyn as rb
-from scenes import chain
 from scenes.beside_peers import PROBLEMS
 
 
@@ -91,7 +90,7 @@ def show_estimates():
     print("calls by taylor in integrations, all kept (the end alone)")
     errors = (1e-6, 1e-9, 1e-12)
     print("| scene | " + " | ".join(f"{e:.0e}" for e in errors) + " |\n|---|" + "---|" * len(errors))
-    made = {**{name: problem.scene for name, problem in PROBLEMS.items()}, "chain of 100": chain}
+    made = {name: problem.scene for name, problem in PROBLEMS.items()}
     found = {"all": [], "end": []}
     for name, make in made.items():
         scene, until = make()

@@ -1,14 +1,20 @@
 """What an error costs in time, beside heyoka, numbalsoda, SciPy, scikit-sundae, MuJoCo and Drake on this machine.
 
-The problems of scenes/beside_peers.py: each library integrates the same equations of first order, with modes and
-events by hand where there are any; this library is given the scene. Milliseconds of the call, nothing kept but the
-end, what is set up once left out: planning here, compilation there, which have columns of their own. Tolerances by
-tens, from loose to tight; of those that reach an error the quickest counts, and the chosen ones then take turns.
+The problems of scenes/beside_peers.py, given to libraries by scenes/peer_libraries.py and multibody.py: each integrates
+the same equations of first order, with modes and events by hand where there are any; this library is given the scene.
+Milliseconds of the thread for the call, nothing kept but the end, what is set up once left out: planning here,
+compilation there, which have a column of their own; heyoka has a row with its compilation, too. Tolerances by tens,
+from loose to tight; of those that reach an error the quickest counts, and the chosen ones then take turns.
 Errors at the end: of positions (attitudes, angles) and of rates, each relative to its own size, against this
 library's tightest run, in closed form where there is one.
 
+"rbdyn, taylor, error=" is the whole call that promises an error. Below the table stand geometric means over problems
+and errors: of heyoka's time over that of this library's series, of numbalsoda's DOP853 over this one's, of integrations
+that a call with error= takes, and of heyoka's batch over members of a sweep (lanes.py).
+
 Libraries are installed into an environment of their own in build/peers, from where this file runs itself again; those
-that cannot be are named. Writes docs/peers.md and docs/peers.svg; problems that are named are only printed.
+that cannot be are named. Writes docs/peers.md and docs/peers.svg; problems that are named, and "ensembles", are only
+printed.
 """
 
 import datetime
@@ -19,7 +25,6 @@ import platform
 import signal
 import subprocess
 import sys
-import time
 import venv
 from pathlib import Path
 
@@ -31,6 +36,7 @@ ERRORS = (1e-6, 1e-9, 1e-12)
 TOLERANCES = [10.0**-k for k in range(3, 17)]
 # s: a run that takes longer ends its ladder; turns of the chosen runs
 LIMIT, TURNS = 2.0, 5
+LIBRARY, DOP853, PROMISE = "rbdyn, taylor", "rbdyn, dop853", "rbdyn, taylor, error="
 
 
 def in_its_own_environment():
@@ -49,262 +55,6 @@ def in_its_own_environment():
     behind = os.pathsep.join(p for p in sys.path[1:] if p)
     environment = {**os.environ, "RBDYN_BEHIND": behind}
     sys.exit(subprocess.run([python, __file__, *sys.argv[1:]], env=environment).returncode)
-
-
-# --- equations as text: floats and machine code from one source ---
-
-
-class Text:
-    """An expression that writes itself down, each result once."""
-
-    lines: list = []
-
-    def __init__(self, text):
-        self.text = text
-
-    @classmethod
-    def of(cls, value):
-        return value if isinstance(value, Text) else Text(repr(float(value)))
-
-    @classmethod
-    def made(cls, text):
-        name = f"k{len(cls.lines)}"
-        cls.lines.append(f"{name} = {text}")
-        return Text(name)
-
-    def _with(self, sign, other, is_left=True):
-        a, b = (self, Text.of(other)) if is_left else (Text.of(other), self)
-        return Text.made(f"{a.text} {sign} {b.text}")
-
-    def __add__(self, other):
-        return self._with("+", other)
-
-    def __radd__(self, other):
-        return self._with("+", other, False)
-
-    def __sub__(self, other):
-        return self._with("-", other)
-
-    def __rsub__(self, other):
-        return self._with("-", other, False)
-
-    def __mul__(self, other):
-        return self._with("*", other)
-
-    def __rmul__(self, other):
-        return self._with("*", other, False)
-
-    def __truediv__(self, other):
-        return self._with("/", other)
-
-    def __rtruediv__(self, other):
-        return self._with("/", other, False)
-
-    def __neg__(self):
-        return Text.made(f"-{self.text}")
-
-
-class Texts:
-    """The functions that equations ask for."""
-
-    sin = staticmethod(lambda x: Text.made(f"math.sin({Text.of(x).text})"))
-    cos = staticmethod(lambda x: Text.made(f"math.cos({Text.of(x).text})"))
-    sqrt = staticmethod(lambda x: Text.made(f"math.sqrt({Text.of(x).text})"))
-
-
-def source_of(slopes, count):
-    """The body of a function of s[0] .. s[count - 1], and the text of what it gives."""
-    Text.lines = []
-    results = [Text.of(r).text for r in slopes([Text(f"s[{i}]") for i in range(count)], Texts)]
-    return Text.lines, results
-
-
-def python_function(slopes, count):
-    lines, results = source_of(slopes, count)
-    space = {"math": math}
-    exec("def f(t, s):\n    s = s.tolist()\n    " + "\n    ".join([*lines, f"return [{', '.join(results)}]"]), space)
-    return space["f"]
-
-
-# --- each: for a problem, functions of the tolerance that give (numbers compared, seconds), by name, what was paid once
-
-
-def library(problem):
-    import rbdyn as rb
-
-    scene, until = problem.scene()
-    begin = time.perf_counter()
-    plan = rb.plan(scene)
-    once = time.perf_counter() - begin
-
-    def with_engine(engine):
-        def go(tolerance):
-            begin = time.perf_counter()
-            run = rb.simulate(scene, until, rtol=max(tolerance, 1e-16), engine=engine, keep="end")
-            seconds = time.perf_counter() - begin
-            return problem.read(run), seconds
-
-        return go, once
-
-    names = ["auto", *([] if plan.engine == "taylor" else ["taylor"])]
-    return {f"rbdyn, {plan.engine if n == 'auto' else n}": with_engine(n) for n in names}
-
-
-def with_heyoka(problem):
-    import heyoka
-
-    count = len(problem.start)
-    variables = heyoka.make_vars(*(f"x{i}" for i in range(count)))
-    made, once = {}, [0.0]
-
-    def compiled(tolerance):
-        begin = time.perf_counter()
-        result = {}
-        for name, mode in problem.modes.items():
-            system = list(zip(variables, map(heyoka.expression, mode.slopes(variables, heyoka)), strict=True))
-            directions = {1: heyoka.event_direction.positive, -1: heyoka.event_direction.negative}
-            events = [
-                heyoka.t_event(heyoka.expression(value(variables, heyoka)), direction=directions[way])
-                for value, way, _ in mode.guards
-            ]
-            result[name] = heyoka.taylor_adaptive(
-                system,
-                list(problem.start),
-                tol=tolerance,
-                compact_mode=count > 20,
-                **({"t_events": events} if events else {}),
-            )
-        once[0] = max(once[0], time.perf_counter() - begin)
-        return result
-
-    def go(tolerance):
-        if tolerance not in made:
-            made[tolerance] = compiled(tolerance)
-        begin = time.perf_counter()
-        name, state, now, last = problem.first, problem.start, 0.0, 0.0
-        while True:
-            integrator = made[tolerance][name]
-            integrator.time = now
-            integrator.state[:] = state
-            if problem.modes[name].guards:
-                integrator.reset_cooldowns()
-            outcome = int(integrator.propagate_until(problem.until)[0].value)
-            now, state = integrator.time, integrator.state.tolist()
-            if outcome == heyoka.taylor_outcome.time_limit.value:
-                break
-            last = now
-            index = -outcome - 1 if outcome < 0 else outcome
-            following = problem.modes[name].guards[index][2](state)
-            if following is None:
-                break
-            name, state = following
-        seconds = time.perf_counter() - begin
-        return problem.told(list(state), last), seconds
-
-    go(TOLERANCES[0])
-    return {"heyoka": (go, once[0])}
-
-
-def with_numbalsoda(problem):
-    import numba
-    import numbalsoda
-    import numpy as np
-
-    if len(problem.modes) > 1 or problem.modes["only"].guards:
-        return {}
-    start, times = np.array(problem.start, float), np.array([0.0, problem.until])
-    begin = time.perf_counter()
-    lines, results = source_of(problem.modes["only"].slopes, len(start))
-    text = "def f(t, s, out, p):\n    " + "\n    ".join([*lines, *(f"out[{i}] = {r}" for i, r in enumerate(results))])
-    space = {"math": math}
-    exec(text, space)
-    address = numba.cfunc(numbalsoda.lsoda_sig)(space["f"]).address
-    once = time.perf_counter() - begin
-
-    def with_method(method, least):
-        def go(tolerance):
-            tolerance = max(tolerance, least)
-            begin = time.perf_counter()
-            states, ok = method(address, start, times, rtol=tolerance, atol=tolerance, mxstep=10**7)
-            seconds = time.perf_counter() - begin
-            return (problem.told(states[-1].tolist(), 0.0) if ok else None), seconds
-
-        return go, once
-
-    return {
-        "numbalsoda, dop853": with_method(numbalsoda.dop853, 0.0),
-        "numbalsoda, lsoda": with_method(numbalsoda.lsoda, 1e-13),
-    }
-
-
-def with_scipy(problem):
-    from scipy.integrate import solve_ivp
-
-    functions, guards = {}, {}
-    for name, mode in problem.modes.items():
-        functions[name] = python_function(mode.slopes, len(problem.start))
-        guards[name] = []
-        for value, way, _ in mode.guards:
-
-            def guard(t, s, value=value):
-                return value([float(x) for x in s], math)
-
-            guard.terminal, guard.direction = True, way
-            guards[name].append(guard)
-
-    def with_method(method):
-        def go(tolerance):
-            begin = time.perf_counter()
-            name, state, now, last = problem.first, problem.start, 0.0, 0.0
-            while now < problem.until:
-                done = solve_ivp(
-                    functions[name],
-                    (now, problem.until),
-                    state,
-                    method=method,
-                    rtol=max(tolerance, 3e-14),
-                    atol=tolerance,
-                    events=guards[name] or None,
-                )
-                now, state = done.t[-1], done.y[:, -1].tolist()
-                if done.status != 1:
-                    break
-                last = now
-                index = next(i for i, times in enumerate(done.t_events) if len(times))
-                following = problem.modes[name].guards[index][2](done.y_events[index][0].tolist())
-                if following is None:
-                    break
-                name, state = following
-            seconds = time.perf_counter() - begin
-            return problem.told(state, last) if done.status >= 0 else None, seconds
-
-        return go, 0.0
-
-    return {f"SciPy, {method}": with_method(method) for method in ("DOP853", "LSODA", "Radau")}
-
-
-def with_sundae(problem):
-    import numpy as np
-    from sksundae.cvode import CVODE
-
-    if len(problem.modes) > 1 or problem.modes["only"].guards:
-        return {}
-    function = python_function(problem.modes["only"].slopes, len(problem.start))
-
-    def slopes(t, y, out):
-        out[:] = function(t, y)
-
-    def with_method(method):
-        def go(tolerance):
-            begin = time.perf_counter()
-            solver = CVODE(slopes, method=method, rtol=max(tolerance, 1e-15), atol=tolerance, max_num_steps=10**7)
-            done = solver.solve(np.array([0.0, problem.until]), np.array(problem.start, float))
-            seconds = time.perf_counter() - begin
-            return (problem.told(done.y[-1].tolist(), 0.0) if done.success else None), seconds
-
-        return go, 0.0
-
-    return {f"scikit-sundae, {method}": with_method(method) for method in ("Adams", "BDF")}
 
 
 def exact_numbers(problem):
@@ -330,16 +80,38 @@ def difference(numbers, exact, groups):
     return max(np.linalg.norm(numbers[g] - exact[g]) / np.linalg.norm(exact[g]) for g in groups)
 
 
+def with_promise(problem, exact):
+    """The call that promises an error: (error asked for, error, seconds, integrations it takes) by error."""
+    import rbdyn as rb
+    from scenes.peer_libraries import with_error
+
+    go, found = with_error(problem), {}
+    for error in ERRORS:
+        try:
+            numbers, seconds, whole, integration = go(error)
+            for _ in range(4 * TURNS if seconds < 0.05 else TURNS):
+                _, again, *paid = go(error)
+                seconds, whole, integration = min(seconds, again), min(whole, paid[0]), min(integration, paid[1])
+        except rb.AccuracyError:
+            continue
+        found[error] = [error, difference(numbers, exact, problem.groups), seconds, whole / integration]
+    return found
+
+
 def measured(problem, exact):
     """For each run by name: what it paid once, and by error (tolerance, error, seconds), as far as it reaches."""
-    from scenes.multibody import with_drake, with_mujoco
+    from scenes import multibody, peer_libraries
 
     runs, chosen = {}, {}
-    for peer in (library, with_heyoka, with_numbalsoda, with_scipy, with_sundae, with_mujoco, with_drake):
-        try:
-            runs |= peer(problem)
-        except ImportError:
-            continue
+    for module, peers in (
+        (peer_libraries, ("library", "with_heyoka", "with_numbalsoda", "with_scipy", "with_sundae")),
+        (multibody, ("with_mujoco", "with_drake")),
+    ):
+        for peer in peers:
+            try:
+                runs |= getattr(module, peer)(problem)
+            except ImportError:
+                continue
     for name, (go, _) in runs.items():
         rows = []
         for tolerance in TOLERANCES:
@@ -364,9 +136,79 @@ def measured(problem, exact):
         for (name, _), row in chosen.items():
             if row[2] < 0.3:
                 row[2] = min(row[2], *(runs[name][0](row[0])[1] for _ in range(2)))
-    return {
+    found = {
         name: (once, {e: chosen[name, e] for e in ERRORS if (name, e) in chosen}) for name, (_, once) in runs.items()
     }
+    result = {}
+    for name, (once, row) in found.items():
+        # contacts are held by Taylor series alone
+        if name == DOP853 and not row:
+            continue
+        result[name] = once, row
+        if name == LIBRARY:
+            result[PROMISE] = once, with_promise(problem, exact)
+        if name == "heyoka":
+            result["heyoka, with its compilation"] = 0.0, {e: [*r[:2], r[2] + once] for e, r in row.items()}
+    return result
+
+
+# --- what the aims ask for ---
+
+
+def mean(numbers):
+    numbers = list(numbers)
+    return math.exp(sum(map(math.log, numbers)) / len(numbers)) if numbers else math.nan
+
+
+def times_as_quick(results, one, other):
+    """By problem: the geometric mean over errors of the other's time over one's, where both reach an error."""
+    ratios = {}
+    for name, found in results.items():
+        if one in found and other in found:
+            a, b = found[one][1], found[other][1]
+            both = [b[e][2] / a[e][2] for e in ERRORS if e in a and e in b]
+            if both:
+                ratios[name] = mean(both)
+    return ratios
+
+
+def summary(results):
+    """Geometric means over problems, and what each has in them."""
+    closed = [name for name, found in results.items() if any("closed form" in label for label in found)]
+    lines = []
+
+    def add(about, ratios):
+        if ratios:
+            each = ", ".join(f"{name} {ratio:.2f}" for name, ratio in ratios.items())
+            lines.append(f"* {about}: **{mean(ratios.values()):.2f}** ({each})")
+
+    beside = times_as_quick(results, LIBRARY, "heyoka")
+    add("speed of Taylor series beside heyoka, times", beside)
+    add("the same without problems in closed form", {n: r for n, r in beside.items() if n not in closed})
+    add("speed of DOP853 beside numbalsoda's, times", times_as_quick(results, DOP853, "numbalsoda, dop853"))
+    promised = {name: found[PROMISE][1] for name, found in results.items() if PROMISE in found}
+    add(
+        "integrations a call with `error=`", {n: mean(r[3] for r in row.values()) for n, row in promised.items() if row}
+    )
+    return "\n".join(lines)
+
+
+def ensembles():
+    """Members of a sweep beside heyoka's batch, as text."""
+    import lanes
+
+    found = lanes.members_of_n()
+    lines = [f"| N, microseconds a member | {' | '.join(f'{e:.0e}' for e in ERRORS)} |", "|---|" + "---|" * len(ERRORS)]
+    lines += [f"| {name} | {' | '.join(f'{us:.0f}' if us > 0 else '-' for us in row)} |" for name, row in found.items()]
+    own = found["rbdyn, side by side"]
+    for name, row in found.items():
+        if name.startswith("heyoka"):
+            ratio = mean(b / a for a, b in zip(own, row, strict=True) if a > 0 and b > 0)
+            lines += [
+                "" if not lines[-1].startswith("*") else None,
+                f"* speed of members beside {name}, times: **{ratio:.2f}**",
+            ]
+    return "\n".join(line for line in lines if line is not None)
 
 
 # --- what is written ---
@@ -436,13 +278,20 @@ def main():
 
     signal.signal(signal.SIGALRM, stop)
     results, told = {}, {}
-    for name in sys.argv[1:] or PROBLEMS:
+    named = sys.argv[1:]
+    for name in [n for n in named if n != "ensembles"] or ([] if named else PROBLEMS):
         exact, told[name] = exact_numbers(PROBLEMS[name])
         results[name] = measured(PROBLEMS[name], exact)
         print(table({name: results[name]}, {name: told[name]}), flush=True)
+    if results:
+        print(summary(results), flush=True)
     for name in missing:
         print(f"{PACKAGES[name]} could not be installed")
-    if len(sys.argv) > 1:
+    if named and "ensembles" not in named:
+        return
+    beside = ensembles()
+    print(beside, flush=True)
+    if named:
         return
     figure(results, ROOT / "docs" / "peers.svg")
     there = [f"{p} {version(p)}" for name, p in PACKAGES.items() if name not in (*missing, "matplotlib")]
@@ -454,18 +303,26 @@ def main():
         "; not installed: " + ", ".join(absent) if absent else ""
     }.
 
-Milliseconds to reach an error, the least of {2 * TURNS} and more in turns; bold: the least. "-": not reached, or in no
+Milliseconds of the thread to reach an error, the least of {
+        2 * TURNS
+    } and more in turns; bold: the least. "-": not reached, or in no
 {LIMIT:g} s. Each library integrates the same equations, its modes and events written by hand; rbdyn is given the scene.
 Nothing is kept but the end. **once**: planning or compilation, not in the other columns: here of the scene, of heyoka
-for each tolerance, of numbalsoda for each system. SciPy and scikit-sundae call a Python function with floats.
+for each tolerance, of numbalsoda for each system. **error=**: the whole call that promises the error. SciPy and
+scikit-sundae call a Python function with floats.
 
 ![The quickest way of each library, by scene and error.](peers.svg)
 
 {table(results, told)}
 
+{summary(results)}
+
+{beside}
+
 Errors are of positions (attitudes, angles) and of rates at the end, each relative to its
 own size; where the hoop sticks, and when.
-numbalsoda and scikit-sundae are left out where there are events. MuJoCo and Drake are given bars and hinges, as rbdyn
+numbalsoda and scikit-sundae are left out where there are events, `dop853` where there are contacts. Where the time of
+this library goes is in decisions 22, 23 and 27 (docs/decisions). MuJoCo and Drake are given bars and hinges, as rbdyn
 is; MuJoCo closes loops by stiff springs, Drake has no loops in continuous time.
 """
     (ROOT / "docs" / "peers.md").write_text(text)

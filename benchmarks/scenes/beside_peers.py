@@ -340,4 +340,5 @@ PROBLEMS = {
     "four-bar": four_bar(),
     "andrews": andrews(),
     "chain": chain(),
+    "chain 100": chain(100),
 }

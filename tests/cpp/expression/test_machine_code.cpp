@@ -100,6 +100,21 @@ TEST(MachineCode, has_the_bits_of_the_lists_for_random_programs) {
     }
 }
 
+TEST(MachineCode, has_the_bits_of_the_lists_from_order_0_on_where_nothing_can_overflow) {
+    if (!is_made()) GTEST_SKIP() << "no machine code here";
+    Recorder r;
+    const E x = r.input(0), y = r.input(1), z = r.input(2), p = r.parameter(r.new_parameter());
+    std::vector<E> outputs = {p * y * z - 0.3 * x * sin(x) + 0.1 * r.time() - 0.5,
+                              cos(z) * sqrt(x * x + 2.0) - x / (y * y + 1.0) + 0.25 * (x * x + y * y),
+                              log(x * x + 1.5) - 0.5 * z + p * x * y + recording::angle(y, x + 4.0)};
+    outputs.push_back(length({x, y, z}) + atanh(0.2 * x) + 1.25);
+    outputs.push_back(outputs[0] / (outputs[1] * outputs[1] + 3.0));
+    const Program program(r, outputs, 3);
+    ASSERT_FALSE(SeriesEvaluator::may_overflow(program));
+    Random random(5);
+    for (int order = 2; order <= 26; ++order) hold(program, order, starts(random, program, 20));
+}
+
 TEST(MachineCode, leaves_what_grows_beyond_the_largest_double_to_the_lists) {
     if (!is_made()) GTEST_SKIP() << "no machine code here";
     Recorder r;

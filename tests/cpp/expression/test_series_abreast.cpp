@@ -18,6 +18,7 @@
 #include "rbdyn/expression/series_evaluator.hpp"
 #include "rbdyn/expression/wide_series.hpp"
 #include "rbdyn/series/abreast.hpp"
+#include "rbdyn/series/step_length.hpp"
 
 #ifdef RBDYN_HAS_LANES
 namespace rbdyn::test::test_series_abreast {
@@ -158,6 +159,18 @@ TEST(SeriesAbreast, have_the_bits_of_each_motion_alone_on_every_processor) {
                             << slot;
                     for (int slot = 0; slot < 3; ++slot)
                         ASSERT_TRUE(are_same(some.coefficients(slot), alone[i]->coefficients(slot), order + 1));
+                    // of two and of all three together, and zeros with their signs
+                    for (const int count : {2, 3}) {
+                        const auto rows = static_cast<std::size_t>(order + 1);
+                        std::vector<double> ours(rows), theirs(rows), one_by_one(rows);
+                        abreast.sizes(static_cast<int>(i), 3 - count, count, ours.data());
+                        series::sizes(theirs.data(), alone[i]->rows(3 - count, count), alone[i]->stride(), count,
+                                      order);
+                        for (int slot = 3 - count; slot < 3; ++slot)
+                            series::widen(one_by_one.data(), alone[i]->coefficients(slot), order);
+                        ASSERT_TRUE(are_same(ours.data(), theirs.data(), order + 1));
+                        ASSERT_TRUE(are_same(ours.data(), one_by_one.data(), order + 1));
+                    }
                     ASSERT_TRUE(are_same(some.output(6), alone[i]->output(6), order + 1));
                     for (const int k : {0, order - 1}) {
                         ASSERT_TRUE(some.is_finite(k));

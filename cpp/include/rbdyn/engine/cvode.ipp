@@ -256,15 +256,13 @@ RBDYN_INLINE int CvodeEngine::expand(double span, double& unit) {
 RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
     double first_step = span;
     const double passage = first_passage(orders, span);
-    const auto sizes = [&](const VariableGroup& group) {
-        std::array<double, start_order + 1> size{};
+    std::vector<std::array<double, start_order + 1>> sizes(estimates_.size());
+    for (std::size_t g = 0; g < estimates_.size(); ++g) {
+        const VariableGroup& group = equations_->groups[g];
+        auto& size = sizes[g];
         for (int i = group.first; i < group.first + group.count; ++i)
             for (int k = 1; k <= orders; ++k)
                 size[at(k)] = std::max(size[at(k)], std::abs(integrator_->series.coefficients(i)[k]));
-        return size;
-    };
-    for (std::size_t g = 0; g < estimates_.size(); ++g) {
-        const auto size = sizes(equations_->groups[g]);
         int lead = 1;
         while (lead < orders && size[at(lead)] == 0.0) ++lead;
         // the leading term rules for a while; a third of that is typical of a step
@@ -279,7 +277,7 @@ RBDYN_INLINE double CvodeEngine::measure(int orders, double span) {
     }
     tie();
     for (std::size_t g = 0; g < estimates_.size(); ++g) {
-        const auto size = sizes(equations_->groups[g]);
+        const auto& size = sizes[g];
         const double tolerance = absolute_tolerance(g);
         for (int k = 2; k <= orders; ++k)
             if (size[at(k)] > 0.0) first_step = std::min(first_step, 0.5 * std::pow(tolerance / size[at(k)], 1.0 / k));

@@ -153,6 +153,8 @@ private:
     /// Takes from the series what the projection takes from a state at a place of the expansion, off_at()'s: of
     /// positions from the coefficients of the square of time, of others from those of time. Returns what these were.
     std::vector<double> straighten(double tau);
+    /// The state at a place of the expansion, as what is nearest to it and what that is short of it.
+    void add_up(double tau, std::span<double> x, std::span<double> low) const;
     static bool has_roots(const Program& program);
     /// Whether a guard is on another side at a place than where the step begins, or may be: the step ends before.
     bool passes_guard(double tau) const;

@@ -108,6 +108,14 @@ inline void powers(double x, int n, double* out) {
     if (k < n) out[k] = power;
 }
 
+/// x^n
+inline double power(double x, int n) {
+    double result = 1.0;
+    for (; n > 0; n >>= 1, x *= x)
+        if (n % 2 != 0) result *= x;
+    return result;
+}
+
 }  // namespace series
 
 RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
@@ -172,25 +180,32 @@ RBDYN_INLINE std::optional<StepStatus> TaylorEngine::end_step() {
     ++work_.steps;
     start_low_ = low_;
     // go on from the end, the sum compensated
-    std::array<double, max_order> power;
-    series::powers(piece_.length, order_, power.data());
-    for (int i = 0; i < n; ++i) {
-        const auto index = static_cast<std::size_t>(i);
-        const double increment = series::dot(piece_.variable(i) + 1, power.data(), order_);
-        const Instant sum = exact_sum(x_[index], increment + low_[index]);
-        x_[index] = sum.hi;
-        low_[index] = sum.lo;
-        if (!is_wide_) continue;
-        const DoubleDouble exact = workshop_->wide->input(i, piece_.length);
-        x_[index] = exact.hi;
-        low_[index] = exact.lo;
-    }
+    add_up(piece_.length, x_, low_);
+    if (is_wide_)
+        for (int i = 0; i < n; ++i) {
+            const DoubleDouble exact = workshop_->wide->input(i, piece_.length);
+            x_[at(i)] = exact.hi;
+            low_[at(i)] = exact.lo;
+        }
     t_ = end;
     hold(h);
     scales_.widen(x_);
     if (drop_start_flags(*equations_, parameters_)) set_parameters();
     if (piece_.length < 0.25 || piece_.length > 4.0) unit_ = power_of_two(h);
     return StepStatus::ok;
+}
+
+RBDYN_INLINE void TaylorEngine::add_up(double tau, std::span<double> x, std::span<double> low) const {
+    const int n = equations_->variables();
+    const double* row = series_->rows(0, n);
+    std::array<double, max_order> power;
+    series::powers(tau, order_, power.data());
+    for (int i = 0; i < n; ++i, row += series_->stride()) {
+        const double increment = series::dot(row + 1, power.data(), order_);
+        const Instant sum = exact_sum(x_[at(i)], increment + low_[at(i)]);
+        x[at(i)] = sum.hi;
+        low[at(i)] = sum.lo;
+    }
 }
 
 RBDYN_INLINE void TaylorEngine::rest(double tau, std::span<const double> x, std::span<double> low) const {
@@ -302,6 +317,7 @@ RBDYN_INLINE TaylorEngine::Workshop& TaylorEngine::workshop_for(const Equations&
 
 RBDYN_INLINE void TaylorEngine::expand() {
     length_.reset();
+    abreast_ = nullptr;
     series_->begin(t_.hi, unit_);
     for (int i = 0; i < equations_->variables(); ++i) series_->set_input(i, 0, x_[at(i)]);
     series_->expand(order_, !equations_->guards.empty());
@@ -352,11 +368,14 @@ RBDYN_INLINE double TaylorEngine::step_length(double span) {
     double log_length = std::numeric_limits<double>::infinity();
     Sizes size;
     for (const VariableGroup& group : equations_->groups) {
-        size.fill(0.0);
-        for (int i = group.first; i < group.first + group.count; ++i)
-            series::widen(size.data(), series_->coefficients(i), order_);
+        if (abreast_ != nullptr)
+            abreast_->sizes(lane_, group.first, group.count, size.data());
+        else
+            series::sizes(size.data(), series_->rows(group.first, group.count), series_->stride(), group.count, order_);
         log_length = std::min(log_length, series::log_step(size.data(), order_, scales_.scale(group), log_tolerance_));
     }
+    if (!rough_.empty()) rough_.clear();
+    if (equations_->guards.empty()) return std::exp2(log_length);
     // guards are cut off too, or their zeros would not be events; an error there moves one event and does not grow.
     // The rounding of a speed's series grows by the distance from its zero, which must not keep a step from passing
     // there
@@ -365,14 +384,12 @@ RBDYN_INLINE double TaylorEngine::step_length(double span) {
     const double least =
         std::max(std::min(log_length, series::rough_log2(span / unit_)) - most_halvings,
                  series::rough_log2(64.0 * std::numeric_limits<double>::epsilon() * std::abs(t_.hi) / unit_));
-    rough_.clear();
     for (std::size_t g = 0; g < equations_->guards.size(); ++g) {
         const Guard& guard = equations_->guards[g];
         if (guard.output < 0 || guard.least < 0.0 || equations_->is_variable(guard)) continue;
         const double* c = series_->output(guard.output);
         if (is_polynomial(c, guard)) continue;
-        size.fill(0.0);
-        series::widen(size.data(), c, order_);
+        series::sizes(size.data(), c, 0, 1, order_);
         double check = 0.0;
         for (int k = 0; k <= order_; ++k) check += 0.0 * size[at(k)];
         const double log_guard = series::log_step(size.data(), order_, size[0], log_tolerance);
@@ -441,16 +458,14 @@ RBDYN_INLINE double TaylorEngine::borne_out_at_end(double length) {
 
 RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
     if (!projection_) return length;
-    const int n = equations_->variables();
-    std::array<double, max_order> power;
-    series::powers(length, order_, power.data());
     constexpr double nothing = 0x1p-58;
+    const double last_power = series::power(length, order_);
     double widest = 0.0;
     for (const VariableGroup& group : equations_->groups) widest = std::max(widest, scales_.scale(group));
     for (const VariableGroup& group : equations_->groups) {
         const double scale = std::max(scales_.scale(group), widest / (length * unit_));
         for (int i = group.first; i < group.first + group.count; ++i)
-            if (std::abs(series_->coefficients(i)[order_]) * power[at(order_ - 1)] > nothing * scale) return length;
+            if (std::abs(series_->coefficients(i)[order_]) * last_power > nothing * scale) return length;
     }
     // so little that the square of it is nothing
     constexpr double little = 0x1p-30;
@@ -463,7 +478,8 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
         if (!(off.size > little)) {
             const std::vector<double> was = straighten(tau);
             if (!(off_at(0.5 * tau).rounding > 1.0)) return shorter;
-            for (int k = 0; k < n; ++k) series_->row(k)[k < projection_->positions() ? 2 : 1] = was[at(k)];
+            for (int k = 0; k < equations_->variables(); ++k)
+                series_->row(k)[k < projection_->positions() ? 2 : 1] = was[at(k)];
         }
         shorter *= std::clamp(0.7 * std::sqrt(little / off.size), 0x1p-20, 0.5);
     }
@@ -473,14 +489,7 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
 RBDYN_INLINE Projection::Off TaylorEngine::off_at(double tau) {
     end_.resize(x_.size());
     end_low_.resize(x_.size());
-    std::array<double, max_order> power;
-    series::powers(tau, order_, power.data());
-    for (int i = 0; i < equations_->variables(); ++i) {
-        const double increment = series::dot(series_->coefficients(i) + 1, power.data(), order_);
-        const Instant sum = exact_sum(x_[at(i)], increment + low_[at(i)]);
-        end_[at(i)] = sum.hi;
-        end_low_[at(i)] = sum.lo;
-    }
+    add_up(tau, end_, end_low_);
     return projection_->off(end_, end_low_, t_.hi + tau * unit_);
 }
 

@@ -4,7 +4,6 @@
 // known of the next ones; r8, r9: their parts; bp: k in all lanes, k + 1 behind it; r10: k.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,6 +13,7 @@
 #include "rbdyn/expression/abreast_tape.hpp"
 #include "rbdyn/expression/assembler.hpp"
 #include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/expression/known_registers.hpp"
 
 #ifdef RBDYN_WRITES_MACHINE_CODE
 namespace rbdyn::inline RBDYN_FORM::abreast {
@@ -30,7 +30,11 @@ struct AbreastCode::Frame {
 class AbreastCodeWriter {
 public:
     explicit AbreastCodeWriter(const Tape& tape)
-        : t_(tape), v_(tape.vector), is_wide_(tape.vector == 64), c_(is_wide_ ? 8 : 4) {}
+        : t_(tape),
+          v_(tape.vector),
+          is_wide_(tape.vector == 64),
+          c_(is_wide_ ? 8 : 4),
+          registers_(is_wide_ ? 16 : 13, is_wide_ ? 16 : 3) {}
 
     /// Whether all is in it, and it is no longer than what a processor holds near.
     static bool takes(const Tape& tape);
@@ -44,11 +48,8 @@ private:
     using Frame = AbreastCode::Frame;
     using Place = Tape::Place;
 
-    // vectors 0 to 11 are for what is computed; those from first_known() on hold newest coefficients and sums
-    static constexpr Vector zero = 12, none = 255;
-    static constexpr Place nothing = -1;
-    Vector first_known() const { return is_wide_ ? 16 : 13; }
-    Vector known_count() const { return is_wide_ ? 16 : 3; }
+    // vectors 0 to 11 are for what is computed; those from 13 on, or from 16, hold newest coefficients and sums
+    static constexpr Vector zero = 12, none = machine_code::KnownRegisters::none;
 
     // where things are
     At newest(Place row) const { return {Register::bx, row}; }
@@ -64,10 +65,10 @@ private:
 
     // what is in registers: of rows, and of sums
     static Place key(Place place, bool is_series) { return 2 * place + (is_series ? 0 : 1); }
-    Vector known(Place key) const;
-    Vector room();
-    void know(Vector at, Place key) { keys_[static_cast<std::size_t>(at - first_known())] = key; }
-    void forget() { keys_.fill(nothing); }
+    Vector known(Place key) const { return registers_.known(key); }
+    Vector room() { return registers_.room(); }
+    void know(Vector at, Place key) { registers_.know(at, key); }
+    void forget() { registers_.forget(); }
     /// A newest coefficient in a register: its own or the one offered.
     Vector value(Place row, Vector otherwise);
     /// Stores a newest coefficient, in a register of room().
@@ -105,9 +106,8 @@ private:
     Place v_;  // bytes of a vector
     bool is_wide_;
     Assembler c_;
+    machine_code::KnownRegisters registers_;
     bool is_even_ = false;
-    std::array<Place, 16> keys_{};
-    Vector oldest_ = 0;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM::abreast

@@ -57,19 +57,6 @@ RBDYN_INLINE std::span<const std::uint8_t> AbreastCodeWriter::write() {
     return c_.bytes();
 }
 
-RBDYN_INLINE AbreastCodeWriter::Vector AbreastCodeWriter::known(Place key) const {
-    for (Vector i = 0; i < known_count(); ++i)
-        if (keys_[i] == key) return static_cast<Vector>(first_known() + i);
-    return none;
-}
-
-RBDYN_INLINE AbreastCodeWriter::Vector AbreastCodeWriter::room() {
-    const Vector i = oldest_;
-    oldest_ = static_cast<Vector>((oldest_ + 1) % known_count());
-    keys_[i] = nothing;
-    return static_cast<Vector>(first_known() + i);
-}
-
 RBDYN_INLINE AbreastCodeWriter::Vector AbreastCodeWriter::value(Place row, Vector otherwise) {
     const Vector x = known(key(row, true));
     if (x != none) return x;

@@ -287,6 +287,12 @@ RBDYN_ABREAST void expand(Tape& tape, int order, bool whole, const AbreastCode* 
     Tape::in<Lanes>(tape.check) = check;
 }
 
+template <class Lanes>
+RBDYN_ABREAST void sizes(Tape& tape, Tape::Place first, int count, int order, Tape::Block* out) {
+    const auto stride = tape.stride / static_cast<Tape::Place>(sizeof(Lanes));
+    kernels::sizes(at(Tape::in<Lanes>(tape.cells), first), stride, count, order, reinterpret_cast<Lanes*>(out));
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM::abreast
 
 #endif

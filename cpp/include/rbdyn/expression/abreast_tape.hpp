@@ -56,6 +56,11 @@ struct Tape {
     struct alignas(64) Block {
         double lanes[most];
     };
+    /// Of some inputs together, by order.
+    struct Sizes {
+        int first = 0, count = 0;
+        std::vector<Block> values;
+    };
 
     std::vector<Scale> scales;
     std::vector<Product> products, singles;
@@ -73,9 +78,13 @@ struct Tape {
     std::vector<Block> cells, sum, next, weights, part, next_part;
     Block t{}, unit{}, check{};
     std::array<bool, most> begins_at_zero{};  // a norm
+    std::vector<Sizes> all_sizes;
+    std::size_t known_sizes = 0;  // those of the expansion
     /// By weight: what is one or minus one in the program; 0: anything.
     std::vector<signed char> ones;
     void (*run)(Tape&, int order, bool whole, const AbreastCode* code) = nullptr;
+    /// The sizes of `count` series together, from the one at a place on: by order.
+    void (*sizes)(Tape&, Place first, int count, int order, Block* out) = nullptr;
     /// Coefficient k of what one of the others gives.
     void (*instruct)(Tape&, const Other&, int k) = nullptr;
 

@@ -21,9 +21,6 @@ class MachineCode {
 public:
     /// After so many expansions of an evaluator code is made: about twice what making it costs in what it gains.
     static constexpr int expansions = 64;
-    /// The orders before are left to the lists.
-    static constexpr int first_order = 2;
-
     /// Whether this library can make any (its CMake option RBDYN_MACHINE_CODE).
     static bool is_built() { return CodeMemory::is_built(); }
     /// Of an evaluator's lists; none where there is none to be had, or it would not pay.

@@ -18,6 +18,11 @@
 namespace rbdyn::inline RBDYN_FORM {
 
 RBDYN_INLINE void MachineCodeWriter::step(const Step& s) {
+    // order 0 is another formula
+    if (order_ == Order::first && s.code != Code::divide) {
+        forget();
+        return call(s);
+    }
     switch (s.code) {
         case Code::divide: return quotient(s);
         case Code::sine_cosine:
@@ -98,6 +103,11 @@ RBDYN_INLINE void MachineCodeWriter::slope(const Step& s) {
 }
 
 RBDYN_INLINE void MachineCodeWriter::quotient(const Step& s) {
+    if (order_ == Order::first) {
+        const Vector to = room();
+        c_.divide_one(to, value(s.a.forward, 5), value(s.b.forward, 4));
+        return give(s.out, to);
+    }
     // a_k - b_k q_0 - sum
     dots({{s.b.forward + 1, &s.out}}, 1, -1);
     const Vector to = room();
@@ -110,30 +120,38 @@ RBDYN_INLINE void MachineCodeWriter::quotient(const Step& s) {
 }
 
 RBDYN_INLINE void MachineCodeWriter::by_slope(const Step& s) {
+    using enum machine_code::Register;
     // of what is given first the integral is the other one
     const bool are_two = s.code != Code::exponential;
     slope(s);
     const series::View& b = are_two ? s.out2 : s.out;
+    const Vector first = room(), second = are_two ? room() : none;
+    c_.multiply_one(first, 5, fixed(b.forward));
+    if (are_two) c_.multiply_one(second, 5, fixed(s.out.forward));
+    // of order 1 that is all
+    std::size_t past = 0;
+    if (order_ == Order::odd) {
+        c_.compare(r8, 1);
+        past = c_.jump_if(Assembler::When::equal);
+    }
     if (are_two)
         dots({{s.slope + 2, &b}, {s.slope + 2, &s.out}}, 2, -2);
     else
         dots({{s.slope + 2, &b}}, 2, -2);
     // the factors' coefficients of order k - 1 are read before those of order k are written
-    const auto integral = [&](Vector sum, const series::View& by) {
-        const Vector to = room();
-        c_.multiply_one(to, 5, fixed(by.forward));
+    const auto integral = [&](Vector to, Vector sum, const series::View& by) {
         c_.load(4, fixed(s.slope + 1));
         c_.multiply_one(4, 4, newest(by.forward - 1));
         c_.add_one(to, to, 4);
         c_.add_one(to, to, sum);
         c_.divide_one(to, to, 7);
-        return to;
     };
-    const Vector first = integral(0, b);
+    integral(first, 0, b);
+    if (are_two) integral(second, 1, s.out);
+    if (order_ == Order::odd) c_.land(past);
     if (are_two) {
-        const Vector second = integral(1, s.out);
-        c_.move(Register::di, At{Register::sp, 0});
-        if (s.code == Code::sine_cosine) c_.multiply_one(second, second, At{Register::di, offsetof(Frame, minus_one)});
+        c_.move(di, At{sp, 0});
+        if (s.code == Code::sine_cosine) c_.multiply_one(second, second, At{di, offsetof(Frame, minus_one)});
         give(s.out2, second);
     }
     give(s.out, first);

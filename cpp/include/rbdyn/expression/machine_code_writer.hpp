@@ -1,11 +1,10 @@
-// Writes the machine code of an evaluator's lists (machine_code.hpp), one order of odd k and one of even k.
+// Writes the machine code of an evaluator's lists (machine_code.hpp): order 0, one order of odd k and one of even k.
 //
 // Registers: bx, bp: coefficient k of slot 0, forwards and backwards; r9: its coefficient 0; r12: lane values of order
 // k; r13: those of order 0; r14: the series in lanes, with their weights; r15: their sums; si: weights; r8: k.
 // Of an even order, ax, dx and r10 tell where the middle of each product's coefficients is.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -16,6 +15,7 @@
 #include "rbdyn/basics/form.hpp"
 #include "rbdyn/expression/assembler.hpp"
 #include "rbdyn/expression/code_memory.hpp"
+#include "rbdyn/expression/known_registers.hpp"
 #include "rbdyn/expression/machine_code.hpp"
 #include "rbdyn/expression/series_evaluator.hpp"
 
@@ -52,8 +52,8 @@ private:
     using Term = SeriesEvaluator::ResolvedTerm;
 
     // vectors 0 to 7 are for what is computed; `first_known` and the following hold newest coefficients
-    static constexpr Vector sum_lanes = 8, next_lanes = 9, first_known = 10, known_count = 5, zero = 15, none = 255;
-    static constexpr std::ptrdiff_t nothing = -1;
+    static constexpr Vector sum_lanes = 8, next_lanes = 9, first_known = 10, known_count = 5, zero = 15,
+                            none = machine_code::KnownRegisters::none;
 
     // where things are
     std::ptrdiff_t in_storage(const double* p) const { return 8 * (p - e_.storage_.data()); }
@@ -66,10 +66,10 @@ private:
     // newest coefficients, and lanes of them, that are in registers
     std::ptrdiff_t key(const double* slot) const { return 2 * in_storage(slot); }
     std::ptrdiff_t key(const series::LaneValues* p) const { return 2 * in_lanes(p) + 1; }
-    Vector known(std::ptrdiff_t key) const;
-    Vector room();
-    void know(Vector at, std::ptrdiff_t key) { keys_[static_cast<std::size_t>(at - first_known)] = key; }
-    void forget() { keys_.fill(nothing); }
+    Vector known(std::ptrdiff_t key) const { return registers_.known(key); }
+    Vector room() { return registers_.room(); }
+    void know(Vector at, std::ptrdiff_t key) { registers_.know(at, key); }
+    void forget() { registers_.forget(); }
     /// In a register: its own or the one offered.
     Vector value(const double* slot, Vector otherwise);
     Vector value(const series::LaneValues* p, Vector otherwise);
@@ -77,12 +77,14 @@ private:
     void give(double* out, Vector from);
     void give(const series::View& out, Vector from);
 
-    void order(bool is_even);
+    enum class Order : std::uint8_t { first, odd, even };
+    void order(Order which);
     void set_registers();
     void integrate();
     void block(const SeriesEvaluator::Block& b);
     void copy(const series::View& v);
-    void terms(const Term* first, const Term* last, Vector to);
+    /// Added to what is in a register.
+    void terms(const Term* first, const Term* last, Vector sum, Vector to);
     void mixed(const SeriesEvaluator::Mixed& m, const series::LaneSum* from);
 
     // sums of products in lanes
@@ -90,6 +92,7 @@ private:
     void pair(const double* low, const double* high, Vector to);
     void gather(const series::LaneSeries& s);
     void spread(const series::LaneSpread& s);
+    void first(const series::LaneSum& s);
     void odd(const series::LaneSum& s);
     void even(const series::LaneSum& s);
     /// Pairs of coefficients of a product's middle, at most.
@@ -114,10 +117,9 @@ private:
 
     const SeriesEvaluator& e_;
     Assembler c_;
-    bool is_even_ = false;
+    Order order_ = Order::first;
     int lanes_there_ = 0;  // of the sum computed last: a bit each
-    std::array<std::ptrdiff_t, known_count> keys_{};
-    Vector oldest_ = 0;
+    machine_code::KnownRegisters registers_{first_known, known_count};
     struct Detour {
         std::size_t from, back;
         const Step* step;

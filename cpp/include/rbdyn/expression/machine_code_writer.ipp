@@ -45,15 +45,22 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
     c_.add(r12, ax);
     c_.move(r14, At{di, offsetof(Frame, series)});
     c_.move(r15, At{di, offsetof(Frame, sums)});
+    c_.compare(At{di, offsetof(Frame, k)}, 0);
+    const std::size_t to_first = c_.jump_if(Assembler::When::equal);
     c_.keep(ax, 32);
-    const std::size_t to_even = c_.jump_if(Assembler::When::equal);
-    const std::size_t first = c_.size();
-    order(false);
-    const std::size_t to_end = c_.jump_if(Assembler::When::at_least);
+    const std::size_t to_even = c_.jump_if(Assembler::When::equal), to_odd = c_.jump();
+    c_.land(to_first);
+    order(Order::first);
+    const std::size_t from_first = c_.jump_if(Assembler::When::at_least);
+    c_.land(to_odd);
+    const std::size_t again = c_.size();
+    order(Order::odd);
+    const std::size_t from_odd = c_.jump_if(Assembler::When::at_least);
     c_.land(to_even);
-    order(true);
-    c_.jump_if(Assembler::When::below, first);
-    c_.land(to_end);
+    order(Order::even);
+    c_.jump_if(Assembler::When::below, again);
+    c_.land(from_first);
+    c_.land(from_odd);
     c_.leave_four();
     c_.pop(di);
     for (auto r = std::rbegin(saved); r != std::rend(saved); ++r) c_.pop(*r);
@@ -69,19 +76,6 @@ RBDYN_INLINE std::span<const std::uint8_t> MachineCodeWriter::write() {
 RBDYN_INLINE MachineCodeWriter::At MachineCodeWriter::next_of(const series::LaneSum& s) const {
     const auto offset = reinterpret_cast<const char*>(&s.next) - reinterpret_cast<const char*>(e_.lane_sums_.data());
     return {Register::r15, offset};
-}
-
-RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::known(std::ptrdiff_t key) const {
-    for (Vector i = 0; i < known_count; ++i)
-        if (keys_[i] == key) return static_cast<Vector>(first_known + i);
-    return none;
-}
-
-RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::room() {
-    const Vector i = oldest_;
-    oldest_ = static_cast<Vector>((oldest_ + 1) % known_count);
-    keys_[i] = nothing;
-    return static_cast<Vector>(first_known + i);
 }
 
 RBDYN_INLINE MachineCodeWriter::Vector MachineCodeWriter::value(const double* slot, Vector otherwise) {
@@ -108,9 +102,9 @@ RBDYN_INLINE void MachineCodeWriter::give(const series::View& out, Vector from) 
     c_.store(backwards(out.last), from);
 }
 
-RBDYN_INLINE void MachineCodeWriter::order(bool is_even) {
+RBDYN_INLINE void MachineCodeWriter::order(Order which) {
     using enum machine_code::Register;
-    is_even_ = is_even;
+    order_ = which;
     forget();
     set_registers();
     for (const SeriesEvaluator::Block& b : e_.blocks_) block(b);
@@ -132,7 +126,7 @@ RBDYN_INLINE void MachineCodeWriter::set_registers() {
     c_.move(r8, At{di, offsetof(Frame, k)});
     c_.move(r9, At{di, offsetof(Frame, storage)});
     c_.clear(zero);
-    if (!is_even_ || middle() == 0) return;
+    if (order_ != Order::even || middle() == 0) return;
     // of 64 bytes each (even()), so many are passed over
     c_.move(cx, r8);
     c_.shift_right(cx, 1);
@@ -173,7 +167,7 @@ RBDYN_INLINE void MachineCodeWriter::block(const SeriesEvaluator::Block& b) {
         case Kind::linear:
             each(e_.linear_.data(), [this](const SeriesEvaluator::Linear& l) {
                 const Vector to = room();
-                terms(l.first, l.last, to);
+                terms(l.first, l.last, zero, to);
                 give(l.out, to);
             });
             break;
@@ -184,9 +178,8 @@ RBDYN_INLINE void MachineCodeWriter::block(const SeriesEvaluator::Block& b) {
 
 RBDYN_INLINE void MachineCodeWriter::copy(const series::View& v) { c_.store(backwards(v.last), value(v.forward, 0)); }
 
-/// The sum begins with zero, as that of the lists: of a zero the sign is the same.
-RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, Vector to) {
-    Vector sum = zero;
+/// The sum begins with zero or a constant, as that of the lists: of a zero the sign is the same.
+RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, Vector sum, Vector to) {
     for (; first != last; ++first, sum = to) {
         const Vector x = known(key(first->series));
         const double weight = e_.program_->constant(static_cast<int>(first->weight));
@@ -205,8 +198,11 @@ RBDYN_INLINE void MachineCodeWriter::terms(const Term* first, const Term* last, 
 
 RBDYN_INLINE void MachineCodeWriter::mixed(const SeriesEvaluator::Mixed& m, const series::LaneSum* from) {
     const Vector to = room();
-    terms(m.first, m.last, to);
-    Vector sum = m.first == m.last ? zero : to;
+    const bool has_constant = order_ == Order::first && m.weight >= 0;
+    if (has_constant) c_.load(to, At{machine_code::Register::si, 8 * static_cast<std::ptrdiff_t>(m.weight)});
+    Vector sum = has_constant ? to : zero;
+    terms(m.first, m.last, sum, to);
+    if (m.first != m.last) sum = to;
     for (const double* l = m.lane; l != m.lane_end; ++l, sum = to)
         c_.add_one(to, sum, lane(static_cast<int>(l - reinterpret_cast<const double*>(&from->sum))));
     give(m.out, to);
@@ -232,7 +228,11 @@ RBDYN_INLINE void MachineCodeWriter::sums(const SeriesEvaluator::Sums& s) {
     for (const auto* x = s.series; x != s.series_end; ++x) gather(*x);
     for (const auto* x = s.spread; x != s.spread_end; ++x) spread(*x);
     for (const auto* sum = s.sum; sum != s.sum_end; ++sum) {
-        is_even_ ? even(*sum) : odd(*sum);
+        switch (order_) {
+            case Order::first: first(*sum); break;
+            case Order::odd: odd(*sum); break;
+            case Order::even: even(*sum); break;
+        }
         lanes_there_ = 0;
         const auto* const first = reinterpret_cast<const double*>(&sum->sum);
         for (const auto* l = s.lane; l != s.lane_end; ++l) {
@@ -282,6 +282,16 @@ RBDYN_INLINE void MachineCodeWriter::spread(const series::LaneSpread& s) {
     from != none ? c_.spread(to, from) : c_.spread(to, newest(s.from));
     c_.store_four(At{Register::r12, in_lanes(s.to)}, to);
     know(to, key(s.to));
+}
+
+/// Order 0: products of the first coefficients.
+RBDYN_INLINE void MachineCodeWriter::first(const series::LaneSum& s) {
+    for (const auto* p = s.first; p != s.last; ++p) {
+        const Vector x = value(p->x, 4), y = value(p->y, 5);
+        c_.multiply_four(0, x, y);
+        c_.add_four(sum_lanes, p == s.first ? zero : sum_lanes, 0);
+    }
+    c_.store_four(next_of(s), zero);
 }
 
 RBDYN_INLINE void MachineCodeWriter::odd(const series::LaneSum& s) {

@@ -62,6 +62,10 @@ public:
     /// Those of all slots.
     void give_all(int motion, SeriesEvaluator& series, bool whole) const;
 
+    /// The sizes of `count` inputs of a motion together (series::sizes()), from `first` on: those of all motions are
+    /// computed when the first one asks.
+    void sizes(int motion, int first, int count, double* out) const;
+
     /// From now on by machine code at once, or not at all; else from when it pays. The same bits.
     void use_machine_code(bool is_used);
     bool has_machine_code() const { return code_ != nullptr; }

@@ -31,7 +31,18 @@ RBDYN_ABREAST void instruct(Tape& tape, const Tape::Other& other, int k) {
 inline void two_of_two(Tape& tape, int order, bool whole, const AbreastCode*) {
     expand<kernels::Four>(tape, order, whole, nullptr);
 }
+inline void sizes_two_of_two(Tape& tape, Tape::Place first, int count, int order, Tape::Block* out) {
+    sizes<kernels::Four>(tape, first, count, order, out);
+}
 #if defined(__x86_64__)
+__attribute__((target("avx2"))) inline void sizes_four(Tape& tape, Tape::Place first, int count, int order,
+                                                       Tape::Block* out) {
+    sizes<kernels::Four>(tape, first, count, order, out);
+}
+__attribute__((target("avx512f"))) inline void sizes_eight(Tape& tape, Tape::Place first, int count, int order,
+                                                           Tape::Block* out) {
+    sizes<kernels::Eight>(tape, first, count, order, out);
+}
 __attribute__((target("avx2"))) inline void four(Tape& tape, int order, bool whole, const AbreastCode* code) {
     expand<kernels::Four>(tape, order, whole, code);
 }
@@ -99,13 +110,16 @@ RBDYN_INLINE SeriesAbreast::SeriesAbreast(const Program& program, int order, Pro
     tape.weights.resize(blocks(static_cast<std::size_t>(program.scalars())));
 #ifdef RBDYN_HAS_LANES
     tape.run = abreast::two_of_two;
+    tape.sizes = abreast::sizes_two_of_two;
 #if defined(__x86_64__)
     if (processor == Processor::four) {
         tape.run = abreast::four;
+        tape.sizes = abreast::sizes_four;
         tape.instruct = abreast::instruct_four;
     }
     if (processor == Processor::eight) {
         tape.run = abreast::eight;
+        tape.sizes = abreast::sizes_eight;
         tape.instruct = abreast::instruct_eight;
     }
 #endif
@@ -154,6 +168,7 @@ RBDYN_INLINE void SeriesAbreast::expand(std::span<const Motion> motions, bool wh
         for (std::size_t i = 0; i < m.weights.size(); ++i) weights[i * width + l] = m.weights[i];
     }
     tape.begins_at_zero.fill(false);
+    tape.known_sizes = 0;
     const bool are_its_ones = std::ranges::all_of(motions, [this](const Motion& m) { return has_its_ones(m.weights); });
     tape.run(tape, order_, whole, are_its_ones ? code() : nullptr);
 }
@@ -221,6 +236,22 @@ RBDYN_INLINE void SeriesAbreast::give_all(int motion, SeriesEvaluator& series, b
     const int inputs = series.program().inputs();
     for (int slot = 0; slot < series.program().slots(); ++slot)
         copy(motion, slot, whole || slot < inputs ? count : count - 1, series);
+}
+
+RBDYN_INLINE void SeriesAbreast::sizes(int motion, int first, int count, double* out) const {
+    abreast::Tape& tape = *tape_;
+    std::size_t i = 0;
+    while (i < tape.known_sizes && (tape.all_sizes[i].first != first || tape.all_sizes[i].count != count)) ++i;
+    if (i == tape.known_sizes) {
+        if (++tape.known_sizes > tape.all_sizes.size()) tape.all_sizes.emplace_back();
+        abreast::Tape::Sizes& s = tape.all_sizes[i];
+        s.first = first;
+        s.count = count;
+        s.values.resize(static_cast<std::size_t>(order_ + 1));
+        tape.sizes(tape, first * tape.stride, count, order_, s.values.data());
+    }
+    const double* from = tape.all_sizes[i].values.data()->lanes + motion;
+    for (int k = 0; k <= order_; ++k, from += width_) out[k] = *from;
 }
 
 RBDYN_INLINE std::size_t SeriesAbreast::bytes() const { return tape_->cells.size() * sizeof(abreast::Tape::Block); }

@@ -86,6 +86,12 @@ public:
     static constexpr double largest = 0x1p960;
 
     const double* coefficients(int slot_index) const;
+    /// Those of several slots, one behind the other.
+    const double* rows(int first, int count) const {
+        if (stream_ != nullptr)
+            for (int i = 1; i < count; ++i) coefficients(first + i);
+        return coefficients(first);
+    }
     /// The same for who computed them elsewhere (series_abreast.hpp).
     double* row(int slot_index) {
         if (stream_ != nullptr) stream_->give(slot_index, slot(slot_index).forward);

@@ -204,9 +204,12 @@ RBDYN_INLINE void SeriesEvaluator::by_code(SeriesEvaluator& series, int first, i
         series.code_ = MachineCode::of(series);
         if (series.code_ == nullptr) series.expansions_ = std::numeric_limits<int>::min();  // not again
     }
-    // the first orders are other formulas
-    const int by_lists = series.code_ == nullptr ? last : std::min(last, MachineCode::first_order);
-    if (first < by_lists) wide(series, first, by_lists, integrates);
+    // what may overflow is looked through where it begins
+    const int by_lists = series.code_ == nullptr ? last : series.may_overflow_ ? std::min(last, 1) : first;
+    if (first < by_lists)
+        wide(series, first, by_lists, integrates);
+    else if (first == 0)
+        series.set_constants();
     first = std::max(first, by_lists);
     // nor has machine code the powers of what stays at zero
     if (series.overflows_ || std::ranges::any_of(series.bases_, [](const double* base) { return *base == 0.0; }))

@@ -152,6 +152,24 @@ RBDYN_ABREAST void integral_of_slope(const Lanes* slope, const Lanes* b, int k, 
     out = (slope[k] * b[0] + slope[1] * b[k - 1] + sum) / static_cast<double>(k);
 }
 
+/// As series::sizes().
+template <class Lanes>
+RBDYN_ABREAST void sizes(const Lanes* c, std::ptrdiff_t stride, int count, int order, Lanes* out) {
+    for (int k = 0; k <= order; ++k) {
+        // there the last one of an odd number stands alone
+        const bool is_alone = k == order && order % 2 == 0;
+        Lanes all{};
+        for (int i = 0; i < count; ++i) {
+            const Lanes x = c[i * stride + k], negative = -x, magnitude = x > negative ? x : negative;
+            if (is_alone)
+                all = all < magnitude ? magnitude : all;
+            else
+                all = all > magnitude ? all : magnitude;
+        }
+        out[k] = all;
+    }
+}
+
 }  // namespace rbdyn::inline RBDYN_FORM::series::abreast
 
 #endif

@@ -3,6 +3,8 @@
 // Source: Jorba and Zou, Experimental Mathematics 14 (2005) 99-117, sec. 3: the step from the last coefficients.
 #pragma once
 
+#include <cstddef>
+
 #include "rbdyn/basics/form.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::series {
@@ -18,6 +20,10 @@ double rough_exp2(double x);
 
 /// size[k] = max(size[k], |c[k]|), k = 0 .. order.
 void widen(double* size, const double* c, int order);
+
+/// The same of several series, each `stride` behind the last one, from zero on: the bits that one after the other
+/// gives.
+void sizes(double* size, const double* c, std::ptrdiff_t stride, int count, int order);
 
 /// log2 of the longest step on which a series whose coefficients 0 .. p have given sizes is cut off below a tolerance
 /// (its log2) times `scale`, or times the motion within the step where that is larger; infinite for a polynomial of low

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
-#include "rbdyn/series/coefficients.hpp"
+#include "rbdyn/series/lanes.hpp"
 
 namespace rbdyn::inline RBDYN_FORM::series {
 
@@ -40,27 +41,60 @@ RBDYN_INLINE void widen(double* size, const double* c, int order) {
     for (; k <= order; ++k) size[k] = std::max(size[k], std::abs(c[k]));
 }
 
+RBDYN_INLINE void sizes(double* size, const double* c, std::ptrdiff_t stride, int count, int order) {
+    int k = 0;
+#if defined(__GNUC__) || defined(__clang__)
+    for (; k < order; k += 2) {
+        Pair all{};
+        const double* row = c + k;
+        for (int i = 0; i < count; ++i, row += stride) {
+            const Pair x = pair_at(row), negative = -x;
+            const Pair magnitude = x > negative ? x : negative;
+            all = all > magnitude ? all : magnitude;
+        }
+        set_pair(size + k, all);
+    }
+#endif
+    for (; k <= order; ++k) {
+        size[k] = 0.0;
+        for (int i = 0; i < count; ++i) size[k] = std::max(size[k], std::abs(c[i * stride + k]));
+    }
+}
+
+// counts as zero: close to where doubles end they lose their digits
+inline constexpr double least_size = 0x1p-960;
+
+/// min_k above(k) / (k - from) of the k in [first, last] whose size counts, two at a time.
+template <class F>
+double least_quotient(const double* size, int first, int last, int from, const F& above) {
+    double least = std::numeric_limits<double>::infinity();
+    int k = last;
+#if defined(__GNUC__) || defined(__clang__)
+    for (; k > first && size[k] > least_size && size[k - 1] > least_size; k -= 2) {
+        const Pair quotient =
+            Pair{above(k), above(k - 1)} / Pair{static_cast<double>(k - from), static_cast<double>(k - 1 - from)};
+        least = std::min(least, std::min(quotient[0], quotient[1]));
+    }
+#endif
+    for (; k >= first; --k)
+        if (size[k] > least_size) least = std::min(least, above(k) / (k - from));
+    return least;
+}
+
 RBDYN_INLINE double log_step(const double* size, int p, double scale, double log_tolerance) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    // counts as zero: close to where doubles end they lose their digits
-    constexpr double tiny = 0x1p-960;
     // the last coefficients against the first one give the radius of convergence
     int first = 1;
-    while (first < p - 3 && !(size[first] > tiny)) ++first;
-    double log_radius = infinity;
-    for (int k = p; k > p - 4; --k)
-        if (k > first && size[k] > tiny)
-            log_radius = std::min(log_radius, rough_log2_ratio(size[first], size[k]) / (k - first));
+    while (first < p - 3 && !(size[first] > least_size)) ++first;
+    const auto from_first = [&](int k) { return rough_log2_ratio(size[first], size[k]); };
+    const double log_radius = least_quotient(size, std::max(p - 3, first + 1), p, first, from_first);
     const int middle = p / 2;
     if (log_radius == infinity) {
         // a polynomial of low degree; what stands alone in the upper half may be the rounding of one computed as more,
         // or a series so small that its last terms are beyond where doubles end
-        double log_length = infinity;
-        for (int k = middle + 1; k <= p - 4 && size[first] > std::sqrt(tiny); ++k)
-            if (k > first && size[k] > tiny)
-                log_length =
-                    std::min(log_length, (log_tolerance + rough_log2_ratio(size[first], size[k])) / (k - first));
-        return log_length;
+        if (!(size[first] > std::sqrt(least_size))) return infinity;
+        return least_quotient(size, std::max(middle, first) + 1, p - 4, first,
+                              [&](int k) { return log_tolerance + from_first(k); });
     }
     // how far the motion goes within a fraction of the radius that is typical of a step
     const double reach = 0.3 * rough_exp2(log_radius);
@@ -70,23 +104,20 @@ RBDYN_INLINE double log_step(const double* size, int p, double scale, double log
         for (int k = 0; k < first; ++k) within *= reach;
     }
     scale = std::max(scale, within);
-    if (!(scale > tiny)) return infinity;
+    if (!(scale > least_size)) return infinity;
     // the last two terms meet the tolerance, earlier ones are on the way there from one
-    double log_length = infinity;
-    for (int k = p; k > p - 4; --k) {
-        if (!(size[k] > tiny)) continue;
-        const double target = k >= p - 1 ? log_tolerance : log_tolerance * k / p;
-        log_length = std::min(log_length, (target + rough_log2_ratio(scale, size[k])) / k);
-    }
+    double log_length = least_quotient(size, p - 3, p, 0, [&](int k) {
+        return (k >= p - 1 ? log_tolerance : log_tolerance * k / p) + rough_log2_ratio(scale, size[k]);
+    });
     // what is far below the way there is rounding, of a polynomial that was computed as more: it need not fall from one
     // term to the next, and each term is an error
     double largest = -infinity;
     for (int k = middle - 1; k <= middle + 1; ++k)
-        if (size[k] > tiny) largest = std::max(largest, k * log_length - rough_log2_ratio(scale, size[k]));
+        if (size[k] > least_size) largest = std::max(largest, k * log_length - rough_log2_ratio(scale, size[k]));
     if (largest < 0.75 * log_tolerance)
-        for (int k = middle - 1; k < p - 1; ++k)
-            if (size[k] > tiny)
-                log_length = std::min(log_length, (log_tolerance + rough_log2_ratio(scale, size[k])) / k);
+        log_length = std::min(log_length, least_quotient(size, middle - 1, p - 2, 0, [&](int k) {
+                                  return log_tolerance + rough_log2_ratio(scale, size[k]);
+                              }));
     return log_length;
 }
 

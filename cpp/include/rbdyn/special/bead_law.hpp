@@ -174,6 +174,7 @@ private:
     Vector3 binormal_ = Vector3::Zero();                      // its binormal in the view
     DoubleDouble start_u_ = 0.0;
     double start_speed_ = 0.0;
+    DoubleDouble start_rate_ = 0.0;  // of the parameter
     std::shared_ptr<const RailLanding> landing_;
     std::shared_ptr<const RailSingularity> singularity_;       // none if it has none, or the bead stays
     std::shared_ptr<const SingularLanding> singular_landing_;  // of a rail that only pushes

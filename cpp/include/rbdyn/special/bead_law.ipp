@@ -59,6 +59,7 @@ RBDYN_INLINE void BeadLaw::take_start(const Scene::Body& b) {
     }
     start_u_ = {b.parameter, b.parameter_rest};
     start_speed_ = b.speed;
+    start_rate_ = DoubleDouble(start_speed_) / sqrt(curve_.at<DoubleDouble>(start_u_, view_).speed_squared);
 }
 
 RBDYN_INLINE void BeadLaw::take_loads(const Scene& scene, const std::vector<int>& own) {
@@ -101,7 +102,7 @@ RBDYN_INLINE std::vector<VariableGroup> BeadLaw::groups(bool of_positions) const
 
 RBDYN_INLINE void BeadLaw::start(double t, DoubleDouble* q, DoubleDouble* v) const {
     *q = start_u_;
-    *v = DoubleDouble(start_speed_) / sqrt(curve_.at<DoubleDouble>(start_u_, view_).speed_squared);
+    *v = start_rate_;
     if (!may_fly_) return;
     const double u = q->hi, w = v->hi;
     const BeadState<double> p = moving<double>(t, &u, &w, false);
