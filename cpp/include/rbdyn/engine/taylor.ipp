@@ -467,17 +467,18 @@ RBDYN_INLINE double TaylorEngine::held_at_end(double length) {
         for (int i = group.first; i < group.first + group.count; ++i)
             if (std::abs(series_->coefficients(i)[order_]) * last_power > nothing * scale) return length;
     }
-    // so little that the square of it is nothing
-    constexpr double little = 0x1p-30;
+    // so little that it is nothing, or the square of it
+    constexpr double least = 0x1p-50, little = 0x1p-30;
     constexpr int most = 60;
     double shorter = length;
     for (int i = 0; i < most; ++i) {
         const double tau = (t_.hi + shorter * unit_ - t_.hi) / unit_;
         const Projection::Off off = off_at(tau);
-        if (!(off.rounding > 1.0)) return shorter;
-        if (!(off.size > little)) {
+        const bool is_held = !(off.rounding > 1.0);
+        if (is_held && !(off.size > least)) return shorter;
+        if (is_held || !(off.size > little)) {
             const std::vector<double> was = straighten(tau);
-            if (!(off_at(0.5 * tau).rounding > 1.0)) return shorter;
+            if (is_held || !(off_at(0.5 * tau).rounding > 1.0)) return shorter;
             for (int k = 0; k < equations_->variables(); ++k)
                 series_->row(k)[k < projection_->positions() ? 2 : 1] = was[at(k)];
         }
