@@ -297,7 +297,7 @@ RBDYN_INLINE double TaylorEngine::power_of_two(double x) {
 }
 
 RBDYN_INLINE TaylorEngine::Workshop::Workshop(const Equations& equations, int order)
-    : series(equations.program, order),
+    : series(equations.program, order, SeriesEvaluator::Use::expansion),
       hidden(equations.program, order),
       singular(equations),
       looked_at(hidden.slots()) {

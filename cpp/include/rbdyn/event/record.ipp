@@ -32,9 +32,10 @@ RBDYN_INLINE void Record::append(const Piece& piece, double length, int mode, bo
     if (piece.stride == 0 || piece.stride == piece.order + 1) {
         block.insert(block.end(), piece.coefficients, piece.coefficients + count);
     } else {
-        block.resize(offset + count);
-        double* to = block.data() + offset;
-        for (int i = 0; i < variables; ++i, to += row) std::copy_n(piece.variable(i), row, to);
+        for (int i = 0; i < variables; ++i) {
+            const double* const from = piece.variable(i);
+            block.insert(block.end(), from, from + row);
+        }
     }
     entries_.push_back({piece.start, piece.unit, length, piece.order, mode, blocks_.size() - 1, offset, after_event});
 }

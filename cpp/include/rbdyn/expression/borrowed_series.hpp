@@ -28,7 +28,7 @@ struct KeptSeries::Shelf {
 /// One of them, as if it were new, until this goes.
 class BorrowedSeries {
 public:
-    BorrowedSeries(const Program& program, int order);
+    BorrowedSeries(const Program& program, int order, SeriesEvaluator::Use use = SeriesEvaluator::Use::any);
     BorrowedSeries(const BorrowedSeries&) = delete;
     BorrowedSeries& operator=(const BorrowedSeries&) = delete;
     ~BorrowedSeries();

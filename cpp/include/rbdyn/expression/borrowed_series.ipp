@@ -20,7 +20,7 @@ RBDYN_INLINE KeptSeries& KeptSeries::operator=(const KeptSeries& other) {
     return *this;
 }
 
-RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order)
+RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order, SeriesEvaluator::Use use)
     : shelf_(program.kept_series().shelf_), order_(order) {
     {
         const std::lock_guard lock(shelf_->mutex);
@@ -34,11 +34,11 @@ RBDYN_INLINE BorrowedSeries::BorrowedSeries(const Program& program, int order)
     if (series_)
         series_->renew();
     else
-        series_ = std::make_unique<SeriesEvaluator>(program, order);
+        series_ = std::make_unique<SeriesEvaluator>(program, order, use);
 }
 
 RBDYN_INLINE BorrowedSeries::~BorrowedSeries() {
-    if (series_->bytes() > KeptSeries::Shelf::most_bytes) return;
+    if (series_->is_large() || series_->bytes() > KeptSeries::Shelf::most_bytes) return;
     const std::lock_guard lock(shelf_->mutex);
     // those of members side by side come back together
     constexpr std::size_t most_together = 1U << 20;

@@ -8,7 +8,8 @@
 #include <array>
 #include <compare>
 #include <cstddef>
-#include <map>
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -69,8 +70,21 @@ private:
 
     std::size_t index_of(const Series& s);
 
+    struct Hash {
+        std::size_t operator()(const Series& s) const {
+            std::uint64_t all = 0;
+            for (const Weighted& w : s) {
+                const std::uint64_t both =
+                    static_cast<std::uint64_t>(w.slot) << 32U | static_cast<std::uint32_t>(w.scalar);
+                all = (all ^ both) * 0x9e3779b97f4a7c15U;
+                all ^= all >> 29U;
+            }
+            return static_cast<std::size_t>(all);
+        }
+    };
+
     const Program& program_;
-    std::map<Series, std::size_t> known_;
+    std::unordered_map<Series, std::size_t, Hash> known_;
 };
 
 }  // namespace rbdyn::inline RBDYN_FORM

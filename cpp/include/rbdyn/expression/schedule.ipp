@@ -44,6 +44,7 @@ RBDYN_INLINE Schedule::Schedule(const Program& program) : program_(program) {
 
 RBDYN_INLINE std::vector<std::size_t> Schedule::stages_of_instructions() const {
     std::vector<std::size_t> known(static_cast<std::size_t>(program_.slots()), 0), result;
+    result.reserve(program_.instructions().size());
     for (const Instruction& i : program_.instructions()) {
         std::size_t stage = 0;
         const auto needs = [&](int slot) {

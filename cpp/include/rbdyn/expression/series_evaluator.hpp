@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "rbdyn/basics/form.hpp"
@@ -26,8 +27,9 @@ namespace rbdyn::inline RBDYN_FORM {
 
 class SeriesEvaluator {
 public:
-    /// Room for series of orders 0 .. max_order.
-    SeriesEvaluator(const Program& program, int max_order);
+    enum class Use : std::uint8_t { any, expansion };
+    /// Room for series of orders 0 .. max_order; `use`: less room for one who calls none but expand() of max_order.
+    SeriesEvaluator(const Program& program, int max_order, Use use = Use::any);
     SeriesEvaluator(const SeriesEvaluator&) = delete;
     SeriesEvaluator& operator=(const SeriesEvaluator&) = delete;
 
@@ -36,9 +38,9 @@ public:
     void renew();
     std::size_t bytes() const {
         return storage_.size() * sizeof(double) + lanes_.size() * sizeof(lanes_[0]) +
-               (stream_ != nullptr ? stream_->bytes() : 0);
+               places_.size() * sizeof(places_[0]) + (stream_ != nullptr ? stream_->bytes() : 0);
     }
-    /// Doubles from one slot's coefficients to the next one's.
+    /// Doubles from one input's coefficients to the next one's.
     int stride() const { return stride_; }
 
     void set_parameters(std::span<const double> parameters, Program::Rounding rounding = Program::Rounding::nearest);
@@ -60,8 +62,10 @@ public:
     /// Coefficients 0 .. order of the inputs from their first ones, 0 .. order - 1 of all other slots; `whole`: 0 ..
     /// order of these too.
     void expand(int order, bool whole) {
-        run_(*this, 0, order, true);
-        if (whole) advance(order);
+        // where orders run one behind the other the last one has at hand what it would fetch from memory by itself
+        const bool is_one_behind = wavefront_ != nullptr && stream_ == nullptr && order == top_;
+        run_(*this, 0, whole && is_one_behind ? order + 1 : order, true);
+        if (whole && !is_one_behind) advance(order);
     }
     /// From now on as on a processor without lanes of four: the same bits.
     void go_without_lanes_of_four() { run_ = &plain; }
@@ -71,6 +75,8 @@ public:
         expansions_ = MachineCode::expansions;
     }
     bool has_machine_code() const { return code_ != nullptr; }
+    /// Of a program that is larger than the caches: kept for nobody.
+    bool is_large() const { return wavefront_ != nullptr; }
 
     /// Coefficients of an output, of a switch, of any slot.
     const double* output(int index) const { return coefficients(program_->output(index)); }
@@ -163,6 +169,15 @@ private:
     };
 
     series::View slot(int index);
+    std::ptrdiff_t place(int slot_index) const {
+        return places_.empty() ? static_cast<std::ptrdiff_t>(slot_index) * stride_
+                               : places_[static_cast<std::size_t>(slot_index)];
+    }
+    /// For each of a schedule's series where its lanes are: in the place of those that no chunk reads any more, if
+    /// orders run one behind the other. And how many places there are.
+    std::pair<std::vector<std::size_t>, std::size_t> lane_places(const Schedule& schedule) const;
+    /// Room for all slots; `is_large`: of those alone of which the backward copy is read or written there is one.
+    void make_room(bool is_large, const std::vector<int>& backwards);
 
     // code in four lanes (series/lanes.hpp)
     using Run = void (*)(SeriesEvaluator&, int first, int last, bool integrates);
@@ -225,31 +240,33 @@ private:
 
     const Program* program_;
     int top_, stride_;
+    Use use_;
     double unit_ = 1.0;
     mutable LargeVector<double> storage_;  // of what is streamed a row is written when it is asked for
+    std::vector<std::ptrdiff_t> places_;   // by slot, in the storage of a program that is larger than the caches
     std::vector<double> scalars_;
     std::vector<int> valuations_;
     std::vector<Block> blocks_;
     std::vector<Constant> constants_;
-    std::vector<series::View> copies_;
+    LargeVector<series::View> copies_;
     std::vector<Sums> sums_;
-    std::vector<Lane> lane_outputs_;
-    std::vector<Linear> linear_;
-    std::vector<Mixed> with_sums_, mixed_;
-    std::vector<Step> steps_;
-    std::vector<Motion> motion_;
+    LargeVector<Lane> lane_outputs_;
+    LargeVector<Linear> linear_;
+    LargeVector<Mixed> with_sums_, mixed_;
+    LargeVector<Step> steps_;
+    LargeVector<Motion> motion_;
     std::unique_ptr<const Wavefront> wavefront_;  // of a program that is larger than the caches
     std::vector<std::size_t> first_block_;        // by stage, after those of the inputs; then the end
     bool may_overflow_ = false, overflows_ = false;
     std::vector<const double*> bases_;  // of powers, where they begin
     bool zeros_stay_ = true;
-    std::vector<ResolvedTerm> terms_;
-    std::vector<series::LaneValues> lanes_;
-    std::vector<series::LaneSeries> lane_series_;
+    LargeVector<ResolvedTerm> terms_;
+    LargeVector<series::LaneValues> lanes_;
+    LargeVector<series::LaneSeries> lane_series_;
     std::vector<Schedule::Series> lane_weights_;
-    std::vector<series::LaneSpread> lane_spreads_;
-    std::vector<series::LaneProduct> lane_products_;
-    std::vector<series::LaneSum> lane_sums_;
+    LargeVector<series::LaneSpread> lane_spreads_;
+    LargeVector<series::LaneProduct> lane_products_;
+    LargeVector<series::LaneSum> lane_sums_;
     std::unique_ptr<const MachineCode> code_;
     int expansions_ = 0;  // so far, until there is code
     Run run_ = usual();
@@ -268,14 +285,17 @@ inline bool SeriesEvaluator::is_finite(int k) const {
 }
 
 inline const double* SeriesEvaluator::coefficients(int slot_index) const {
-    double* const row = storage_.data() + static_cast<std::ptrdiff_t>(slot_index) * stride_;
+    double* const row = storage_.data() + place(slot_index);
     if (stream_ != nullptr) stream_->give(slot_index, row);
     return row;
 }
 
 inline series::View SeriesEvaluator::slot(int index) {
-    double* start = storage_.data() + static_cast<std::ptrdiff_t>(index) * stride_;
-    return {start, start + stride_ - 1};
+    double* const start = storage_.data() + place(index);
+    if (places_.empty()) return {start, start + stride_ - 1};
+    // a first coefficient is the same from both ends
+    const std::ptrdiff_t length = places_[static_cast<std::size_t>(index) + 1] - place(index);
+    return {start, length > top_ + 1 ? start + length - 1 : start};
 }
 
 }  // namespace rbdyn::inline RBDYN_FORM

@@ -27,11 +27,11 @@
 
 namespace rbdyn::inline RBDYN_FORM {
 
-RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_order)
+RBDYN_INLINE SeriesEvaluator::SeriesEvaluator(const Program& program, int max_order, Use use)
     : program_(&program),
       top_(max_order),
       stride_(2 * (max_order + 1)),
-      storage_(static_cast<std::size_t>(program.slots() * stride_), 0.0),
+      use_(use),
       valuations_(static_cast<std::size_t>(program.states()), -1) {
     resolve();
 }
@@ -161,6 +161,7 @@ RBDYN_INLINE_LANES void SeriesEvaluator::sweep(int orders) {
             const Wavefront::Chunk& chunk = wavefront_->chunks[static_cast<std::size_t>(front - k)];
             advance_blocks<Lanes>(blocks + first_block_[chunk.stages.first], blocks + first_block_[chunk.stages.last],
                                   k);
+            if (k == top_) continue;
             const double factor = unit_ / (k + 1);
             for (std::size_t i = chunk.inputs.first; i < chunk.inputs.last; ++i) {
                 const Motion& m = motion_[i];
@@ -449,31 +450,44 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     may_overflow_ = may_overflow(*program_);
     // what fits the caches is at hand anyway; who has to see all of order 0 first has to see all
     constexpr std::size_t large = 0x1p20;
-    const std::size_t size = sizeof(double) * storage_.size() +
-                             sizeof(series::LaneValues) * schedule.series.size() * static_cast<std::size_t>(top_ + 1);
+    const std::size_t size =
+        sizeof(double) * static_cast<std::size_t>(program_->slots()) * static_cast<std::size_t>(stride_) +
+        sizeof(series::LaneValues) * schedule.series.size() * static_cast<std::size_t>(top_ + 1);
     const std::vector<int> backwards = read_backwards(*program_);
     if (size > large && !may_overflow_ && !program_->has_calls()) {
         auto wavefront = std::make_unique<const Wavefront>(*program_, schedule, top_);
         if (!wavefront->chunks.empty()) wavefront_ = std::move(wavefront);
-        if (wavefront_ != nullptr && !wavefront_->is_skewed) {
-            stream_ = std::make_unique<StreamedSeries>(*program_, schedule, *wavefront_, top_, backwards);
-            for (const Instruction* i : stream_->steps()) steps_.push_back(step(*i));
-            for (const Instruction* i : schedule.others)
-                if (i->code == Code::combine && i->terms == 0 && i->weight >= 0)
-                    constants_.push_back({slot(i->out), i->weight});
-            return add_motion(backwards);
-        }
+    }
+    make_room(wavefront_ != nullptr, backwards);
+    if (wavefront_ != nullptr && !wavefront_->is_skewed) {
+        stream_ = std::make_unique<StreamedSeries>(*program_, schedule, *wavefront_, top_, backwards);
+        for (const Instruction* i : stream_->steps()) steps_.push_back(step(*i));
+        for (const Instruction* i : schedule.others)
+            if (i->code == Code::combine && i->terms == 0 && i->weight >= 0)
+                constants_.push_back({slot(i->out), i->weight});
+        return add_motion(backwards);
     }
     std::size_t terms = 0;
     for (const Instruction& i : program_->instructions()) terms += static_cast<std::size_t>(i.terms);
     terms_.reserve(terms);
     // what points into a list comes after the list is whole
     const auto length = static_cast<std::size_t>(top_ + 1);
-    lanes_.resize(schedule.series.size() * length);
+    const auto [lane_place, places] = lane_places(schedule);
+    lanes_.resize(places * length);
+    lane_series_.reserve(schedule.series.size());
+    lane_products_.reserve(schedule.products.size());
+    lane_sums_.reserve(schedule.sums.size());
+    sums_.reserve(schedule.stages.size());
+    with_sums_.reserve(schedule.combinations.size());
+    const auto is_step = [](const Instruction* i) { return i->code != Code::combine; };
+    const auto steps = static_cast<std::size_t>(std::ranges::count_if(schedule.others, is_step));
+    steps_.reserve(steps);
+    linear_.reserve(schedule.others.size() - steps);
+    motion_.reserve(static_cast<std::size_t>(program_->inputs()));
     std::vector<std::pair<std::size_t, std::size_t>> before{{0, 0}};  // each: so many with weights, so many spread
     for (std::size_t i = 0; i < schedule.series.size(); ++i) {
         const Schedule::Series& s = schedule.series[i];
-        series::LaneValues* const values = lanes_.data() + i * length;
+        series::LaneValues* const values = lanes_.data() + lane_place[i] * length;
         if (s[0].scalar == Schedule::one && std::count(s.begin(), s.end(), s[0]) == Schedule::lanes) {
             lane_spreads_.push_back({coefficients(s[0].slot), values});
         } else {
@@ -485,7 +499,7 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
         before.emplace_back(lane_series_.size(), lane_spreads_.size());
     }
     for (const auto& [x, y] : schedule.products)
-        lane_products_.push_back({lanes_.data() + x * length, lanes_.data() + y * length});
+        lane_products_.push_back({lanes_.data() + lane_place[x] * length, lanes_.data() + lane_place[y] * length});
     for (const auto& [first, last] : schedule.sums)
         lane_sums_.push_back(
             {lane_products_.data() + first, lane_products_.data() + last, series::Quad{}, series::Quad{}});
@@ -567,6 +581,60 @@ RBDYN_INLINE void SeriesEvaluator::resolve() {
     }
     first_block_.push_back(blocks_.size());
     add_motion(backwards);
+}
+
+RBDYN_INLINE std::pair<std::vector<std::size_t>, std::size_t> SeriesEvaluator::lane_places(
+    const Schedule& schedule) const {
+    const std::size_t all = schedule.series.size();
+    std::vector<std::size_t> place(all);
+    std::size_t places = all;
+    if (wavefront_ != nullptr && use_ == Use::expansion) {
+        // of each chunk the first series; of each series the last chunk that reads it
+        const std::vector<Wavefront::Chunk>& chunks = wavefront_->chunks;
+        std::vector<std::size_t> first{0}, last_reader(all, 0);
+        for (std::size_t c = 0; c < chunks.size(); ++c)
+            for (std::size_t s = chunks[c].stages.first; s < chunks[c].stages.last; ++s) {
+                const Schedule::Stage& stage = schedule.stages[s];
+                for (std::size_t sum = stage.sums.first; sum < stage.sums.last; ++sum)
+                    for (std::size_t p = schedule.sums[sum].first; p < schedule.sums[sum].last; ++p)
+                        last_reader[schedule.products[p].x] = last_reader[schedule.products[p].y] = c;
+                if (s + 1 == chunks[c].stages.last) first.push_back(stage.series.last);
+            }
+        // it does so at its last order so many chunks later, and before that one begins
+        const std::size_t behind = static_cast<std::size_t>(top_) + 1;
+        places = 1;
+        for (std::size_t i = 0; i < all; ++i)
+            places = std::max(places, first[std::min(last_reader[i] + behind, chunks.size())] - i);
+    }
+    for (std::size_t i = 0; i < all; ++i) place[i] = i % places;
+    return {std::move(place), places};
+}
+
+RBDYN_INLINE void SeriesEvaluator::make_room(bool is_large, const std::vector<int>& backwards) {
+    const auto slots = static_cast<std::size_t>(program_->slots());
+    if (!is_large) {
+        storage_.assign(slots * static_cast<std::size_t>(stride_), 0.0);
+        return;
+    }
+    std::vector<char> is_both_ways(slots, 0);
+    const auto mark = [&](int slot) {
+        if (slot >= 0) is_both_ways[static_cast<std::size_t>(slot)] = 1;
+    };
+    for (const int slot : backwards) mark(slot);
+    mark(program_->time_slot());
+    for (const Instruction& i : program_->instructions()) {
+        if (i.code == Code::combine) continue;
+        mark(i.out);
+        mark(i.out2);
+    }
+    // inputs lie as far from one another, all of them
+    const auto inputs = is_both_ways.begin() + program_->inputs();
+    if (std::find(is_both_ways.begin(), inputs, 1) != inputs) std::fill(is_both_ways.begin(), inputs, 1);
+    const auto row = [&](std::size_t slot) { return is_both_ways[slot] != 0 ? 2 * (top_ + 1) : top_ + 1; };
+    stride_ = row(0);
+    places_.resize(slots + 1);
+    for (std::size_t slot = 0; slot < slots; ++slot) places_[slot + 1] = places_[slot] + row(slot);
+    storage_.assign(static_cast<std::size_t>(places_.back()), 0.0);
 }
 
 RBDYN_INLINE void SeriesEvaluator::add_motion(const std::vector<int>& backwards) {

@@ -132,6 +132,12 @@ RBDYN_INLINE void Wavefront::cut(const std::vector<Part>& row, std::size_t lengt
     const std::vector<Schedule::Combination> combinations = std::exchange(schedule.combinations, {});
     const std::vector<const Instruction*> others = std::exchange(schedule.others, {});
     schedule.stages.clear();
+    schedule.series.reserve(series.size());
+    schedule.products.reserve(products.size());
+    schedule.sums.reserve(sums.size());
+    schedule.parts.reserve(of_sums.size());
+    schedule.combinations.reserve(combinations.size());
+    schedule.others.reserve(others.size());
     std::vector<std::size_t> place_of(series.size(), 0);
     const auto take_sum = [&](std::size_t s) {
         Schedule::Part part{{schedule.series.size(), 0}, {schedule.combinations.size(), 0}};

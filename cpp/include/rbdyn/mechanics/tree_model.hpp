@@ -468,6 +468,8 @@ private:
     /// Takes others where those of a mode have come near to depending on each other, if others have not, and decides
     /// where that is looked at again.
     void renew_rows(Mode& mode, double t, std::span<const double> x) const;
+    /// Moves a state onto the rows of a mode where engines that do not have left it beside them.
+    void close_rows(const Mode& mode, double t, std::span<double> x) const;
     /// What is left of each of the rows of a mode beside those before it.
     std::vector<double> pivots_of(const Mode& mode, double t, std::span<const double> x) const;
     /// Variables that share a scale. What constraints hold in all places has rounding of its own, and is measured by

@@ -292,7 +292,10 @@ RBDYN_INLINE Mode TreeModel::next_with_rest(const Mode& mode, std::span<const in
     Mode after = mode;
     after.jumps = jumps;
     leave_standing(after);
-    if (is_dependent) renew_rows(after, t, x);
+    if (is_dependent) {
+        renew_rows(after, t, x);
+        close_rows(after, t, x);
+    }
     if (touches || (rubs && contacts() > 0)) {
         forget();
         touch(mode, after, fired, t, x, rest, happenings);

@@ -14,8 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "rbdyn/expression/rounding_sizes.hpp"
+#include "rbdyn/basics/double_double_functions.hpp"
 #include "rbdyn/mechanics/closure.hpp"
+#include "rbdyn/mechanics/redundant.hpp"
 #include "rbdyn/mechanics/tree_model.hpp"
 #include "rbdyn/mechanics/tree_writer.hpp"
 #include "rbdyn/model/equations_writer.hpp"
@@ -105,6 +106,21 @@ RBDYN_INLINE void TreeModel::renew_rows(Mode& mode, double t, std::span<const do
     }
     const double power = std::max(1.0, std::ceil(tree_rows::loss - now - 0.01));
     level = power <= tree_rows::least ? static_cast<signed char>(power) : static_cast<signed char>(0);
+}
+
+RBDYN_INLINE void TreeModel::close_rows(const Mode& mode, double t, std::span<double> x) const {
+    constexpr double closed = 1e-12;  // of the size of the scene
+    const auto all = moving(t, x);
+    const double open = mechanics::closing::largest(mechanics::open_by(*tree_, *conditions_, all)),
+                 rate = mechanics::closing::largest(mechanics::opening_rates(*tree_, *conditions_, all));
+    if (open <= closed * size_ && rate <= closed * mechanics::fastest(all, size_)) return;
+    std::vector<DoubleDouble> wide(x.begin(), x.end());
+    mechanics::closing::normalize<DoubleDouble>(*tree_, wide);
+    // from afar there may be none that is near: the gap is told as it is
+    const double left = mechanics::close(*tree_, *conditions_, used_rows(mode), t, wide);
+    if (!(left <= std::max(open, closed * size_))) return;
+    const std::vector<double> on = mechanics::closing::nearest(wide);
+    std::copy(on.begin(), on.end(), x.begin());
 }
 
 RBDYN_INLINE std::vector<double> TreeModel::pivots_of(const Mode& mode, double t, std::span<const double> x) const {

@@ -171,14 +171,27 @@ RBDYN_INLINE void find_leading_powers(Mode& mode, double t, std::span<const doub
     struct Beginning {
         double* flag;
         double before;
+        int output;
         const Instruction* norm;
     };
     std::vector<Beginning> starts;
     for (std::size_t k = 0; k < switches.size(); ++k) {
-        const Instruction* norm = switches[k].is_norm ? program.norm(program.outputs() + static_cast<int>(k)) : nullptr;
+        const int output = program.outputs() + static_cast<int>(k);
+        const Instruction* norm = switches[k].is_norm ? program.norm(output) : nullptr;
         if (norm == nullptr) continue;
         double& flag = mode.parameters[static_cast<std::size_t>(switches[k].parameter)];
-        starts.push_back({&flag, flag, norm});
+        starts.push_back({&flag, flag, output, norm});
+    }
+    // of a long chain a series takes longer to be made than a step; values tell of all that is far from zero
+    constexpr std::size_t many = 1000;
+    if (program.instructions().size() > many) {
+        constexpr double far = 0x1p-30;
+        RoundingSizes values(program);
+        values.set_parameters(mode.parameters);
+        values(t, x);
+        std::erase_if(starts, [&](const Beginning& s) {
+            return s.before == 0.0 && values.output(s.output) > far * values.size(s.output);
+        });
     }
     if (starts.empty()) return;
     const BorrowedSeries borrowed(program, most);
