@@ -27,7 +27,8 @@ namespace tree_rows {
 /// In powers of ten: what others are at least better by, and how much rows lose between two looks at them.
 inline constexpr double better = 0.3, much_better = 1.0, loss = 1.0;
 /// Looks in vain, after which all rows lose rank; and the powers of ten that are guarded.
-inline constexpr int most_looks = 3, least = 30;
+inline constexpr signed char most_looks = 3;
+inline constexpr int least = 30;
 
 }  // namespace tree_rows
 
@@ -96,7 +97,9 @@ RBDYN_INLINE void TreeModel::renew_rows(Mode& mode, double t, std::span<const do
         for (const int r : others) flags[r] = 1;
         now = then;
     }
-    looks = has_lost && !is_better ? static_cast<signed char>(looks + 1) : static_cast<signed char>(0);
+    // where all have lost rank and have it back, as a linkage that goes round has each turn, one look in vain is enough
+    // for the next time: deeper ones would come as near to that place as a change of the mode must not
+    looks = is_better ? 0 : level < 0 ? tree_rows::most_looks : has_lost ? looks + 1 : 0;
     if (looks > tree_rows::most_looks) {
         // all of them lose rank: they are looked at again where they have it back
         level = static_cast<signed char>(-level);
