@@ -120,7 +120,8 @@ RBDYN_INLINE std::vector<double> TreeModel::pivots_of(const Mode& mode, double t
 
 RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tree& tree, bool is_constrained) const {
     std::vector<VariableGroup> groups = tree.groups(is_constrained);
-    if (std::find(held_.begin(), held_.end(), true) == held_.end() || !(size_ > 0.0)) return groups;
+    const auto none = std::find(held_.begin(), held_.end(), true) - held_.begin();
+    if (none >= tree.velocities() || !(size_ > 0.0)) return groups;
     // what has no motion is as large as the rest, by that by which MotionScales lets others be smaller
     constexpr double smaller = 0x1p-20;
     const auto start = moving(0.0, TreeModel::start(0.0));
@@ -130,15 +131,21 @@ RBDYN_INLINE std::vector<VariableGroup> TreeModel::groups_in(const mechanics::Tr
             const int first = is_position ? n.q : tree.positions() + n.v, k = g.first - first,
                       count = is_position ? n.joint.positions() : n.joint.velocities();
             if (k < 0 || k >= count || n.joint.rail() != nullptr) continue;
-            if (n.joint.attitude() >= 0) {
-                if (is_position && k == n.joint.attitude()) g.alike = Alike::place, g.measure = size_;
+            // an attitude has four numbers
+            const auto one = held_.begin() + n.v + k;
+            const bool is_held = std::all_of(one, one + std::min(g.count, 3), [](bool is) { return is; });
+            if (const int turn = n.joint.attitude(); turn >= 0) {
+                if (k != turn && (k != 0 || g.count != 3)) continue;
+                g.alike = is_position ? Alike::place : Alike::turning;
+                g.measure = is_position ? (k == turn ? size_ : 1.0) : (k == turn ? 1.0 : 1.0 / size_);
+                if (is_held && (k != turn || !is_position)) g.measure *= smaller;
                 continue;
             }
             const auto& twist = start[at(static_cast<int>(&n - tree.nodes().data()))].joint[at(k)];
             const bool turns = !twist.turn.isZero(0.0);
             g.alike = is_position ? Alike::place : Alike::turning;
             g.measure = is_position ? (turns ? size_ : 1.0) : (turns ? 1.0 : 1.0 / size_);
-            if (held_[at(n.v + k)]) g.measure *= smaller;
+            if (is_held) g.measure *= smaller;
         }
     return groups;
 }
